@@ -1,0 +1,55 @@
+"""Exact numbers as JSON strings.
+
+A number that carries proof is never a JSON float. It is a string of one of two forms:
+
+- hexadecimal dyadic ``[-]0xM`` or ``[-]0xMp[+-]E``: the integer M (hexadecimal digits, no point)
+  times 2 to the decimal integer E;
+- decimal ``[-]D[.D][e[+-]E]``: the rational number that it denotes, exactly.
+
+A ball is an object ``{"mid": number, "rad": number}`` of dyadic strings.
+"""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+_HEX = re.compile(r"(-?)0x([0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?\Z")
+_DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")
+
+
+def parse_exact(text: str) -> Fraction:
+    """The exact rational value of a number string. Raises `ValueError` for anything else."""
+    match = _HEX.match(text)
+    if match:
+        sign, mantissa, exponent = match.groups()
+        value = Fraction(int(mantissa, 16))
+        power = int(exponent or 0)
+        value *= Fraction(2) ** power
+        return -value if sign else value
+    if _DECIMAL.match(text):
+        return Fraction(text)
+    raise ValueError(f"{text!r} is not an exact number (hexadecimal dyadic or decimal)")
+
+
+def format_dyadic(value: Fraction) -> str:
+    """`value` as a hexadecimal dyadic string. Raises `ValueError` if it is not dyadic."""
+    denominator = value.denominator
+    if denominator & (denominator - 1):
+        raise ValueError(f"{value} is not dyadic")
+    mantissa, exponent = abs(value.numerator), 1 - denominator.bit_length()
+    if exponent == 0 and mantissa:
+        shift = (mantissa & -mantissa).bit_length() - 1
+        mantissa, exponent = mantissa >> shift, shift
+    sign = "-" if value < 0 else ""
+    return f"{sign}0x{mantissa:x}" + (f"p{exponent:+d}" if exponent else "")
+
+
+def round_dyadic(value: Fraction, bits: int) -> Fraction:
+    """The dyadic number nearest to `value` (ties to even) with at most `bits` significant bits."""
+    if value == 0:
+        return value
+    magnitude = abs(value)
+    exponent = magnitude.numerator.bit_length() - magnitude.denominator.bit_length() - bits
+    scale = Fraction(2) ** exponent
+    return round(value / scale) * scale

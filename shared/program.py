@@ -1,0 +1,198 @@
+"""Straight-line programs recorded from plain arithmetic.
+
+A vector field or a first integral is written once, as a Python function that uses only
+``+ - * /`` and powers with an exact constant exponent. Called on JAX arrays or floats it computes;
+called on recording variables (`record`) it leaves behind a `Program`, the list of its operations,
+from which a verifier can build Taylor recurrences, enclosures or derivatives.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, Literal
+
+Operation = Literal["input", "constant", "add", "sub", "mul", "div", "pow"]
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One operation of a `Program`.
+
+    `operands` are indices of earlier instructions. `value` is the exact constant of a
+    ``constant``, the exact exponent of a ``pow`` and ``None`` otherwise. `name` is set for inputs.
+    """
+
+    operation: Operation
+    operands: tuple[int, ...] = ()
+    value: Fraction | None = None
+    name: str | None = None
+
+
+@dataclass(frozen=True)
+class Program:
+    """A straight-line program: instructions in order, the first `len(inputs)` being the inputs.
+
+    `outputs` are indices into `instructions`. Equal subexpressions share one instruction.
+    """
+
+    inputs: tuple[str, ...]
+    instructions: tuple[Instruction, ...]
+    outputs: tuple[int, ...]
+
+    def evaluate(
+        self,
+        arguments: Sequence[Any],
+        constant: Callable[[Fraction], Any] | None = None,
+        power: Callable[[Any, Fraction], Any] | None = None,
+    ) -> list[Any]:
+        """Run the program on `arguments` (one per input) with their own arithmetic.
+
+        `constant` converts exact constants and `power` raises to an exact exponent; by default
+        floats and ``**`` are used.
+        """
+        if len(arguments) != len(self.inputs):
+            raise ValueError(f"program takes {len(self.inputs)} arguments, got {len(arguments)}")
+        to_value = constant if constant is not None else float
+        to_power = power if power is not None else (lambda base, exponent: base ** float(exponent))
+        values: list[Any] = []
+        for index, step in enumerate(self.instructions):
+            left: Any = values[step.operands[0]] if step.operands else None
+            right: Any = values[step.operands[1]] if len(step.operands) > 1 else None
+            match step.operation:
+                case "input":
+                    values.append(arguments[index])
+                case "constant":
+                    assert step.value is not None
+                    values.append(to_value(step.value))
+                case "add":
+                    values.append(left + right)
+                case "sub":
+                    values.append(left - right)
+                case "mul":
+                    values.append(left * right)
+                case "div":
+                    values.append(left / right)
+                case "pow":
+                    assert step.value is not None
+                    values.append(to_power(left, step.value))
+        return [values[index] for index in self.outputs]
+
+    def text(self) -> str:
+        """The program in words, one instruction a line: the statement that a certificate carries."""
+        symbols = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
+        lines = []
+        for index, step in enumerate(self.instructions):
+            if step.operation == "input":
+                lines.append(f"v{index} = {step.name}")
+            elif step.operation == "constant":
+                lines.append(f"v{index} = {step.value}")
+            elif step.operation == "pow":
+                lines.append(f"v{index} = v{step.operands[0]} ** ({step.value})")
+            else:
+                left, right = step.operands
+                lines.append(f"v{index} = v{left} {symbols[step.operation]} v{right}")
+        lines.append("return " + ", ".join(f"v{index}" for index in self.outputs))
+        return "\n".join(lines)
+
+
+class _Recorder:
+    def __init__(self, inputs: Sequence[str]) -> None:
+        self.instructions: list[Instruction] = []
+        self._seen: dict[Instruction, int] = {}
+        self.variables = [self.emit(Instruction("input", name=name)) for name in inputs]
+
+    def emit(self, instruction: Instruction) -> Variable:
+        index = self._seen.get(instruction)
+        if index is None:
+            index = len(self.instructions)
+            self.instructions.append(instruction)
+            self._seen[instruction] = index
+        return Variable(self, index)
+
+    def lift(self, operand: object) -> Variable:
+        if isinstance(operand, Variable):
+            if operand.recorder is not self:
+                raise ValueError("operands of one program come from one recording")
+            return operand
+        return self.emit(Instruction("constant", value=exact_constant(operand)))
+
+
+def exact_constant(value: object) -> Fraction:
+    """The exact value of a constant in a formula: an int, a Fraction or a float that is a half-integer.
+
+    Other floats are refused: ``0.1`` in a formula would not mean one tenth.
+    """
+    if isinstance(value, bool):
+        raise TypeError("a truth value is not a constant")
+    if isinstance(value, (int, Fraction)):
+        return Fraction(value)
+    if isinstance(value, float) and (2 * value).is_integer():
+        return Fraction(value)
+    raise TypeError(f"constant {value!r} is not exact: write an int, a half-integer or a Fraction")
+
+
+class Variable:
+    """A value of a program under recording."""
+
+    __slots__ = ("index", "recorder")
+
+    def __init__(self, recorder: _Recorder, index: int) -> None:
+        self.recorder = recorder
+        self.index = index
+
+    def _binary(self, operation: Operation, left: object, right: object) -> Variable:
+        a, b = self.recorder.lift(left), self.recorder.lift(right)
+        return self.recorder.emit(Instruction(operation, (a.index, b.index)))
+
+    def __add__(self, other: object) -> Variable:
+        return self._binary("add", self, other)
+
+    def __radd__(self, other: object) -> Variable:
+        return self._binary("add", other, self)
+
+    def __sub__(self, other: object) -> Variable:
+        return self._binary("sub", self, other)
+
+    def __rsub__(self, other: object) -> Variable:
+        return self._binary("sub", other, self)
+
+    def __mul__(self, other: object) -> Variable:
+        return self._binary("mul", self, other)
+
+    def __rmul__(self, other: object) -> Variable:
+        return self._binary("mul", other, self)
+
+    def __truediv__(self, other: object) -> Variable:
+        return self._binary("div", self, other)
+
+    def __rtruediv__(self, other: object) -> Variable:
+        return self._binary("div", other, self)
+
+    def __neg__(self) -> Variable:
+        return self._binary("mul", -1, self)
+
+    def __pos__(self) -> Variable:
+        return self
+
+    def __pow__(self, exponent: object) -> Variable:
+        value = exact_constant(exponent)
+        return self.recorder.emit(Instruction("pow", (self.index,), value=value))
+
+
+def record(function: Callable[..., Sequence[Any]], *groups: Sequence[str]) -> Program:
+    """Record `function`, called with one list of variables per group of names.
+
+    Outputs that are plain constants are allowed. Raises `TypeError` for an inexact constant or an
+    unsupported operation.
+    """
+    names = tuple(name for group in groups for name in group)
+    recorder = _Recorder(names)
+    arguments: list[list[Variable]] = []
+    start = 0
+    for group in groups:
+        arguments.append(recorder.variables[start : start + len(group)])
+        start += len(group)
+    outputs = [recorder.lift(value).index for value in function(*arguments)]
+    return Program(names, tuple(recorder.instructions), tuple(outputs))
