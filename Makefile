@@ -1,0 +1,90 @@
+# Two commands for a new checkout: `make demo` and `make test`. Needs Python 3.11 or newer with venv,
+# make and git. Everything is installed into .venv and written into demo-out; nothing else is touched.
+
+SHELL := /bin/sh
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint test-slow bench clean
+
+VENV := .venv
+BIN := $(VENV)/bin
+OUT := demo-out
+BLOCKED := $(OUT)/blocked
+SEARCH_SIDE := explore figures jax jaxlib diffrax equinox mpmath matplotlib
+JOBS := 2
+
+# The search runs on the processor also where JAX would find an accelerator.
+export JAX_PLATFORMS := cpu
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+help:
+	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
+	@echo "make test       everything that has to pass: lint, format, types, tests"
+	@echo "make test-slow  the longer proofs and campaigns"
+	@echo "make bench      benchmarks; each prints its numbers"
+	@echo "make clean      remove $(VENV), $(OUT) and caches"
+
+$(BIN)/python:
+	@python=; for name in $(PYTHON) python3.11 python3 python; do \
+	  if "$$name" -c 'import sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1; then python=$$name; break; fi; \
+	done; \
+	if [ -z "$$python" ]; then \
+	  echo "orbitproof needs Python 3.11 or newer with venv; name it with: make PYTHON=/path/to/python3.11" >&2; exit 2; \
+	fi; \
+	echo "creating $(VENV) with $$python" >&2; "$$python" -m venv $(VENV)
+
+# Stamps: a second run installs again only if the dependencies changed.
+$(VENV)/demo.stamp: pyproject.toml | $(BIN)/python
+	@echo "installing orbitproof with the extras explore and figures (some 250 MB to download at the first time)" >&2
+	@$(BIN)/python -m pip install --quiet --editable '.[explore,figures]'
+	@touch $@
+
+$(VENV)/dev.stamp: pyproject.toml | $(BIN)/python
+	@echo "installing orbitproof with all extras (some 300 MB to download at the first time)" >&2
+	@$(BIN)/python -m pip install --quiet --editable '.[explore,figures,dev]'
+	@touch $@ $(VENV)/demo.stamp
+
+# The verifier runs in its own process in which the search side cannot be imported: each name below is
+# a module that refuses to load and that comes first on the path, for worker processes as well.
+$(BLOCKED)/stamp: Makefile
+	@mkdir -p $(BLOCKED)
+	@for name in $(SEARCH_SIDE); do \
+	  echo "raise ImportError('the verifier must not import the search side ($$name)')" > $(BLOCKED)/$$name.py; \
+	done
+	@touch $@
+
+EXPLORE = $(BIN)/python -m explore candidates
+VERIFY = PYTHONPATH=$(BLOCKED) $(BIN)/python -P -m verify
+FIGURES = $(BIN)/python -m figures family
+
+# Exit code 1 of a step (something not found, not proved) does not stop the ones after it.
+demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
+	@failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
+	echo "1/3  search: Earth-Moon L1 halo family and Falkner-Skan family"; \
+	step $(EXPLORE) --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.3 \
+	  -o $(OUT)/candidates.json --family-output $(OUT)/halo-family.json; \
+	step $(EXPLORE) --system falkner-skan -k 2 3 4 --append \
+	  -o $(OUT)/candidates.json --family-output $(OUT)/falkner-skan-family.json; \
+	echo; echo "2/3  proof, in a process that cannot import the search side"; \
+	step env $(VERIFY) $(OUT)/candidates.json -o $(OUT)/certificates.json --jobs $(JOBS); \
+	echo; echo "3/3  pictures"; \
+	step $(FIGURES) $(OUT)/candidates.json $(OUT)/certificates.json \
+	  --family $(OUT)/halo-family.json $(OUT)/falkner-skan-family.json -o $(OUT)/figures; \
+	exit $$failed
+
+lint: $(VENV)/dev.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: lint
+	$(BIN)/python -m pytest -n 2
+
+test-slow: $(VENV)/dev.stamp
+	$(BIN)/python -m pytest -n 2 -m slow
+
+bench: $(VENV)/dev.stamp
+	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done
+
+clean:
+	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,222 @@
+"""The two pictures: a family on energy levels (halo orbits), and a family in a parameter (Falkner-Skan)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from figures.family import Array, Family, MarkedPoint, Placement, place, stability_at, state_on_fixed_set
+from figures.orbit import OrbitNotClosed, symmetric_orbit
+from figures.style import (
+    CURVE,
+    INK,
+    SECOND_CURVE,
+    draw_mark,
+    label_of,
+    legend_handles,
+    level_label,
+    marker_of,
+    resonances,
+    verdict_handles,
+)
+
+_ORBITS_SHOWN = 6
+_WIDTH = 7.2
+_LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}
+
+
+def draw_family(family: Family, marks: Sequence[MarkedPoint]) -> Figure:
+    """The picture of a family with its marked points, one text width wide.
+
+    Fix(R), the bifurcation parameter, the stability parameters with the resonances, and orbits. The
+    layout depends on whether energy (first integral) or a parameter varies along the family.
+    """
+    placements = [place(family, mark) for mark in marks]
+    if family.system.family_parameter is None:
+        return _energy_figure(family, placements)
+    return _parameter_figure(family, placements)
+
+
+def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
+    figure = plt.figure(figsize=(_WIDTH, 6.0))
+    grid = figure.add_gridspec(2, 2, left=0.085, right=0.945, top=0.955, bottom=0.15, wspace=0.26, hspace=0.3)
+    fixed = figure.add_subplot(grid[0, 0])
+    level = figure.add_subplot(grid[0, 1])
+    stability = figure.add_subplot(grid[1, 1], sharex=level)
+    # A 3D axes draws its box well inside its rectangle, so the rectangle reaches beyond the grid cell.
+    orbits = figure.add_axes((0.01, 0.135, 0.47, 0.4), projection="3d", computed_zorder=False)
+    _fixed_plane(fixed, family, placements)
+    _orbits_in_space(orbits, family, placements)
+    level.plot(family.arclength, family.levels, color=CURVE)
+    for placement in placements:
+        draw_mark(level, (placement.arclength, placement.mark.level), placement.mark.k, placement.mark.certified)
+    level.set_ylabel(level_label(family.system))
+    _stability_curves(stability, family, placements, family.arclength)
+    stability.set_xlabel("arclength along the family  (nondimensional)")
+    level.tick_params(labelbottom=False)
+    _title(fixed, "a", "where the orbits meet Fix($R$)")
+    _title(level, "c", family.system.first_integral_name or "first integral")
+    _title(stability, "d", "stability parameters and resonances")
+    top = stability.get_position().y1 + stability.title.get_fontsize() * 0.6 / (72 * figure.get_figheight())
+    figure.text(0.085, top, "(b)  orbits of the family", fontsize=stability.title.get_fontsize(), color=INK)
+    _legend(figure, placements)
+    return figure
+
+
+def _parameter_figure(family: Family, placements: Sequence[Placement]) -> Figure:
+    figure = plt.figure(figsize=(_WIDTH, 2.9))
+    grid = figure.add_gridspec(1, 3, left=0.075, right=0.985, top=0.9, bottom=0.31, wspace=0.46)
+    fixed, stability, orbits = (figure.add_subplot(grid[0, column]) for column in range(3))
+    _fixed_line(fixed, family, placements)
+    _stability_curves(stability, family, placements, family.levels)
+    stability.set_xscale("log")
+    stability.set_xlabel(level_label(family.system))
+    _orbits_in_plane(orbits, family, placements)
+    _title(fixed, "a", "crossings of Fix($R$)")
+    _title(stability, "b", "stability parameter")
+    _title(orbits, "c", "resonant orbits")
+    _legend(figure, placements)
+    return figure
+
+
+def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
+    """Marked points of one system without a traced family: Fix(R) and the bifurcation parameter."""
+    system = marks[0].candidate.system
+    names = system.centre_coordinates
+    figure = plt.figure(figsize=(_WIDTH, 3.2))
+    grid = figure.add_gridspec(1, 2, left=0.085, right=0.975, top=0.91, bottom=0.28, wspace=0.26)
+    fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
+    for mark in marks:
+        draw_mark(fixed, mark.point[:2], mark.k, mark.certified)
+        draw_mark(level, (mark.point[1], mark.level), mark.k, mark.certified)
+    for axes, x, y in (
+        (fixed, label_of(names[0]), label_of(names[1])),
+        (level, label_of(names[1]), level_label(system)),
+    ):
+        axes.margins(0.08)
+        axes.set_xlabel(x)
+        axes.set_ylabel(y)
+    _title(fixed, "a", "bifurcation points on Fix($R$)")
+    _title(level, "b", system.first_integral_name or "family parameter")
+    _legend(figure, [Placement(mark, False, 0.0, 0.0) for mark in marks])
+    return figure
+
+
+def _title(axes: Axes, letter: str, text: str) -> None:
+    axes.set_title(f"({letter})  {text}", color=INK)
+
+
+def _legend(figure: Figure, placements: Sequence[Placement]) -> None:
+    marks = legend_handles([p.mark.k for p in placements])
+    verdicts = verdict_handles([p.mark.certified for p in placements])
+    # Below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean.
+    line = 0.2 / figure.get_figheight()
+    for row, handles in enumerate((verdicts, marks)):
+        if handles:
+            figure.legend(
+                handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.0,
+                bbox_to_anchor=(0.5, 0.05 / figure.get_figheight() + row * line),
+            )  # fmt: skip
+
+
+def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
+    names = family.system.centre_coordinates
+    axes.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
+    axes.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
+    for placement in placements:
+        draw_mark(axes, placement.mark.point[:2], placement.mark.k, placement.mark.certified)
+    axes.margins(0.07)
+    axes.set_xlabel(label_of(names[0]))
+    axes.set_ylabel(label_of(names[1]))
+    _curve_key(axes)
+
+
+def _fixed_line(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
+    axes.plot(family.levels, family.second_points[:, 1], color=SECOND_CURVE)
+    axes.plot(family.levels, family.points[:, 1], color=CURVE)
+    for placement in placements:
+        draw_mark(axes, placement.mark.point[:2], placement.mark.k, placement.mark.certified)
+    axes.set_xscale("log")
+    axes.margins(y=0.12)
+    axes.set_xlabel(level_label(family.system))
+    axes.set_ylabel(label_of(family.system.centre_coordinates[1]))
+    _curve_key(axes)
+
+
+def _curve_key(axes: Axes) -> None:
+    handles = [
+        Line2D([], [], color=CURVE, label="starting point"),
+        Line2D([], [], color=SECOND_CURVE, label="half a period later"),
+    ]
+    axes.legend(handles=handles, loc="best", handlelength=1.8)
+
+
+def _stability_curves(axes: Axes, family: Family, placements: Sequence[Placement], abscissa: Array) -> None:
+    for column in family.stability.T:
+        axes.plot(abscissa, column, color=CURVE)
+    axes.set_ylim(-1.35, 1.35)
+    levels = resonances([p.mark.k for p in placements] or [1, 2, 3, 4])
+    for k, values in levels.items():
+        for value in values:
+            axes.axhline(value, color=marker_of(k)[1], linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
+            axes.annotate(
+                f"1:{k}", (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
+                textcoords="offset points", va="center", fontsize=7, color=INK,
+            )  # fmt: skip
+    for placement in placements:
+        found = stability_at(family, placement.arclength)
+        miss = [float(np.nanmin(np.abs(found - value), initial=np.inf)) for value in levels[placement.mark.k]]
+        value = levels[placement.mark.k][int(np.argmin(miss))]
+        x = float(np.interp(placement.arclength, family.arclength, abscissa))
+        draw_mark(axes, (x, value), placement.mark.k, placement.mark.certified)
+    axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
+
+
+def _orbits_in_space(axes: Any, family: Family, placements: Sequence[Placement]) -> None:
+    stops = np.linspace(family.arclength[0], family.arclength[-1], _ORBITS_SHOWN)
+    shown = [family.points[int(np.argmin(np.abs(family.arclength - stop)))] for stop in stops]
+    drawn = [_orbit(axes, family, point, 3, color="#9db4c3", linewidth=0.8) for point in shown]
+    for placement in placements:
+        k, point = placement.mark.k, placement.mark.point
+        if k > 1:
+            style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
+            drawn.append(_orbit(axes, family, point, 3, **style))
+        draw_mark(axes, state_on_fixed_set(family.system, list(point))[:3], k, placement.mark.certified)
+    rows = np.vstack([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
+    low, high = rows.min(axis=0), rows.max(axis=0)
+    pad = 0.03 * (high - low).max()
+    axes.set_box_aspect(high - low + 2 * pad, zoom=0.93)
+    axes.view_init(elev=18, azim=-62)
+    for i, name in enumerate(family.system.state[:3]):
+        letter = "xyz"[i]
+        getattr(axes, f"set_{letter}lim")(low[i] - pad, high[i] + pad)
+        getattr(axes, f"set_{letter}label")(label_of(name, unit=False), labelpad=-4)
+        axis = getattr(axes, f"{letter}axis")
+        axis.set_major_locator(plt.MaxNLocator(4))
+        axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
+        axis.pane.set_edgecolor("#cccccc")
+        axes.tick_params(axis=letter, pad=-2, labelsize=6.5)
+
+
+def _orbits_in_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
+    for placement in placements:
+        k = placement.mark.k
+        style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
+        _orbit(axes, family, placement.mark.point, 2, **style)
+    axes.set_xlabel(label_of(family.system.state[0]))
+    axes.set_ylabel(label_of(family.system.state[1]))
+
+
+def _orbit(axes: Any, family: Family, point: Array, dimension: int, **style: Any) -> Array | None:
+    try:
+        rows = symmetric_orbit(family.system, family.parameters, list(point))
+    except OrbitNotClosed:
+        return None
+    axes.plot(*rows[:, :dimension].T, **style)
+    return rows[:, :dimension]

@@ -1,0 +1,96 @@
+"""One symmetric periodic orbit as a polyline, in double precision, for drawing only.
+
+The vector field is the one of `shared.systems`. From a point of Fix(R) the orbit is integrated to its
+next crossing of the section, half a period later; the other half is its image under R.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+import numpy as np
+
+from figures.family import Array, parameter_values, state_on_fixed_set
+from shared.systems import ReversibleSystem
+
+# Dormand and Prince, A family of embedded Runge-Kutta formulae (1980), orders 5 and 4.
+_STAGES = (
+    (1 / 5,),
+    (3 / 40, 9 / 40),
+    (44 / 45, -56 / 15, 32 / 9),
+    (19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729),
+    (9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656),
+    (35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84),
+)
+_ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40)
+
+_TOLERANCE = 1e-9
+_STEPS = 20_000
+
+
+class OrbitNotClosed(Exception):
+    """The orbit did not come back to the section, or ran into a singularity."""
+
+
+def symmetric_orbit(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Sequence[float],
+    longest_step: float = 0.03,
+) -> Array:
+    """The closed orbit through a point of Fix(R), shape (N, m), first row repeated at the end.
+
+    `point` is in the order of `ReversibleSystem.centre_coordinates`; `longest_step` bounds the time
+    between rows (nondimensional). Raises `OrbitNotClosed`.
+    """
+    values = parameter_values(system, parameters, point)
+    half = _to_section(system, values, state_on_fixed_set(system, point), longest_step)
+    mirrored = half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)
+    return np.vstack([half, mirrored])
+
+
+def _to_section(
+    system: ReversibleSystem, values: Sequence[float], start: Sequence[float], longest_step: float
+) -> Array:
+    section = system.section_index
+
+    def field(state: Array) -> Array:
+        return np.array(system.vector_field([float(v) for v in state], values), dtype=float)
+
+    state = np.array(start, dtype=float)
+    rows = [state]
+    step = min(1e-3, longest_step)
+    slope = field(state)
+    for _ in range(_STEPS):
+        try:
+            following, next_slope, error = _step(field, state, slope, step)
+        except (ZeroDivisionError, OverflowError) as failure:
+            raise OrbitNotClosed(f"the vector field is singular at {state.tolist()}") from failure
+        size = float(np.max(np.abs(error) / (1.0 + np.abs(following))))
+        if not np.isfinite(size):
+            raise OrbitNotClosed("the orbit is not finite")
+        if size > _TOLERANCE:
+            step *= max(0.2, 0.9 * (_TOLERANCE / size) ** 0.2)
+            continue
+        crossed = len(rows) > 1 and following[section] * state[section] <= 0
+        if crossed and abs(following[section]) > 1e-10:
+            # Secant in time: the crossing is transversal and the step is short.
+            step *= float(state[section] / (state[section] - following[section]))
+            continue
+        state, slope = following, next_slope
+        rows.append(state)
+        if abs(state[section]) <= 1e-10:
+            return np.array(rows)
+        step = min(longest_step, step * min(4.0, 0.9 * (_TOLERANCE / max(size, 1e-30)) ** 0.2))
+    raise OrbitNotClosed("the orbit did not come back to the section")
+
+
+def _step(field, state: Array, slope: Array, step: float) -> tuple[Array, Array, Array]:  # type: ignore[no-untyped-def]
+    slopes = [slope]
+    following = state
+    for row in _STAGES:
+        following = state + step * sum(c * k for c, k in zip(row, slopes, strict=True))
+        slopes.append(field(following))
+    error = step * sum(c * k for c, k in zip(_ERROR, slopes, strict=True))
+    return following, slopes[-1], error

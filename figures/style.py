@@ -1,0 +1,143 @@
+"""The look of the pictures: style sheet, markers by multiplicity, labels with units, PDF and PNG."""
+
+from __future__ import annotations
+
+import io
+import os
+import tempfile
+from collections.abc import Sequence
+from contextlib import suppress
+from importlib import resources
+from math import cos, gcd, pi
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from shared.formats import InputError, check_writable
+from shared.systems import ReversibleSystem
+
+INK = "#222222"
+CURVE = "#3c6e91"
+SECOND_CURVE = "#a8a8a8"
+_MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
+_COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
+_KINDS = {1: "symmetry breaking", 3: "touch-and-go"}
+_TEX = {"vx": r"\dot{x}", "vy": r"\dot{y}", "vz": r"\dot{z}", "beta": r"\beta", "mu": r"\mu", "nu": r"\nu"}
+
+
+def use_style() -> Any:
+    """The style sheet as a context manager."""
+    return plt.style.context(str(resources.files("figures").joinpath("orbitproof.mplstyle")))
+
+
+def marker_of(k: int) -> tuple[str, str]:
+    """Marker and colour of multiplicity k. The shape alone tells k, so that grey prints stay readable."""
+    return _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
+
+
+def draw_mark(axes: Axes, position: Sequence[float], k: int, certified: bool) -> Line2D:
+    """Draw one bifurcation, in two or three dimensions: filled if certified, hollow if numerical."""
+    marker, colour = marker_of(k)
+    coordinates = [[value] for value in position]
+    (line,) = axes.plot(
+        *coordinates, marker=marker, linestyle="none", color=colour, markeredgecolor=colour,
+        markerfacecolor=colour if certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
+    )  # fmt: skip
+    line.set_gid(f"k={k} {'certified' if certified else 'numerical'}")
+    return line
+
+
+def _size(marker: str) -> float:
+    return {"D": 5.2, "s": 5.6, "*": 8.5, "o": 6.0}.get(marker, 6.6)
+
+
+def legend_handles(multiplicities: Sequence[int]) -> list[Line2D]:
+    """One legend entry for each multiplicity."""
+    handles = []
+    for k in sorted(set(multiplicities)):
+        marker, colour = marker_of(k)
+        label = f"$k={k}$, " + _KINDS.get(k, "period tupling")
+        handles.append(
+            Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=_size(marker), label=label)
+        )
+    return handles
+
+
+def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:
+    """Legend entries that say what filled and hollow markers mean, for the verdicts that occur."""
+    meanings = {True: ("#666666", "filled: certified"), False: ("white", "hollow: numerical only")}
+    return [
+        Line2D([], [], marker="o", color="#666666", markerfacecolor=face, linestyle="none", label=label)
+        for verdict, (face, label) in meanings.items()
+        if verdict in certified
+    ]
+
+
+def label_of(name: str, unit: bool = True) -> str:
+    """Axis label of a state coordinate or parameter; all are nondimensional."""
+    text = f"${_TEX.get(name, name)}$"
+    return f"{text}  (nondimensional)" if unit else text
+
+
+def level_label(system: ReversibleSystem) -> str:
+    """Axis label of the bifurcation parameter: first integral or family parameter."""
+    if system.family_parameter is not None:
+        return label_of(system.family_parameter)
+    return f"{system.first_integral_name or 'first integral'}  (nondimensional)"
+
+
+def resonances(multiplicities: Sequence[int]) -> dict[int, list[float]]:
+    """Values of the stability parameter in 1:k resonance, cos(2 pi j/k) with gcd(j, k) = 1, by k."""
+    return {
+        k: sorted({round(cos(2 * pi * j / k), 12) for j in range(1, k // 2 + 1) if gcd(j, k) == 1} or {1.0})
+        for k in sorted(set(multiplicities))
+    }
+
+
+def check_folder(folder: Path) -> None:
+    """Create the output folder; raises `InputError` if that is not possible."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise InputError(f"{folder}: is a file; give the path of a folder for the pictures") from None
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another folder") from None
+    check_writable(folder / "picture.png")
+
+
+def save(figure: Figure, stem: Path) -> list[Path]:
+    """Write `stem`.pdf and `stem`.png, each whole or not at all. Raises `InputError`."""
+    written = []
+    for suffix in (".pdf", ".png"):
+        path = stem.with_name(stem.name + suffix)
+        buffer = io.BytesIO()
+        # No date inside: the same data give the same bytes.
+        metadata = {"CreationDate": None} if suffix == ".pdf" else {"Software": None}
+        figure.savefig(buffer, format=suffix[1:], metadata=metadata)
+        _write_bytes(path, buffer.getvalue())
+        written.append(path)
+    return written
+
+
+def _write_bytes(path: Path, data: bytes) -> None:
+    check_writable(path)
+    temporary: str | None = None
+    try:
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(data)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except OSError as error:
+        if temporary is not None:
+            with suppress(OSError):
+                os.unlink(temporary)
+        raise InputError(f"{path}: cannot be written ({error.strerror}); free space or choose another path") from None
