@@ -1,0 +1,223 @@
+"""Pseudo-arclength continuation of families of symmetric periodic orbits.
+
+No coordinate is a global parameter: each step predicts along the tangent of the family and corrects
+in the hyperplane across it, so that folds in any coordinate are passed.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from explore.flow import FlowFailure, Matrix, Vector
+from explore.shooting import Correction, CorrectionFailure, ShootingProblem, SymmetricOrbit
+
+Outcome = Literal["limit", "closed", "failed", "interrupted"]
+
+Stop = Callable[[SymmetricOrbit, Matrix], str | None]
+"""Called with each new orbit and samples of its states; a reason ends the family after this orbit."""
+
+
+@dataclass(frozen=True)
+class StepControl:
+    """Arclength steps, in scaled unknowns.
+
+    Attributes:
+        initial, minimum, maximum: step lengths.
+        turning: largest angle in radians between the tangents at both ends of a step.
+    """
+
+    initial: float = 1e-3
+    minimum: float = 1e-7
+    maximum: float = 0.02
+    turning: float = 0.12
+
+
+@dataclass(frozen=True)
+class Family:
+    """A curve of symmetric periodic orbits.
+
+    Attributes:
+        problem: what the orbits solve.
+        orbits: in order of arclength.
+        tangents: unit tangents in scaled unknowns, one per orbit.
+        outcome: why it ends.
+        reason: the same in words, with the place.
+    """
+
+    problem: ShootingProblem
+    orbits: tuple[SymmetricOrbit, ...]
+    tangents: tuple[Vector, ...]
+    outcome: Outcome
+    reason: str
+
+    @cached_property
+    def arclengths(self) -> tuple[float, ...]:
+        """Arclength of each orbit."""
+        return tuple(orbit.arclength for orbit in self.orbits)
+
+    def orbit_at(self, arclength: float) -> SymmetricOrbit:
+        """The orbit between two computed ones, at a chord arclength within the family.
+
+        Prediction by cubic Hermite interpolation, corrected in the hyperplane across the chord.
+        Raises `CorrectionFailure`.
+        """
+        index = min(max(bisect_right(self.arclengths, arclength) - 1, 0), len(self.orbits) - 2)
+        left, right = self.orbits[index], self.orbits[index + 1]
+        scales = self.problem.scales
+        start, end = left.unknowns / scales, right.unknowns / scales
+        length = right.arclength - left.arclength
+        fraction = (arclength - left.arclength) / length
+        chord = (end - start) / length
+        cubic = _hermite(start, end, self.tangents[index] * length, self.tangents[index + 1] * length, fraction)
+        flat = start + fraction * length * chord
+        prediction = cubic - float((cubic - flat) @ chord) * chord
+        correction = self.problem.correct(prediction * scales, chord)
+        return self.problem.orbit(correction, arclength, left.crossings)
+
+
+def _hermite(start: Vector, end: Vector, first: Vector, last: Vector, x: float) -> Vector:
+    return (
+        (1 + 2 * x) * (1 - x) ** 2 * start
+        + x * x * (3 - 2 * x) * end
+        + x * (1 - x) ** 2 * first
+        - x * x * (1 - x) * last
+    )
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where a family starts: approximate unknowns, the direction to leave in and its scaled length.
+
+    The first orbit is the solution in the hyperplane across `direction`. `origin`, if given, is an
+    exact first orbit at which the family branches off; then the continuation starts from there.
+    """
+
+    unknowns: Vector
+    direction: Vector
+    origin: SymmetricOrbit | None = None
+
+
+def trace(
+    problem: ShootingProblem,
+    start: Start,
+    stop: Stop,
+    *,
+    control: StepControl = StepControl(),
+    max_orbits: int = 1000,
+    progress: Callable[[SymmetricOrbit], None] | None = None,
+) -> Family:
+    """Continue a family from `start` until a limit, closure, failure or an interrupt.
+
+    Arguments:
+        stop: the limits; see `Stop`.
+        max_orbits: the last limit.
+        progress: called with each accepted orbit.
+
+    Returns the family with the orbits found; raises `CorrectionFailure` only if not even the first
+    orbit can be found.
+    """
+    direction = start.direction / float(np.linalg.norm(start.direction))
+    if start.origin is not None:
+        orbits, tangents = [start.origin], [direction]
+    else:
+        correction = problem.correct(start.unknowns, direction)
+        tangents = [problem.tangent(correction.jacobian, direction)]
+        orbits = [problem.orbit(correction, 0.0, crossings(problem, _samples(problem, correction)))]
+    return extend(
+        Family(problem, tuple(orbits), tuple(tangents), "limit", "started"), stop,
+        control=control, max_orbits=max_orbits, progress=progress,
+    )  # fmt: skip
+
+
+def extend(
+    family: Family,
+    stop: Stop,
+    *,
+    control: StepControl = StepControl(),
+    max_orbits: int = 1000,
+    progress: Callable[[SymmetricOrbit], None] | None = None,
+) -> Family:
+    """Continue a family from its last orbit; arguments and result as for `trace`."""
+    problem, orbits, tangents = family.problem, list(family.orbits), list(family.tangents)
+    step = control.initial
+    if len(orbits) > 2:
+        step = min(control.maximum, orbits[-1].arclength - orbits[-2].arclength)
+
+    def ended(outcome: Outcome, reason: str) -> Family:
+        return Family(problem, tuple(orbits), tuple(tangents), outcome, reason)
+
+    try:
+        while len(orbits) < max_orbits:
+            try:
+                orbit, tangent, states, easy = _advance(problem, orbits[-1], tangents[-1], step, control)
+            except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
+                step /= 2
+                if step < control.minimum:
+                    return ended("failed", f"{error} ({describe(problem, orbits[-1])})")
+                continue
+            orbits.append(orbit)
+            tangents.append(tangent)
+            if progress is not None:
+                progress(orbit)
+            if orbit.crossings != 1:
+                return ended("failed", f"the orbit becomes tangent to the section ({describe(problem, orbit)})")
+            if _closes(problem, orbits):
+                return ended("closed", f"the family closes ({describe(problem, orbit)})")
+            reason = stop(orbit, states)
+            if reason is not None:
+                return ended("limit", f"{reason} ({describe(problem, orbit)})")
+            step = min(control.maximum, step * (1.4 if easy else 1.0))
+    except KeyboardInterrupt:
+        return ended("interrupted", f"interrupted ({describe(problem, orbits[-1])})")
+    return ended("limit", f"{max_orbits} orbits ({describe(problem, orbits[-1])})")
+
+
+def _advance(
+    problem: ShootingProblem, last: SymmetricOrbit, tangent: Vector, step: float, control: StepControl
+) -> tuple[SymmetricOrbit, Vector, Matrix, bool]:
+    prediction = last.unknowns + step * tangent * problem.scales
+    correction = problem.correct(prediction, tangent)
+    new_tangent = problem.tangent(correction.jacobian, tangent)
+    angle = float(np.arccos(min(1.0, float(new_tangent @ tangent))))
+    moved = (correction.unknowns - last.unknowns) / problem.scales
+    if angle > control.turning or float(np.linalg.norm(moved)) > 1.5 * step:
+        raise CorrectionFailure("the family turns too sharply")
+    states = _samples(problem, correction)
+    orbit = problem.orbit(correction, crossings=crossings(problem, states))
+    orbit = replace(orbit, arclength=last.arclength + float(np.linalg.norm(moved)))
+    return orbit, new_tangent, states, correction.iterations <= 4 and angle < 0.6 * control.turning
+
+
+def _samples(problem: ShootingProblem, correction: Correction) -> Matrix:
+    return problem.samples(correction.unknowns)
+
+
+def crossings(problem: ShootingProblem, states: Matrix) -> int:
+    """How often a sampled half orbit meets the section after its start, its end included."""
+    interior = states[1:-1, problem.system.section_index]
+    return 1 + int(np.count_nonzero(interior[1:] * interior[:-1] < 0))
+
+
+def _closes(problem: ShootingProblem, orbits: Sequence[SymmetricOrbit]) -> bool:
+    if len(orbits) < 10:
+        return False
+    start, left, right = (orbit.unknowns / problem.scales for orbit in (orbits[0], orbits[-2], orbits[-1]))
+    chord = right - left
+    fraction = float((start - left) @ chord) / float(chord @ chord)
+    distance = float(np.linalg.norm(start - left - fraction * chord))
+    return 0.0 <= fraction <= 1.0 and distance < 0.1 * float(np.linalg.norm(chord))
+
+
+def describe(problem: ShootingProblem, orbit: SymmetricOrbit) -> str:
+    """The place of an orbit in one line: its unknowns and first integral."""
+    names = (*problem.system.centre_coordinates, "half period")
+    parts = [f"{name} = {value:.8g}" for name, value in zip(names, orbit.unknowns, strict=True)]
+    if orbit.first_integral is not None:
+        parts.append(f"{problem.system.first_integral_name} = {orbit.first_integral:.8g}")
+    return ", ".join(parts)
