@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from shared.formats import InputError, read_candidates
 
@@ -22,9 +23,16 @@ Exit codes: 0 pictures written, 2 bad input.
 """
 
 
-def _parser() -> argparse.ArgumentParser:
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """One line and exit code 2, like every other bad input."""
+        self.exit(2, f"error: {message}; see {self.prog} --help\n")
+
+
+def argument_parser() -> argparse.ArgumentParser:
+    """The command line: its commands and options."""
     raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="python -m figures",
         description="Pictures of families of symmetric periodic orbits (PDF and PNG).",
         epilog=_EXAMPLES,
@@ -35,7 +43,7 @@ def _parser() -> argparse.ArgumentParser:
         "family", help="a family, its resonances and what is certified", epilog=_EXAMPLES, formatter_class=raw
     )
     family.add_argument("candidates", type=Path, help="candidates file (JSON)")
-    family.add_argument("certificates", type=Path, nargs="?", help="certificates file (JSON); without it nothing is filled")
+    family.add_argument("certificates", type=Path, nargs="?", help="certificates file; without it nothing is filled")
     family.add_argument("--family", type=Path, nargs="+", default=[], metavar="FILE", help="traced families (JSON)")
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     family.add_argument("--quiet", action="store_true", help="no messages on standard error")
@@ -44,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    arguments = _parser().parse_args(argv)
+    arguments = argument_parser().parse_args(argv)
     try:
         for path in draw(arguments):
             print(path)
@@ -59,7 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def draw(arguments: argparse.Namespace) -> list[Path]:
     """Read everything, then write the pictures; returns their paths. Raises `InputError`."""
-    from figures.family import MarkedPoint, mark_candidates
+    from figures.family import MarkedPoint, assign, mark_candidates
     from figures.family_file import read_families
 
     candidates = read_candidates(arguments.candidates)
@@ -67,7 +75,7 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
     families = [family for path in arguments.family for family in read_families(path)]
 
     # Matplotlib takes a second to load: only after the input is known to be good.
-    from figures.draw import assign, draw_family, draw_marks
+    from figures.draw import draw_family, draw_marks
     from figures.style import check_folder, close, save, use_style
 
     check_folder(arguments.output)

@@ -171,14 +171,30 @@ def place(family: Family, mark: MarkedPoint) -> Placement:
     return best
 
 
-def belongs_to(family: Family, mark: MarkedPoint, tolerance: float = 1e-2) -> bool:
-    """Whether `mark` lies on `family`: same system, same parameters, close to one of its two curves."""
-    candidate = mark.candidate
-    return (
-        candidate.system.name == family.system.name
-        and dict(candidate.parameters) == dict(family.parameters)
-        and place(family, mark).distance < tolerance
-    )
+def assign(
+    families: Sequence[Family], marks: Sequence[MarkedPoint], tolerance: float = 1e-2
+) -> tuple[list[list[MarkedPoint]], list[MarkedPoint]]:
+    """The marks of each family, and the marks that lie on none.
+
+    A mark belongs to the nearest family of its system and parameters, if one of the two curves of
+    that family passes within `tolerance` of it (distances per coordinate range).
+    """
+    members: list[list[MarkedPoint]] = [[] for _ in families]
+    alone: list[MarkedPoint] = []
+    for mark in marks:
+        candidate = mark.candidate
+        distances = [
+            place(family, mark).distance
+            if family.system.name == candidate.system.name and dict(family.parameters) == dict(candidate.parameters)
+            else np.inf
+            for family in families
+        ]
+        nearest = int(np.argmin(distances)) if distances else 0
+        if distances and distances[nearest] < tolerance:
+            members[nearest].append(mark)
+        else:
+            alone.append(mark)
+    return members, alone
 
 
 def stability_at(family: Family, arclength: float) -> Array:

@@ -127,6 +127,11 @@ def save(figure: Figure, stem: Path) -> list[Path]:
     return written
 
 
+def close(figure: Figure) -> None:
+    """Release a figure that is saved."""
+    plt.close(figure)
+
+
 def _write_bytes(path: Path, data: bytes) -> None:
     check_writable(path)
     temporary: str | None = None
