@@ -18,7 +18,7 @@ examples:
   python -m figures family candidates.json -o figures-out/        (no certificates: all points hollow)
 
 A marker is filled if the certificate of its candidate says "proved", and hollow otherwise. Family files
-come from: python -m explore candidates ... --family-output halo-family.json
+are written by explore, with its option --family-output.
 Exit codes: 0 pictures written, 2 bad input.
 """
 

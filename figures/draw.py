@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from figures.family import Array, Family, MarkedPoint, Placement, place, stability_at, state_on_fixed_set
 from figures.orbit import OrbitNotClosed, symmetric_orbit
@@ -28,6 +29,7 @@ from figures.style import (
 
 _ORBITS_SHOWN = 6
 _WIDTH = 7.2
+_STABILITY_SHOWN = 1.35
 _LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}
 
 
@@ -70,17 +72,25 @@ def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
 
 
 def _parameter_figure(family: Family, placements: Sequence[Placement]) -> Figure:
-    figure = plt.figure(figsize=(_WIDTH, 2.9))
-    grid = figure.add_gridspec(1, 3, left=0.075, right=0.985, top=0.9, bottom=0.31, wspace=0.46)
-    fixed, stability, orbits = (figure.add_subplot(grid[0, column]) for column in range(3))
-    _fixed_line(fixed, family, placements)
+    figure = plt.figure(figsize=(_WIDTH, 3.1))
+    grid = figure.add_gridspec(2, 3, left=0.085, right=0.985, top=0.91, bottom=0.29, wspace=0.5, hspace=0.12)
+    first = figure.add_subplot(grid[0, 0])
+    second = figure.add_subplot(grid[1, 0], sharex=first)
+    stability, orbits = figure.add_subplot(grid[:, 1]), figure.add_subplot(grid[:, 2])
+    # The two crossings differ by orders of magnitude in how much they move: one scale would show one of them flat.
+    _fixed_line(first, family, placements, second=False)
+    _fixed_line(second, family, placements, second=True)
+    first.tick_params(labelbottom=False)
+    second.set_xlabel(level_label(family.system))
     _stability_curves(stability, family, placements, family.levels)
-    stability.set_xscale("log")
+    bounded = family.levels[(np.abs(family.stability) < _STABILITY_SHOWN).any(axis=1)]
+    _parameter_scale(stability, bounded if bounded.size > 1 else family.levels)
     stability.set_xlabel(level_label(family.system))
     _orbits_in_plane(orbits, family, placements)
-    _title(fixed, "a", "crossings of Fix($R$)")
+    _title(first, "a", "crossings of Fix($R$)")
     _title(stability, "b", "stability parameter")
     _title(orbits, "c", "resonant orbits")
+    figure.align_ylabels([first, second])
     _legend(figure, placements)
     return figure
 
@@ -113,7 +123,7 @@ def _title(axes: Axes, letter: str, text: str) -> None:
 
 
 def _legend(figure: Figure, placements: Sequence[Placement]) -> None:
-    marks = legend_handles([p.mark.k for p in placements])
+    marks = legend_handles((p.mark.k, p.mark.candidate.kind) for p in placements)
     verdicts = verdict_handles([p.mark.certified for p in placements])
     # Below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean.
     line = 0.2 / figure.get_figheight()
@@ -137,16 +147,29 @@ def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) ->
     _curve_key(axes)
 
 
-def _fixed_line(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
-    axes.plot(family.levels, family.second_points[:, 1], color=SECOND_CURVE)
-    axes.plot(family.levels, family.points[:, 1], color=CURVE)
+def _fixed_line(axes: Axes, family: Family, placements: Sequence[Placement], second: bool) -> None:
+    curve = family.second_points if second else family.points
+    axes.plot(family.levels, curve[:, 1], color=SECOND_CURVE if second else CURVE)
     for placement in placements:
-        draw_mark(axes, placement.mark.point[:2], placement.mark.k, placement.mark.certified)
-    axes.set_xscale("log")
-    axes.margins(y=0.12)
-    axes.set_xlabel(level_label(family.system))
-    axes.set_ylabel(label_of(family.system.centre_coordinates[1]))
-    _curve_key(axes)
+        if placement.second == second:
+            draw_mark(axes, placement.mark.point[:2], placement.mark.k, placement.mark.certified)
+    _parameter_scale(axes, family.levels)
+    axes.margins(y=0.15)
+    axes.set_ylabel(label_of(family.system.centre_coordinates[1], unit=False))
+    axes.annotate(
+        "half a period later" if second else "starting point", (0.96, 0.9 if second else 0.08),
+        xycoords="axes fraction", ha="right", va="top" if second else "bottom", fontsize=7, color=INK,
+    )  # fmt: skip
+
+
+def _parameter_scale(axes: Axes, values: Array) -> None:
+    low, high = float(values.min()), float(values.max())
+    if low > 0 and high > 20 * low:
+        axes.set_xscale("log")
+        axes.set_xlim(low / 1.3, high * 1.3)
+    else:
+        axes.set_xlim(low - 0.06 * (high - low), high + 0.06 * (high - low))
+        axes.xaxis.set_major_locator(MaxNLocator(4))
 
 
 def _curve_key(axes: Axes) -> None:
@@ -160,7 +183,7 @@ def _curve_key(axes: Axes) -> None:
 def _stability_curves(axes: Axes, family: Family, placements: Sequence[Placement], abscissa: Array) -> None:
     for column in family.stability.T:
         axes.plot(abscissa, column, color=CURVE)
-    axes.set_ylim(-1.35, 1.35)
+    axes.set_ylim(-_STABILITY_SHOWN, _STABILITY_SHOWN)
     levels = resonances([p.mark.k for p in placements] or [1, 2, 3, 4])
     for k, values in levels.items():
         for value in values:
@@ -191,14 +214,14 @@ def _orbits_in_space(axes: Any, family: Family, placements: Sequence[Placement])
     rows = np.vstack([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
     low, high = rows.min(axis=0), rows.max(axis=0)
     pad = 0.03 * (high - low).max()
-    axes.set_box_aspect(high - low + 2 * pad, zoom=0.93)
-    axes.view_init(elev=18, azim=-62)
+    axes.set_box_aspect(high - low + 2 * pad, zoom=1.0)
+    axes.view_init(elev=16, azim=-40)
     for i, name in enumerate(family.system.state[:3]):
         letter = "xyz"[i]
         getattr(axes, f"set_{letter}lim")(low[i] - pad, high[i] + pad)
         getattr(axes, f"set_{letter}label")(label_of(name, unit=False), labelpad=-4)
         axis = getattr(axes, f"{letter}axis")
-        axis.set_major_locator(plt.MaxNLocator(4))
+        axis.set_major_locator(MaxNLocator(max(2, round(5 * (high - low)[i] / (high - low).max()))))
         axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
         axis.pane.set_edgecolor("#cccccc")
         axes.tick_params(axis=letter, pad=-2, labelsize=6.5)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from importlib import resources
 from math import cos, gcd, pi
@@ -29,7 +29,11 @@ CURVE = "#3c6e91"
 SECOND_CURVE = "#a8a8a8"
 _MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
 _COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
-_KINDS = {1: "symmetry breaking", 3: "touch-and-go"}
+_KINDS = {
+    "symmetry_breaking": "symmetry breaking",
+    "period_tupling": "period tupling",
+    "touch_and_go": "touch-and-go",
+}
 _TEX = {"vx": r"\dot{x}", "vy": r"\dot{y}", "vz": r"\dot{z}", "beta": r"\beta", "mu": r"\mu", "nu": r"\nu"}
 
 
@@ -59,12 +63,12 @@ def _size(marker: str) -> float:
     return {"D": 5.2, "s": 5.6, "*": 8.5, "o": 6.0}.get(marker, 6.6)
 
 
-def legend_handles(multiplicities: Sequence[int]) -> list[Line2D]:
-    """One legend entry for each multiplicity."""
+def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
+    """One legend entry for each claim (k, kind), by k."""
     handles = []
-    for k in sorted(set(multiplicities)):
+    for k, kind in sorted(set(claims)):
         marker, colour = marker_of(k)
-        label = f"$k={k}$, " + _KINDS.get(k, "period tupling")
+        label = f"$k={k}$, " + _KINDS[kind]
         handles.append(
             Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=_size(marker), label=label)
         )
