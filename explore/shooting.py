@@ -12,7 +12,7 @@ S-odd unknowns and equations left out.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -126,8 +126,7 @@ class ShootingProblem:
     @cached_property
     def free_unknowns(self) -> tuple[int, ...]:
         """Indices of the unknowns that are solved for; the others are S-odd and zero."""
-        lead = self.size - 1 - len(self.system.fixed_coordinates)
-        odd = {lead + i for i, state in enumerate(self.system.fixed_coordinates) if self.parities[state] == -1}
+        odd = () if self.symmetry is None else self.odd_unknowns(self.symmetry)
         return tuple(i for i in range(self.size) if i not in odd)
 
     @cached_property
@@ -234,17 +233,29 @@ class ShootingProblem:
         initial, values = self.initial_state(unknowns), self.parameter_values(unknowns)
         return flow_of(self.system).samples(initial, float(unknowns[-1]), values)
 
-    def symmetry_breaking_function(self, orbit: SymmetricOrbit, symmetry: str) -> float:
+    def odd_unknowns(self, symmetry: str) -> tuple[int, ...]:
+        """Indices of the unknowns that the symmetry negates."""
+        signs, lead = self.system.symmetries[symmetry], self.size - 1 - len(self.system.fixed_coordinates)
+        return tuple(lead + i for i, state in enumerate(self.system.fixed_coordinates) if signs[state] == -1)
+
+    def with_derivative(self, orbit: SymmetricOrbit) -> SymmetricOrbit:
+        """The orbit with its half return's derivative, computed if it is missing."""
+        if orbit.derivative is not None:
+            return orbit
+        _, _, flow = self.evaluate(orbit.unknowns)
+        return replace(orbit, derivative=half_return(self.system, flow))
+
+    def symmetry_breaking_function(self, orbit: SymmetricOrbit) -> float:
         """det of the S-odd block of D_p pi_q P for an orbit in Fix(S); zero where S breaks.
 
-        New symmetric orbits outside Fix(S) branch off where it changes sign (Remark in Appendix B of
-        the paper). Raises `ValueError` if the S-odd block is not square: S does not break then.
+        S is the problem's symmetry. New symmetric orbits outside Fix(S) branch off where it changes
+        sign (Remark in Appendix B of the paper). Raises `ValueError` if the problem has no symmetry
+        or if the S-odd block is not square: S does not break then.
         """
-        signs = self.system.symmetries[symmetry]
-        rows = [i for i, state in enumerate(self.system.kernel_coordinates) if signs[state] == -1]
-        columns = [i for i, state in enumerate(self.system.fixed_coordinates) if signs[state] == -1]
-        if len(rows) != len(columns) or orbit.derivative is None:
-            raise ValueError(f"{symmetry} does not split the shooting equations into square blocks")
+        rows = [i for i, state in enumerate(self.system.kernel_coordinates) if self.parities[state] == -1]
+        columns = [i for i, state in enumerate(self.system.fixed_coordinates) if self.parities[state] == -1]
+        if not rows or len(rows) != len(columns) or orbit.derivative is None:
+            raise ValueError(f"{self.symmetry} does not split the shooting equations into square blocks")
         return float(np.linalg.det(orbit.derivative.kernel_block[np.ix_(rows, columns)]))
 
 

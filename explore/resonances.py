@@ -1,0 +1,223 @@
+"""Resonances and symmetry breakings along a family of symmetric periodic orbits.
+
+A 1:k resonance, k > 1, is a zero of det(Sigma - c) along the family, c = cos(2 pi j/k), with the
+stability matrix Sigma of `explore.stability`; along an orbit family in Fix(S) symmetry breaks where the
+S-odd block of D_p pi_q P is singular. Both are smooth functions of the arclength, and every
+evaluation corrects onto the family: a zero is the solution of the shooting equations together with
+the resonance condition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from explore.continuation import Family, Start, describe, trace
+from explore.flow import FlowFailure, Vector
+from explore.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
+from explore.stability import Side, resonant_values, tupling_sides
+from explore.zeros import Samples, bracketed_zero, find_zeros, resolve
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """A bifurcation of symmetric orbits, located in float64.
+
+    Attributes:
+        k: multiplicity, 1 for symmetry breaking.
+        kind: "symmetry_breaking", "touch_and_go" (k = 3) or "period_tupling".
+        symmetry: the symmetry that breaks, or `None`.
+        orbit: the resonant orbit.
+        side: the point of the orbit on Fix(R) near which new orbits meet Fix(R).
+        other_side: whether they (for even k: others) do so near the other point as well.
+        value: the resonant stability parameter cos(2 pi j/k).
+    """
+
+    k: int
+    kind: str
+    symmetry: str | None
+    orbit: SymmetricOrbit
+    side: Side
+    other_side: bool
+    value: float
+
+    @property
+    def point(self) -> Vector:
+        """The bifurcation point, in the order of `ReversibleSystem.centre_coordinates`."""
+        return self.orbit.centre(self.side)
+
+
+@dataclass(frozen=True)
+class Detection:
+    """What `detect` found.
+
+    Attributes:
+        resonances: by arclength.
+        undecided: one line for each place where a stability curve comes so near to a resonant value
+            that float64 cannot tell whether it reaches it, or where an orbit could not be computed.
+    """
+
+    resonances: tuple[Resonance, ...]
+    undecided: tuple[str, ...]
+
+
+def kind_of(k: int) -> str:
+    """The generic bifurcation of symmetric orbits at a 1:k resonance."""
+    return {1: "symmetry_breaking", 3: "touch_and_go"}.get(k, "period_tupling")
+
+
+class _Curve:
+    """The family's orbits as a function of arclength, each computed once."""
+
+    def __init__(self, family: Family) -> None:
+        self.family = family
+        self.failures: list[str] = []
+        self._orbits = {orbit.arclength: orbit for orbit in family.orbits}
+
+    def orbit(self, arclength: float) -> SymmetricOrbit:
+        orbit = self._orbits.get(arclength)
+        if orbit is None:
+            orbit = self._orbits[arclength] = self.family.orbit_at(arclength)
+        return orbit
+
+    def coefficients(self, arclength: float) -> Vector:
+        """Characteristic coefficients of Sigma without the leading 1; interpolated where Newton fails."""
+        try:
+            return self.orbit(arclength).coefficients[1:]
+        except (CorrectionFailure, ZeroDivisionError) as error:
+            self.failures.append(f"stability unknown at arclength {arclength:.6g}: {error}")
+            places = self.family.arclengths
+            rows = np.array([orbit.coefficients[1:] for orbit in self.family.orbits])
+            return np.array([np.interp(arclength, places, column) for column in rows.T])
+
+    def resonance(self, value: float) -> Callable[[float], float]:
+        return lambda arclength: _resonance_function(self.coefficients(arclength), value)
+
+
+def _resonance_function(coefficients: Vector, value: float) -> float:
+    """det(value - Sigma), divided by a positive smooth function so that large |Sigma| does no harm."""
+    return float(np.polyval(np.append(1.0, coefficients), value)) / float(np.sqrt(1.0 + coefficients @ coefficients))
+
+
+def detect(
+    family: Family, multiplicities: Iterable[int], *, progress: Callable[[float], None] | None = None
+) -> Detection:
+    """All 1:k resonances of a family for the given k, and for k = 1 its symmetry breakings.
+
+    Arguments:
+        multiplicities: the k to look for, each at least 1.
+        progress: called with the arclength that has been searched.
+    """
+    wanted = sorted(set(multiplicities))
+    found: list[Resonance] = []
+    undecided: list[str] = []
+    if 1 in wanted:
+        found += symmetry_breakings(family)
+    if any(k > 1 for k in wanted) and len(family.orbits) > 1:
+        curve = _Curve(family)
+        samples = resolve(curve.coefficients, family.arclengths, progress=progress)
+        for k in wanted:
+            for value in resonant_values(k) if k > 1 else ():
+                more, unclear = _tuplings(curve, samples, k, value)
+                found += more
+                undecided += unclear
+        undecided += curve.failures
+    found.sort(key=lambda resonance: resonance.orbit.arclength)
+    return Detection(tuple(found), tuple(undecided))
+
+
+def _tuplings(curve: _Curve, samples: Samples, k: int, value: float) -> tuple[list[Resonance], list[str]]:
+    family = curve.family
+    function = curve.resonance(value)
+    zeros = find_zeros(function, samples.places, [_resonance_function(row, value) for row in samples.values])
+    found: list[Resonance] = []
+    for place in zeros.zeros:
+        orbit = family.problem.with_derivative(curve.orbit(place))
+        assert orbit.derivative is not None
+        sides = tupling_sides(orbit.derivative, k)
+        found.append(Resonance(k, kind_of(k), None, orbit, sides[0], len(sides) > 1, value))
+    unclear = [
+        f"a stability parameter comes within {abs(touch.value):.1e} of {value:.6g} (k = {k}) and may or may not "
+        f"reach it ({describe(family.problem, curve.orbit(touch.place))})"
+        for touch in zeros.undecided
+    ]
+    return found, unclear
+
+
+def symmetry_breakings(family: Family) -> list[Resonance]:
+    """Symmetry breakings on a family.
+
+    On a family within Fix(S): the sign changes of the S-odd block. On any other: its ends that lie
+    in Fix(S), where it branches off from orbits in Fix(S).
+    """
+    problem, system = family.problem, family.problem.system
+    found: list[Resonance] = []
+    if problem.symmetry is None:
+        for orbit in {id(orbit): orbit for orbit in (family.orbits[0], family.orbits[-1])}.values():
+            for name in system.symmetries:
+                odd = problem.odd_unknowns(name)
+                if odd and all(orbit.unknowns[i] == 0 for i in odd):
+                    found.append(_breaking(orbit, name))
+        return found
+
+    def function(arclength: float) -> float:
+        return problem.symmetry_breaking_function(family.orbit_at(arclength))
+
+    orbits = [problem.with_derivative(orbit) for orbit in family.orbits]
+    values = [problem.symmetry_breaking_function(orbit) for orbit in orbits]
+    zeros = find_zeros(function, family.arclengths, values).zeros if len(orbits) > 1 else ()
+    return [_breaking(family.orbit_at(place), problem.symmetry) for place in zeros]
+
+
+def _breaking(orbit: SymmetricOrbit, symmetry: str) -> Resonance:
+    return Resonance(1, kind_of(1), symmetry, orbit, "first", True, 1.0)
+
+
+def symmetry_breaking_near(problem: ShootingProblem, symmetry: str, guess: Vector, reach: float) -> SymmetricOrbit:
+    """The symmetry-breaking orbit in Fix(S) nearest to `guess` on the family of orbits in Fix(S).
+
+    Arguments:
+        problem: any shooting problem of the system.
+        guess: shape (2 + n,), unknowns; their S-odd ones are ignored.
+        reach: scaled arclength to search in both directions.
+
+    Raises `CorrectionFailure` if there is none within reach.
+    """
+    inner = replace(problem, symmetry=symmetry)
+    unknowns = guess.copy()
+    unknowns[list(problem.odd_unknowns(symmetry))] = 0.0
+    try:
+        _, jacobian, _ = inner.evaluate(unknowns)
+    except FlowFailure as error:
+        raise CorrectionFailure(str(error)) from None
+    tangent = inner.tangent(jacobian, np.ones(inner.size))
+    best: SymmetricOrbit | None = None
+    for direction in (tangent, -tangent):
+        values: list[float] = []
+
+        def turned(orbit: SymmetricOrbit, states: Vector, values: list[float] = values) -> str | None:
+            values.append(inner.symmetry_breaking_function(orbit))
+            if len(values) > 1 and (values[-1] < 0) != (values[-2] < 0):
+                return "symmetry breaks"
+            return "out of reach" if orbit.arclength > reach else None
+
+        family = trace(inner, Start(unknowns, direction), turned, max_orbits=200)
+        values.insert(0, inner.symmetry_breaking_function(family.orbits[0]))
+        for index in range(len(family.orbits) - 1):
+            ends = family.arclengths[index], family.arclengths[index + 1]
+            pair = (
+                inner.symmetry_breaking_function(family.orbits[index]),
+                inner.symmetry_breaking_function(family.orbits[index + 1]),
+            )
+            if (pair[0] < 0) != (pair[1] < 0):
+                place = bracketed_zero(
+                    lambda s, family=family: inner.symmetry_breaking_function(family.orbit_at(s)), ends, pair, 1e-13
+                )
+                if best is None or place < best.arclength:
+                    best = family.orbit_at(place)
+                break
+    if best is None:
+        raise CorrectionFailure(f"the symmetry {symmetry} does not break nearby")
+    return best
