@@ -1,0 +1,150 @@
+"""Taylor coefficients of the orbit of the box's centre (docs/method.md, section 3.1).
+
+The classical recurrences, term by term, on floats (to choose the step) or on fixed-point integers
+(to have the coefficients). Nothing here carries proof: the defect of whatever comes out is bounded
+afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from operator import mul
+from typing import Any
+
+from flint import arb, ctx
+
+from verify.evaluation import PreparedProgram, integer_part
+from verify.failure import IntegrationFailure
+
+
+def float_coefficients(
+    program: PreparedProgram, state: Sequence[float], parameters: Sequence[float], degree: int
+) -> list[list[float]]:
+    """Taylor coefficients in time of the orbit, degree + 1 per state coordinate, in float64."""
+
+    def power(base: float, exponent: Fraction) -> float:
+        return float(base ** float(exponent))
+
+    try:
+        return _coefficients(program, list(state), list(parameters), degree, None, Fraction(1), power)
+    except (ZeroDivisionError, OverflowError, TypeError):
+        raise _singular() from None
+
+
+def fixed_coefficients(
+    program: PreparedProgram,
+    state: Sequence[int],
+    parameters: Sequence[int],
+    degree: int,
+    bits: int,
+    step: Fraction,
+) -> list[list[int]]:
+    """Taylor coefficients in theta = t / step of the orbit, integers times 2^-bits."""
+
+    def power(base: int, exponent: Fraction) -> int:
+        previous = ctx.prec
+        ctx.prec = bits + 64
+        try:
+            scale = arb(2) ** bits
+            value = integer_part((arb(base) / scale) ** (arb(exponent.numerator) / exponent.denominator) * scale)
+            if value is None:
+                raise _singular()
+            return int(value)
+        finally:
+            ctx.prec = previous
+
+    try:
+        return _coefficients(program, list(state), list(parameters), degree, bits, step, power)
+    except ZeroDivisionError:
+        raise _singular() from None
+
+
+def _singular() -> IntegrationFailure:
+    return IntegrationFailure(
+        "singularity",
+        "the vector field has no Taylor expansion along the centre's orbit",
+        "the orbit meets a singularity of the vector field (a collision): give another centre",
+    )
+
+
+def _coefficients(
+    program: PreparedProgram,
+    state: list[Any],
+    parameters: list[Any],
+    degree: int,
+    bits: int | None,
+    step: Fraction,
+    power: Any,
+) -> list[list[Any]]:
+    size = len(state)
+    nodes = program.nodes
+    series: list[list[Any]] = [[] for _ in nodes]
+    weighted: dict[int, list[Any]] = {}
+    solution = [[value] for value in state]
+    for n in range(degree + 1):
+        for index, node in enumerate(nodes):
+            own = series[index]
+            match node.operation:
+                case "input":
+                    if node.left < size:
+                        own.append(solution[node.left][n])
+                    else:
+                        own.append(parameters[node.left - size] if n == 0 else 0)
+                case "constant":
+                    if n:
+                        own.append(0)
+                    else:
+                        own.append(float(node.value) if bits is None else int(node.value * 2**bits))
+                case "add":
+                    own.append(series[node.left][n] + series[node.right][n])
+                case "sub":
+                    own.append(series[node.left][n] - series[node.right][n])
+                case "scale":
+                    value = series[node.left][n] * node.value.numerator
+                    if node.value.denominator != 1:
+                        value = value / node.value.denominator if bits is None else value // node.value.denominator
+                    own.append(value)
+                case "mul":
+                    value = sum(map(mul, series[node.left], reversed(series[node.right])))
+                    own.append(value if bits is None else value >> bits)
+                case "pow":
+                    base = series[node.left]
+                    if n == 0:
+                        own.append(power(base[0], node.value))
+                        weighted[index] = [0]
+                    else:
+                        weighted[index].append(n * base[n])
+                        p, q = node.value.numerator, node.value.denominator
+                        backward = own[::-1]
+                        plain = sum(map(mul, base[1:], backward))
+                        heavy = sum(map(mul, weighted[index][1:], backward))
+                        value = (p + q) * heavy - q * n * plain
+                        divisor = q * n * base[0]
+                        own.append(value / divisor if bits is None else value // divisor)
+        if n < degree:
+            for component, output in enumerate(program.outputs):
+                slope = series[output][n]
+                if bits is None:
+                    solution[component].append(slope * float(step) / (n + 1))
+                else:
+                    solution[component].append(slope * step.numerator // (step.denominator * (n + 1)))
+    return solution
+
+
+def step_size(coefficients: Sequence[Sequence[float]], log2_tolerance: float) -> float:
+    """A step for which the last Taylor coefficients fall below 2^log2_tolerance times the solution's size.
+
+    Raises `IntegrationFailure` if the coefficients are not finite.
+    """
+    from math import inf, isfinite, log2
+
+    degree = len(coefficients[0]) - 1
+    best = inf
+    for n in (degree - 1, degree):
+        size = max(abs(series[n]) for series in coefficients)
+        if not isfinite(size):
+            raise _singular()
+        if size > 0:
+            best = min(best, (log2_tolerance - log2(size)) / n)
+    return float(2.0 ** min(best, 20.0))

@@ -1,0 +1,115 @@
+"""Counting the crossings of the section along a box of orbits (docs/method.md, section 5.2).
+
+The time axis is covered by closed intervals on each of which either the section coordinate y keeps
+one sign, or its velocity y' does, for all real points of the box. Between two intervals where y has
+opposite signs, joined by intervals where y' has one sign, there is exactly one crossing.
+"""
+
+from __future__ import annotations
+
+from flint import arb, arb_poly, ctx
+
+from verify.algebra import Series
+from verify.failure import IntegrationFailure
+from verify.norms import total
+
+_DEPTH = 14
+_BITS = 96
+
+
+class CrossingCounter:
+    """Number of proven crossings after the start, where y = 0 for the whole box."""
+
+    def __init__(self) -> None:
+        self.crossings = 0
+        self.clear_time: arb | None = None
+        self.velocity_sign = 0
+        self._side = 0
+        self._start = True
+
+    def cover(self, position: Series, velocity: Series, time: arb, step: arb) -> None:
+        """Cover one step: y over theta in [0, 1], y' there, from `time` on over `step` > 0.
+
+        Raises `IntegrationFailure` if some part of the step cannot be classified.
+        """
+        previous = ctx.prec
+        ctx.prec = _BITS
+        try:
+            y = _Enclosure(position)
+            dy = _Enclosure(velocity)
+            self._cover(y, dy, arb(0), arb(1), 0, time, step)
+        finally:
+            ctx.prec = previous
+
+    def _cover(self, y: _Enclosure, dy: _Enclosure, left: arb, right: arb, depth: int, time: arb, step: arb) -> None:
+        sign = y.sign(left, right)
+        if sign:
+            self._keeps_side(sign, time + step * right)
+            return
+        sign = dy.sign(left, right)
+        if sign:
+            self._moves(sign)
+            return
+        if depth == _DEPTH:
+            raise IntegrationFailure(
+                "crossing count",
+                "the section coordinate and its velocity cannot be separated from zero along the orbit",
+                "the orbit may touch the section: give smaller radii or another centre",
+                needs_precision=True,
+            )
+        middle = (left + right) / 2
+        self._cover(y, dy, left, middle, depth + 1, time, step)
+        self._cover(y, dy, middle, right, depth + 1, time, step)
+
+    def _moves(self, sign: int) -> None:
+        if self._start:
+            self._side, self._start = sign, False
+        if self.velocity_sign not in (0, sign):
+            raise IntegrationFailure(
+                "crossing count",
+                "the velocity of the section coordinate changes sign next to the section",
+                "the orbit may touch the section: give smaller radii or another centre",
+                needs_precision=True,
+            )
+        self.velocity_sign = sign
+
+    def _keeps_side(self, sign: int, until: arb) -> None:
+        if self._start:
+            raise IntegrationFailure(
+                "crossing count", "the orbit does not start on the section", "give a centre on Fix(R)"
+            )
+        if sign != self._side:
+            if self.velocity_sign != sign:
+                raise ValueError("a crossing against the velocity: the enclosures contradict each other")
+            self.crossings += 1
+            self._side = sign
+        self.velocity_sign = 0
+        self.clear_time = until
+
+    def arrives(self, number: int) -> bool:
+        """Whether the box has been off the section since crossing number - 1 and now moves towards it."""
+        return self.crossings == number - 1 and self.clear_time is not None and self.velocity_sign == -self._side
+
+
+class _Enclosure:
+    """Values of a real function on subintervals of [0, 1], for all real points of the box."""
+
+    def __init__(self, series: Series) -> None:
+        bits = series.arithmetic.bits
+        scale = arb(2) ** -bits
+        self.polynomial = arb_poly([arb(c) * scale for c in series.coefs[0].coeffs()])
+        self.derivative = self.polynomial.derivative()
+        away = list(series.known)
+        away[0] = 0.0
+        self.deviation = arb(0, total([total(away), total(series.errors)]))
+
+    def sign(self, left: arb, right: arb) -> int:
+        """1 or -1 if the function has that sign on [left, right] for certain, else 0."""
+        middle = (left + right) / 2
+        interval = left.union(right)
+        value = self.polynomial(middle) + self.derivative(interval) * (interval - middle) + self.deviation
+        if not value.is_finite():
+            return 0
+        if (value > 0) is True:
+            return 1
+        return -1 if (value < 0) is True else 0

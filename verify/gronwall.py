@@ -1,0 +1,156 @@
+"""Propagation of graded errors: a componentwise comparison system (docs/method.md, section 4).
+
+Errors of m components in grades 0 .. G and above form one vector of m (G + 2) non-negative numbers.
+Along the flow it satisfies E(t) <= E(0) + integral of (M E + delta), entrywise, where M collects bounds
+of the partial derivatives of the vector field by grade; hence E(h) <= exp(h M) (E(0) + h delta).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpz_poly
+from numpy.typing import NDArray
+
+from verify.algebra import Arithmetic, Series, correct_power
+from verify.evaluation import PreparedProgram, approximate_power
+from verify.failure import IntegrationFailure
+from verify.grading import Grading
+from verify.norms import GradedNorm, inflate
+
+_NORM_BITS = 96
+_RATIO = 2.0**-40
+_SLACK = 1.0 + 2.0**-30
+_FLOOR = 2.0**-1000
+
+_MINUS_ONE = Fraction(-1)
+
+Floats = NDArray[np.float64]
+
+
+def norm_arithmetic(arithmetic: Arithmetic) -> Arithmetic:
+    """The format of the norm computation: only the centre is known, every grade is bounded."""
+    grading = Grading((), arithmetic.grading.top)
+    return Arithmetic(grading, min(_NORM_BITS, arithmetic.bits), 0, arithmetic.degree)
+
+
+def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float]) -> Series:
+    """`element` widened by `tube`, with everything but a coarse centre turned into error bounds."""
+    fine = element.arithmetic
+    drop = fine.bits - coarse.bits
+    centre = element.coefs[0]
+    errors = [inflate(e + t) for e, t in zip(element.errors, tube, strict=True)]
+    if drop and centre.length():
+        centre = centre // (1 << drop)
+        errors[0] = inflate(errors[0] + coarse.rounding[0])
+    for polynomial, grade, scale in zip(element.coefs[1:], fine.grading.grades[1:], fine.scales[1:], strict=True):
+        if polynomial.length():
+            errors[grade] = inflate(errors[grade] + fine.size(polynomial, scale))
+    return Series(coarse, [centre], errors)
+
+
+def derivative_bounds(
+    program: PreparedProgram, size: int, inputs: Sequence[Series]
+) -> tuple[list[dict[int, GradedNorm]], list[Series]]:
+    """Graded norms of all partial derivatives of the vector field on a tube, and its values there.
+
+    Args:
+        size: number of state components; derivatives are taken with respect to these inputs.
+        inputs: state and parameters over the tube, in the norm arithmetic.
+
+    Returns:
+        for each output, a map from component to graded norm (absent: zero), and the outputs.
+    """
+    coarse = inputs[0].arithmetic
+    zero = coarse.zero_errors()
+    values: list[Series] = []
+    slopes: list[dict[int, Series]] = []
+    for node in program.nodes:
+        slope: dict[int, Series] = {}
+        match node.operation:
+            case "input":
+                value = inputs[node.left]
+                if node.left < size:
+                    slope = {node.left: Series(coarse, [fmpz_poly([coarse.one])], zero)}
+            case "constant":
+                value = coarse.constant(node.value)
+            case "add":
+                value = values[node.left] + values[node.right]
+                slope = dict(slopes[node.left])
+                for j, other in slopes[node.right].items():
+                    slope[j] = slope[j] + other if j in slope else other
+            case "sub":
+                value = values[node.left] - values[node.right]
+                slope = dict(slopes[node.left])
+                for j, other in slopes[node.right].items():
+                    other = other.scaled(_MINUS_ONE)
+                    slope[j] = slope[j] + other if j in slope else other
+            case "scale":
+                value = values[node.left].scaled(node.value)
+                slope = {j: other.scaled(node.value) for j, other in slopes[node.left].items()}
+            case "mul":
+                value = values[node.left] * values[node.right]
+                for side, factor in ((node.left, node.right), (node.right, node.left)):
+                    for j, other in slopes[side].items():
+                        term = other * values[factor]
+                        slope[j] = slope[j] + term if j in slope else term
+            case "pow":
+                base = values[node.left]
+                value = _power(base, node.value)
+                if slopes[node.left]:
+                    outer = (value * _power(base, _MINUS_ONE)).scaled(node.value)
+                    slope = {j: outer * other for j, other in slopes[node.left].items()}
+        values.append(value)
+        slopes.append(slope)
+    bounds = [{j: other.norm() for j, other in slopes[output].items()} for output in program.outputs]
+    return bounds, [values[output] for output in program.outputs]
+
+
+def _power(base: Series, exponent: Fraction) -> Series:
+    approximate, _ = approximate_power(base.arithmetic, base.coefs[0], exponent)
+    result = correct_power(Series(base.arithmetic, [approximate], base.arithmetic.zero_errors()), base, exponent)
+    if result is None:
+        raise IntegrationFailure(
+            "tube",
+            "the tube around the approximate solution reaches a singularity of the vector field",
+            "give smaller radii, or more precision",
+            needs_precision=True,
+        )
+    return result
+
+
+def comparison_matrix(bounds: Sequence[dict[int, GradedNorm]], slots: int) -> Floats:
+    """The matrix M of the comparison system, shape (m * slots, m * slots), slots = G + 2."""
+    size = len(bounds)
+    matrix = np.zeros((size, slots, size, slots))
+    for i, row in enumerate(bounds):
+        for j, norm in row.items():
+            for source in range(slots):
+                for grade, bound in enumerate(norm):
+                    target = min(source + grade, slots - 1)
+                    matrix[i, target, j, source] += bound
+    return matrix.reshape(size * slots, size * slots) * _SLACK
+
+
+def exponential_bound(matrix: Floats, start: Floats) -> Floats:
+    """An upper bound, entrywise, of ``exp(matrix) @ start`` for non-negative entries.
+
+    The series is summed until the next term is below 2^-40 of `start`, entrywise; then so is the
+    whole remainder relative to the result. Entries of `start` that are too small for this are
+    enlarged, which only weakens the bound. Infinite entries where no bound is found.
+    """
+    vector = start + _FLOOR
+    for _ in range(4):
+        term = vector
+        result = vector.copy()
+        for n in range(1, 80):
+            term = (matrix @ term) * (_SLACK / n)
+            if n > 4 and bool(np.all(term <= _RATIO * vector)):
+                return np.asarray(result * _SLACK / (1.0 - 2.0 * _RATIO) + _FLOOR)
+            result = result + term
+        if not bool(np.all(np.isfinite(term))):
+            break
+        vector = np.maximum(vector, term / _RATIO)
+    return np.full_like(start, np.inf)

@@ -1,0 +1,288 @@
+"""Iterates of the Poincare map on a box of Fix(R), with derivatives (docs/method.md, sections 5 and 6).
+
+`enclose_iterates` takes a candidate's box to its first k crossings of the section and returns, for
+each, enclosures of the derivatives up to order 3 of the coordinates that vanish on Fix(R).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, floor, isfinite, log2
+
+from flint import arb, arb_poly, ctx
+
+from shared.formats import Candidate
+from verify.algebra import Arithmetic, Series
+from verify.centre import fixed_coefficients, float_coefficients, step_size
+from verify.crossing import CrossingCounter
+from verify.derivatives import DerivativeTable, derivative_table, rational_ball
+from verify.evaluation import Evaluation, integer_part, prepare
+from verify.failure import IntegrationFailure
+from verify.grading import Grading
+from verify.norms import total
+from verify.section import build_section_program, onto_section
+from verify.step import advance
+
+BOX_RATIO = Fraction(1, 4)
+"""The box is this fraction of the polydisc on which the orbits are enclosed (section 6)."""
+
+_MAX_STEPS = 4000
+_STEP_BITS = 12
+_HEADROOM = 40
+
+
+@dataclass(frozen=True)
+class IntegratorSettings:
+    """How to integrate.
+
+    Attributes:
+        precision: fractional bits of the fixed-point format.
+        order: degree of the time expansions; `None` chooses it from the precision.
+    """
+
+    precision: int
+    order: int | None = None
+
+
+@dataclass(frozen=True)
+class Enclosures:
+    """What one integration proves about a candidate's box.
+
+    Attributes:
+        iterates: ``iterates[i - 1][j]`` holds the derivatives of the component q_{j+1} of P^i.
+        first_integral: derivatives of the first integral on Fix(R); `None` without one.
+        return_times: the times of the crossings 1 .. k, over the box.
+        order: degree of the time expansions.
+        precision: bits of the fixed-point format.
+        steps: number of integration steps.
+    """
+
+    iterates: tuple[tuple[DerivativeTable, ...], ...]
+    first_integral: DerivativeTable | None
+    return_times: tuple[arb, ...]
+    order: int
+    precision: int
+    steps: int
+
+
+def grading_for(kind: str, k: int, dimension: int) -> Grading:
+    """The weights of method.md, section 2.2: along the bifurcating branch p_0 and p_2 vary like p_1^2.
+
+    For a touch-and-go bifurcation the branch has a slope in p_0, and grade 2 is enough.
+    """
+    across = (2,) * (dimension - 2)
+    if kind == "touch_and_go":
+        return Grading((1, 1, *across), 2)
+    return Grading((2, 1, *across), 3)
+
+
+def enclose_iterates(
+    candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None = None
+) -> Enclosures:
+    """Enclose P, P^2, .., P^k and their derivatives on the candidate's box.
+
+    `progress` is called after every step with a rough fraction of the work done; what it raises
+    passes through. Raises `IntegrationFailure` if something could not be enclosed.
+    """
+    previous = ctx.prec
+    ctx.prec = settings.precision + 64
+    try:
+        return _Integration(candidate, settings, progress).run()
+    finally:
+        ctx.prec = previous
+
+
+class _Integration:
+    def __init__(
+        self, candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None
+    ) -> None:
+        system = candidate.system
+        dimension = len(candidate.radii)
+        grading = grading_for(candidate.kind, candidate.k, dimension)
+        self.candidate = candidate
+        self.system = system
+        self.progress = progress
+        self.scales = [radius / BOX_RATIO for radius in candidate.radii]
+        bits = settings.precision
+        order = settings.order if settings.order is not None else default_order(bits)
+        self.arithmetic = Arithmetic(grading, bits, _grade_bits(grading, self.scales, bits), order)
+        self.program = prepare(system.program)
+        self.section_program = build_section_program(system)
+        point = self._box()
+        self.state = [point.get(name, self._zero()) for name in system.state]
+        self.parameters = [
+            point[name] if name in point else self.arithmetic.constant(candidate.parameters[name])
+            for name in system.parameters
+        ]
+        self.first_integral = self._first_integral()
+        self.tolerance = float(-bits)
+        self.counter = CrossingCounter()
+        self.time = arb(0)
+        self.steps = 0
+        self.at_section = True
+        self.return_times: list[arb] = []
+
+    def _zero(self) -> Series:
+        return self.arithmetic.constant(Fraction(0))
+
+    def _box(self) -> dict[str, Series]:
+        """The point centre + frame * diag(scales) * xi of Fix(R) (and the parameter), by name."""
+        variables = len(self.scales)
+        result = {}
+        for name, middle, row in zip(
+            self.system.centre_coordinates, self.candidate.centre, self.candidate.frame, strict=True
+        ):
+            terms = {(0,) * variables: middle}
+            for j, (direction, scale) in enumerate(zip(row, self.scales, strict=True)):
+                terms[tuple(int(i == j) for i in range(variables))] = direction * scale
+            result[name] = self.arithmetic.polynomial(terms)
+        return result
+
+    def _first_integral(self) -> DerivativeTable | None:
+        program = self.system.first_integral_program
+        if program is None:
+            return None
+        # Fix(R) is a set of initial values, not a flow: no dependence on time, so degree 0 does.
+        flat = Arithmetic(self.arithmetic.grading, self.arithmetic.bits, self.arithmetic.grade_bits, 0)
+        inputs = [Series(flat, x.coefs, x.errors) for x in (*self.state, *self.parameters)]
+        evaluation = Evaluation(prepare(program), flat)
+        for position in range(len(flat.grading.monomials)):
+            evaluation.fill(position, [x.coefs[position] for x in inputs])
+        (value,) = evaluation.enclose(inputs)
+        return derivative_table(value, self.scales, BOX_RATIO)
+
+    def run(self) -> Enclosures:
+        k = self.candidate.k
+        iterates: list[tuple[DerivativeTable, ...]] = []
+        while len(iterates) < k:
+            if self.steps >= _MAX_STEPS:
+                raise IntegrationFailure(
+                    "steps", f"no crossing number {len(iterates) + 1} within {_MAX_STEPS} steps", "give another centre"
+                )
+            at_section = self._step(len(iterates) + 1)
+            if at_section:
+                iterates.append(self._crossing(len(iterates) + 1))
+            if self.progress is not None:
+                self.progress((len(iterates) + (0.0 if at_section else 0.5)) / k)
+        return Enclosures(
+            tuple(iterates), self.first_integral, tuple(self.return_times),
+            self.arithmetic.degree, self.arithmetic.bits, self.steps,
+        )  # fmt: skip
+
+    def _step(self, number: int) -> bool:
+        """Advance by one step; true if it ends, at the centre, at the next crossing."""
+        bits, degree = self.arithmetic.bits, self.arithmetic.degree
+        centre = [int(x.coefs[0][0]) for x in self.state]
+        constants = [int(p.coefs[0][0]) for p in self.parameters]
+        unit = 2.0**-60
+        rough = float_coefficients(
+            self.program, [(c >> (bits - 60)) * unit for c in centre],
+            [(c >> (bits - 60)) * unit for c in constants], degree,
+        )  # fmt: skip
+        size = step_size(rough, self.tolerance)
+        step = _dyadic_below(size)
+        coefficients = fixed_coefficients(self.program, centre, constants, degree, bits, step)
+        root = _next_crossing(coefficients[self.system.section_index], bits, self.at_section)
+        if root is not None:
+            step = step * root
+            coefficients = fixed_coefficients(self.program, centre, constants, degree, bits, step)
+        flow = advance(self.program, self.arithmetic, coefficients, self.state, self.parameters, step)
+        section = self.system.section_index
+        self.counter.cover(flow.solution[section], flow.slopes[section], self.time, rational_ball(step))
+        self.state = list(flow.end)
+        self.time = self.time + rational_ball(step)
+        self.steps += 1
+        self.at_section = root is not None
+        return self.at_section
+
+    def _crossing(self, number: int) -> tuple[DerivativeTable, ...]:
+        """Derivatives of the kernel coordinates at crossing `number`, with the proof that it is that crossing."""
+        if not self.counter.arrives(number):
+            raise IntegrationFailure(
+                "crossing count",
+                f"the orbit at time {float(self.time):.6g} was not proved to be at crossing {number}",
+                "the orbit may touch the section: give smaller radii or another centre",
+                needs_precision=True,
+            )
+        image, elapsed = onto_section(self.system, self.section_program, self.arithmetic, self.state, self.parameters)
+        delay = total(elapsed.norm())
+        when = self.time + arb(0, delay)
+        clear = self.counter.clear_time
+        if clear is None or not isfinite(delay) or (when > clear) is not True:
+            raise IntegrationFailure(
+                "crossing count",
+                f"the time of crossing {number} is not separated from the crossing before it",
+                "the box is too large: give smaller radii",
+            )
+        self.return_times.append(when)
+        return tuple(
+            derivative_table(self._combine(image, row), self.scales, BOX_RATIO) for row in self.candidate.kernel_frame
+        )
+
+    def _combine(self, image: Sequence[Series], row: Sequence[Fraction]) -> Series:
+        result = self._zero()
+        for index, factor in zip(self.system.kernel_coordinates, row, strict=True):
+            result = result + image[index].scaled(factor)
+        return result
+
+
+def default_order(precision: int) -> int:
+    """Degree of the time expansions that was found fast for a precision in bits."""
+    return max(16, precision * 3 // 8)
+
+
+def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> int:
+    """Further fractional bits per grade, so that a coefficient of grade g keeps enough significant bits.
+
+    Scaled initial values of a variable of weight w are about 2^-(w s); with s - d further bits per
+    grade, grade g keeps about bits - g d significant bits.
+    """
+    logs = [
+        -(log2(scale.numerator) - log2(scale.denominator)) / weight
+        for scale, weight in zip(scales, grading.weights, strict=True)
+    ]
+    spare = max(0, bits - 2 * _HEADROOM) // grading.top
+    return max(0, floor(max(logs)) - spare)
+
+
+def _dyadic_below(size: float) -> Fraction:
+    """A dyadic number just below `size` with few bits."""
+    exponent = floor(log2(size)) - _STEP_BITS
+    return Fraction(floor(size / 2.0**exponent)) * Fraction(2) ** exponent
+
+
+def _next_crossing(coefficients: Sequence[int], bits: int, starts_on_section: bool) -> Fraction | None:
+    """The first root of a time polynomial in (0, 1], dyadic with about `bits` bits; not rigorous."""
+    unit = 2.0**-64
+    rough = [(c >> (bits - 64)) * unit for c in coefficients]
+    samples = 64
+
+    def value(theta: float) -> float:
+        result = 0.0
+        for c in reversed(rough):
+            result = result * theta + c
+        return result
+
+    first = 1 if starts_on_section else 0
+    before = value(first / samples)
+    for index in range(first + 1, samples + 1):
+        after = value(index / samples)
+        if (before < 0) != (after < 0):
+            return _polish(coefficients, bits, (index - 0.5) / samples)
+        before = after
+    return None
+
+
+def _polish(coefficients: Sequence[int], bits: int, guess: float) -> Fraction | None:
+    polynomial = arb_poly([arb(c) * arb(2) ** -bits for c in coefficients])
+    slope = polynomial.derivative()
+    root = arb(guess)
+    for _ in range(3 + ceil(log2(bits))):
+        root = (root - polynomial(root) / slope(root)).mid()
+        if not root.is_finite():
+            return None
+    scaled = integer_part(root * arb(2) ** bits)
+    result = Fraction(0 if scaled is None else int(scaled), 2**bits)
+    return result if 0 < result <= 1 else None

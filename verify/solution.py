@@ -1,0 +1,147 @@
+"""Approximate solution of x' = f(x) in the graded algebra over one step (docs/method.md, section 3.2).
+
+The centre is solved by the classical recurrences; a monomial of higher grade solves the linear
+equation of the first variation along the centre, forced by products of lower monomials. Nothing here
+carries proof: `verify.step` bounds the defect of the result, whatever it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from operator import mul
+
+from flint import fmpz, fmpz_poly
+
+from verify.algebra import Arithmetic
+from verify.evaluation import Evaluation, PreparedProgram
+
+_ZERO = fmpz_poly([])
+_BLOCK = 16
+Jacobian = list[dict[int, list[int]]]
+
+
+def solve(
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    centre: Sequence[Sequence[int]],
+    initial: Sequence[Sequence[fmpz_poly]],
+    parameters: Sequence[Sequence[fmpz_poly]],
+    step: Fraction,
+) -> tuple[list[list[fmpz_poly]], Evaluation]:
+    """Time polynomials of all state components, and the vector field evaluated on them.
+
+    Args:
+        centre: coefficients in theta of the centre's orbit, per component.
+        initial: known parts of the initial value (constant in theta), per component and monomial.
+        parameters: the same for the parameters.
+        step: the time that theta = 1 stands for.
+
+    Returns:
+        known parts per component and monomial, and the filled evaluation of the program.
+    """
+    evaluation = Evaluation(program, arithmetic)
+    size = len(initial)
+    monomials = range(len(arithmetic.grading.monomials))
+    solution: list[list[fmpz_poly]] = [[_ZERO for _ in monomials] for _ in range(size)]
+    for component in range(size):
+        solution[component][0] = fmpz_poly(list(centre[component]))
+    evaluation.fill(0, [row[0] for row in (*solution, *parameters)])
+    jacobian = centre_jacobian(evaluation, size)
+    for position in monomials[1:]:
+        constants = [row[position] for row in parameters]
+        factors = arithmetic.grading.factors[position]
+        forced = any(p.length() for p in constants) or any(i and j for i, j in factors)
+        if forced:
+            evaluation.fill(position, [_ZERO] * size + constants, record=False)
+            forcing = [evaluation.coefs[output][position] for output in program.outputs]
+        else:
+            forcing = [_ZERO] * size
+        start = [row[position] for row in initial]
+        if forced or any(p.length() for p in start):
+            columns = linear_solution(arithmetic, jacobian, forcing, start, step)
+            for component in range(size):
+                solution[component][position] = columns[component]
+        evaluation.fill(position, [row[position] for row in solution] + constants)
+    return solution, evaluation
+
+
+def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
+    """Approximate partial derivatives of the vector field along the centre, as coefficient lists.
+
+    Row i maps j to the coefficients in theta of d f_i / d x_j; entries that vanish are absent.
+    """
+    arithmetic = evaluation.arithmetic
+    length = arithmetic.degree + 1
+    one = arithmetic.one
+    centre = [row[0] for row in evaluation.coefs]
+    slopes: list[dict[int, fmpz_poly]] = []
+    for index, node in enumerate(evaluation.program.nodes):
+        slope: dict[int, fmpz_poly] = {}
+        match node.operation:
+            case "input":
+                if node.left < size:
+                    slope = {node.left: fmpz_poly([one])}
+            case "add" | "sub":
+                slope = dict(slopes[node.left])
+                for j, value in slopes[node.right].items():
+                    other = value if node.operation == "add" else -value
+                    slope[j] = slope[j] + other if j in slope else other
+            case "scale":
+                factor = fmpz(node.value.numerator)
+                slope = {j: value * factor // fmpz(node.value.denominator) for j, value in slopes[node.left].items()}
+            case "mul":
+                for side, factor_node in ((node.left, node.right), (node.right, node.left)):
+                    for j, value in slopes[side].items():
+                        term = value * centre[factor_node]
+                        slope[j] = slope[j] + term if j in slope else term
+                slope = {j: value.truncate(length) // one for j, value in slope.items()}
+            case "pow":
+                if slopes[node.left]:
+                    outer = (centre[index] * evaluation.reciprocal(index)).truncate(length) // one
+                    outer = outer * fmpz(node.value.numerator) // fmpz(node.value.denominator)
+                    slope = {j: (outer * value).truncate(length) // one for j, value in slopes[node.left].items()}
+        slopes.append(slope)
+    return [
+        {j: [int(c) for c in value.coeffs()] for j, value in slopes[output].items() if value.length()}
+        for output in evaluation.program.outputs
+    ]
+
+
+def linear_solution(
+    arithmetic: Arithmetic,
+    jacobian: Jacobian,
+    forcing: Sequence[fmpz_poly],
+    start: Sequence[fmpz_poly],
+    step: Fraction,
+) -> list[fmpz_poly]:
+    """Coefficients in theta of the solution of v' = step * (J v + forcing), v(0) = start.
+
+    The convolutions with coefficients before the current block are one polynomial product each.
+    """
+    bits = arithmetic.bits
+    degree = arithmetic.degree
+    size = len(start)
+    solution: list[list[int]] = [[int(p[0])] if p.length() else [0] for p in start]
+    forces = [[int(c) for c in p.coeffs()] + [0] * (degree - p.length()) for p in forcing]
+    polynomials = [[(j, fmpz_poly(entries)) for j, entries in row.items() if len(entries) > 1] for row in jacobian]
+    for first in range(0, degree, _BLOCK):
+        last = min(first + _BLOCK, degree)
+        earlier = [fmpz_poly(values[:first]) for values in solution] if first else []
+        slopes = []
+        for products in polynomials:
+            exact = sum((entries.mul_low(earlier[j], last) for j, entries in products if first), _ZERO)
+            slopes.append([int(exact[n]) for n in range(first, last)])
+        for n in range(first, last):
+            for i, row in enumerate(jacobian):
+                slope = slopes[i][n - first]
+                for j, entries in row.items():
+                    if len(entries) == 1:
+                        slope += entries[0] * solution[j][n]
+                    else:
+                        slope += sum(map(mul, entries, solution[j][n : first - 1 if first else None : -1]))
+                slopes[i][n - first] = (slope >> bits) + forces[i][n]
+            for i in range(size):
+                value = slopes[i][n - first] * step.numerator // (step.denominator * (n + 1))
+                solution[i].append(value)
+    return [fmpz_poly(values) for values in solution]
