@@ -34,13 +34,13 @@ $(BIN)/python:
 
 # Stamps: a second run installs again only if the dependencies changed.
 $(VENV)/demo.stamp: pyproject.toml | $(BIN)/python
-	@echo "installing orbitproof with the extras explore and figures (some 250 MB to download at the first time)" >&2
-	@$(BIN)/python -m pip install --quiet --editable '.[explore,figures]'
+	@echo "installing orbitproof with the extras explore and figures (the first time it downloads a few hundred megabytes)" >&2
+	@$(BIN)/python -m pip install --editable '.[explore,figures]'
 	@touch $@
 
 $(VENV)/dev.stamp: pyproject.toml | $(BIN)/python
-	@echo "installing orbitproof with all extras (some 300 MB to download at the first time)" >&2
-	@$(BIN)/python -m pip install --quiet --editable '.[explore,figures,dev]'
+	@echo "installing orbitproof with all extras (the first time it downloads a few hundred megabytes)" >&2
+	@$(BIN)/python -m pip install --editable '.[explore,figures,dev]'
 	@touch $@ $(VENV)/demo.stamp
 
 # The verifier runs in its own process in which the search side cannot be imported: each name below is

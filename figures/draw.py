@@ -57,7 +57,7 @@ def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
     _orbits_in_space(orbits, family, placements)
     level.plot(family.arclength, family.levels, color=CURVE)
     for placement in placements:
-        draw_mark(level, (placement.arclength, placement.mark.level), placement.mark.k, placement.mark.certified)
+        draw_mark(level, (placement.arclength, placement.mark.level), placement.mark)
     level.set_ylabel(level_label(family.system))
     _stability_curves(stability, family, placements, family.arclength)
     stability.set_xlabel("arclength along the family  (nondimensional)")
@@ -103,8 +103,8 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
     grid = figure.add_gridspec(1, 2, left=0.085, right=0.975, top=0.91, bottom=0.28, wspace=0.26)
     fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     for mark in marks:
-        draw_mark(fixed, mark.point[:2], mark.k, mark.certified)
-        draw_mark(level, (mark.point[1], mark.level), mark.k, mark.certified)
+        draw_mark(fixed, mark.point[:2], mark)
+        draw_mark(level, (mark.point[1], mark.level), mark)
     for axes, x, y in (
         (fixed, label_of(names[0]), label_of(names[1])),
         (level, label_of(names[1]), level_label(system)),
@@ -140,7 +140,7 @@ def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) ->
     axes.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
     axes.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
     for placement in placements:
-        draw_mark(axes, placement.mark.point[:2], placement.mark.k, placement.mark.certified)
+        draw_mark(axes, placement.mark.point[:2], placement.mark)
     axes.margins(0.07)
     axes.set_xlabel(label_of(names[0]))
     axes.set_ylabel(label_of(names[1]))
@@ -152,7 +152,7 @@ def _fixed_line(axes: Axes, family: Family, placements: Sequence[Placement], sec
     axes.plot(family.levels, curve[:, 1], color=SECOND_CURVE if second else CURVE)
     for placement in placements:
         if placement.second == second:
-            draw_mark(axes, placement.mark.point[:2], placement.mark.k, placement.mark.certified)
+            draw_mark(axes, placement.mark.point[:2], placement.mark)
     _parameter_scale(axes, family.levels)
     axes.margins(y=0.15)
     axes.set_ylabel(label_of(family.system.centre_coordinates[1], unit=False))
@@ -197,7 +197,7 @@ def _stability_curves(axes: Axes, family: Family, placements: Sequence[Placement
         miss = [float(np.nanmin(np.abs(found - value), initial=np.inf)) for value in levels[placement.mark.k]]
         value = levels[placement.mark.k][int(np.argmin(miss))]
         x = float(np.interp(placement.arclength, family.arclength, abscissa))
-        draw_mark(axes, (x, value), placement.mark.k, placement.mark.certified)
+        draw_mark(axes, (x, value), placement.mark)
     axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
 
 
@@ -210,7 +210,7 @@ def _orbits_in_space(axes: Any, family: Family, placements: Sequence[Placement])
         if k > 1:
             style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
             drawn.append(_orbit(axes, family, point, 3, **style))
-        draw_mark(axes, state_on_fixed_set(family.system, list(point))[:3], k, placement.mark.certified)
+        draw_mark(axes, state_on_fixed_set(family.system, list(point))[:3], placement.mark)
     rows = np.vstack([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
     low, high = rows.min(axis=0), rows.max(axis=0)
     pad = 0.03 * (high - low).max()

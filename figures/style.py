@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from figures.family import MarkedPoint
 from shared.formats import InputError, check_writable
 from shared.systems import ReversibleSystem
 
@@ -47,15 +48,15 @@ def marker_of(k: int) -> tuple[str, str]:
     return _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
 
 
-def draw_mark(axes: Axes, position: Sequence[float], k: int, certified: bool) -> Line2D:
+def draw_mark(axes: Axes, position: Sequence[float], mark: MarkedPoint) -> Line2D:
     """Draw one bifurcation, in two or three dimensions: filled if certified, hollow if numerical."""
-    marker, colour = marker_of(k)
+    marker, colour = marker_of(mark.k)
     coordinates = [[value] for value in position]
     (line,) = axes.plot(
         *coordinates, marker=marker, linestyle="none", color=colour, markeredgecolor=colour,
-        markerfacecolor=colour if certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
+        markerfacecolor=colour if mark.certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
     )  # fmt: skip
-    line.set_gid(f"k={k} {'certified' if certified else 'numerical'}")
+    line.set_gid(f"candidate {mark.candidate.id}")
     return line
 
 
