@@ -106,7 +106,14 @@ def _coefficients(
                         value = value / node.value.denominator if bits is None else value // node.value.denominator
                     own.append(value)
                 case "mul":
-                    value = sum(map(mul, series[node.left], reversed(series[node.right])))
+                    left = series[node.left]
+                    if node.left == node.right:
+                        half = (n + 1) // 2
+                        value = 2 * sum(map(mul, left[:half], reversed(left)))
+                        if n % 2 == 0:
+                            value += left[half] * left[half]
+                    else:
+                        value = sum(map(mul, left, reversed(series[node.right])))
                     own.append(value if bits is None else value >> bits)
                 case "pow":
                     base = series[node.left]

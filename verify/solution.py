@@ -117,31 +117,39 @@ def linear_solution(
 ) -> list[fmpz_poly]:
     """Coefficients in theta of the solution of v' = step * (J v + forcing), v(0) = start.
 
-    The convolutions with coefficients before the current block are one polynomial product each.
+    Coefficients are found in blocks. Inside a block the convolutions with J are sums term by term;
+    what a finished block contributes to later ones is one polynomial product, of blocks that double
+    as often as the position allows (relaxed multiplication).
     """
     bits = arithmetic.bits
     degree = arithmetic.degree
     size = len(start)
     solution: list[list[int]] = [[int(p[0])] if p.length() else [0] for p in start]
-    forces = [[int(c) for c in p.coeffs()] + [0] * (degree - p.length()) for p in forcing]
-    polynomials = [[(j, fmpz_poly(entries)) for j, entries in row.items() if len(entries) > 1] for row in jacobian]
+    forces = [[int(c) << bits for c in p.coeffs()] + [0] * (degree + 1 - p.length()) for p in forcing]
+    constant = [[(j, entries[0]) for j, entries in row.items() if len(entries) == 1] for row in jacobian]
+    varying = [[(j, entries) for j, entries in row.items() if len(entries) > 1] for row in jacobian]
+    factors = [[(j, fmpz_poly(entries)) for j, entries in row] for row in varying]
     for first in range(0, degree, _BLOCK):
         last = min(first + _BLOCK, degree)
-        earlier = [fmpz_poly(values[:first]) for values in solution] if first else []
-        slopes = []
-        for products in polynomials:
-            exact = sum((entries.mul_low(earlier[j], last) for j, entries in products if first), _ZERO)
-            slopes.append([int(exact[n]) for n in range(first, last)])
+        if first:
+            width = _BLOCK * (first // _BLOCK & -(first // _BLOCK))
+            blocks = [fmpz_poly(values[first - width : first]) for values in solution]
+            for force, row in zip(forces, factors, strict=True):
+                if row:
+                    exact = sum(
+                        (entries.truncate(2 * width).mul_low(blocks[j], 2 * width) for j, entries in row), _ZERO
+                    )
+                    for n in range(first, min(first + width, degree)):
+                        force[n] += int(exact[n - first + width])
         for n in range(first, last):
-            for i, row in enumerate(jacobian):
-                slope = slopes[i][n - first]
-                for j, entries in row.items():
-                    if len(entries) == 1:
-                        slope += entries[0] * solution[j][n]
-                    else:
-                        slope += sum(map(mul, entries, solution[j][n : first - 1 if first else None : -1]))
-                slopes[i][n - first] = (slope >> bits) + forces[i][n]
+            slopes = []
             for i in range(size):
-                value = slopes[i][n - first] * step.numerator // (step.denominator * (n + 1))
-                solution[i].append(value)
+                slope = forces[i][n]
+                for j, entry in constant[i]:
+                    slope += entry * solution[j][n]
+                for j, entries in varying[i]:
+                    slope += sum(map(mul, entries, solution[j][n : first - 1 if first else None : -1]))
+                slopes.append((slope >> bits) * step.numerator // (step.denominator * (n + 1)))
+            for i in range(size):
+                solution[i].append(slopes[i])
     return [fmpz_poly(values) for values in solution]
