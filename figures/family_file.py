@@ -1,11 +1,41 @@
-"""Reading family files, the traced families that ``python -m explore`` writes."""
+"""From a family file, written and checked by `explore.family_file`, to the arrays that pictures need."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
+from explore.family_file import FamilyRecord
+from explore.family_file import read_families as read_records
 from figures.family import Family
+from shared.formats import InputError
 
 
 def read_families(path: Path) -> list[Family]:
-    raise NotImplementedError
+    """The families of a file. Raises `InputError`, also for a family of fewer than two orbits."""
+    families = []
+    for index, record in enumerate(read_records(path)):
+        if len(record.orbits) < 2:
+            raise InputError(f"{path}: field families[{index}].orbits: one orbit is no curve; trace at least two")
+        families.append(_family(record))
+    return families
+
+
+def _family(record: FamilyRecord) -> Family:
+    orbits = record.orbits
+    points = np.array([orbit.point for orbit in orbits])
+    integrals = [orbit.first_integral for orbit in orbits if orbit.first_integral is not None]
+    # A complex pair has left both the unit circle and the real axis: no resonance there, a gap in the curve.
+    stability = np.sort([[s.real if s.imag == 0 else np.nan for s in orbit.stability] for orbit in orbits], axis=1)
+    return Family(
+        name=f"{record.label}-{record.name}" if record.label else record.name,
+        system=record.system,
+        parameters=record.parameters,
+        points=points,
+        second_points=np.array([orbit.second_point for orbit in orbits]),
+        periods=np.array([2 * orbit.half_period for orbit in orbits]),
+        levels=np.array(integrals) if integrals else points[:, 0],
+        stability=stability,
+        arclength=np.array([orbit.arclength for orbit in orbits]),
+    )
