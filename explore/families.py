@@ -17,21 +17,17 @@ from typing import Literal
 
 import numpy as np
 
+from explore.arguments import FAMILY_NAMES
 from explore.continuation import Family, Start, StepControl, describe, extend, trace
 from explore.falkner_skan import limit_orbit
 from explore.flow import Matrix
-from explore.libration import LIBRATION_POINTS, distance_to_primaries, libration_point, lyapunov_orbit
+from explore.libration import distance_to_primaries, libration_point, lyapunov_orbit
 from explore.resonances import symmetry_breaking_near
 from explore.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and the fraction done, 0 to 1."""
-
-FAMILIES: Mapping[str, tuple[str, ...]] = {
-    CR3BP.name: tuple(f"{point}-{kind}" for kind in ("halo", "lyapunov") for point in LIBRATION_POINTS),
-    FALKNER_SKAN.name: ("odd",),
-}
 
 CONTROL = StepControl(initial=2e-3, minimum=1e-8, maximum=0.1, turning=0.12)
 AMPLITUDE = 1e-3
@@ -71,9 +67,9 @@ class Limits:
         if system.family_parameter is not None and not self.parameter_min <= orbit.unknowns[0] <= self.parameter_max:
             bound = self.parameter_max if orbit.unknowns[0] > self.parameter_max else self.parameter_min
             return f"limit {system.family_parameter} = {bound:g}"
-        if self.integral_min is not None and orbit.first_integral is not None:
-            if orbit.first_integral <= self.integral_min:
-                return f"limit {system.first_integral_name} = {self.integral_min:g}"
+        integral = orbit.first_integral
+        if self.integral_min is not None and integral is not None and integral <= self.integral_min:
+            return f"limit {system.first_integral_name} = {self.integral_min:g}"
         if system is CR3BP and distance_to_primaries(states, float(problem.parameters["mu"])) <= self.min_distance:
             return f"limit distance to a primary = {self.min_distance:g}"
         return None
@@ -106,7 +102,7 @@ def trace_family(
 
     Raises `FamilyFailure` if no first orbit is found and `ValueError` for an unknown name.
     """
-    if name not in FAMILIES.get(system.name, ()):
+    if name not in FAMILY_NAMES.get(system.name, ()):
         raise ValueError(f"unknown family {name!r} of {system.name}")
     try:
         if system is FALKNER_SKAN:

@@ -108,9 +108,7 @@ class Flow:
 
         Raises `FlowFailure` near a singularity.
         """
-        states, ok = self._samples(
-            np.asarray(initial, dtype=float), float(time), np.asarray(parameters, dtype=float)
-        )
+        states, ok = self._samples(np.asarray(initial, dtype=float), float(time), np.asarray(parameters, dtype=float))
         result = np.asarray(states)
         if not bool(ok) or not np.all(np.isfinite(result)):
             raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g} (near a singularity)")

@@ -66,7 +66,7 @@ def resolve(
     known = [np.atleast_1d(np.asarray(function(place), dtype=float)) for place in nodes]
     places, values = [float(nodes[0])], [known[0]]
 
-    def halve(low: int | float, high: float, guess: Samples, left: int) -> list[tuple[float, Vector]]:
+    def halve(low: float, high: float, guess: Samples, left: int) -> list[tuple[float, Vector]]:
         middle = 0.5 * (low + high)
         value = np.atleast_1d(np.asarray(function(middle), dtype=float))
         error = np.abs(value - _interpolate(guess, middle))
@@ -74,14 +74,18 @@ def resolve(
             return [(middle, value)]
         index = int(np.searchsorted(guess.places, middle))
         finer = Samples(
-            (*guess.places[:index], middle, *guess.places[index:]), (*guess.values[:index], value, *guess.values[index:])
+            (*guess.places[:index], middle, *guess.places[index:]),
+            (*guess.values[:index], value, *guess.values[index:]),
         )
         return [*halve(low, middle, finer, left - 1), (middle, value), *halve(middle, high, finer, left - 1)]
 
     for index in range(len(nodes) - 1):
         first = max(0, min(index - 1, len(nodes) - 4))
         nearby = Samples(tuple(nodes[first : first + 4]), tuple(known[first : first + 4]))
-        for place, value in [*halve(nodes[index], nodes[index + 1], nearby, depth), (nodes[index + 1], known[index + 1])]:
+        for place, value in [
+            *halve(nodes[index], nodes[index + 1], nearby, depth),
+            (nodes[index + 1], known[index + 1]),
+        ]:
             places.append(float(place))
             values.append(value)
         if progress is not None:
@@ -130,7 +134,9 @@ def find_zeros(
             continue
         if _vertex(at[index - 1 : index + 2], (low, middle, high))[1] > 20 * RESOLUTION * (1.0 + middle):
             continue
-        place, value = _minimum(lambda x, sign=sign: sign * function(x), at[index - 1 : index + 2], (low, middle, high), noise)
+        place, value = _minimum(
+            lambda x, sign=sign: sign * function(x), at[index - 1 : index + 2], (low, middle, high), noise
+        )
         if value < -noise:
             left, right = (at[index - 1], place), (place, at[index + 1])
             zeros.append(bracketed_zero(function, left, (f[index - 1], sign * value), tolerance))
@@ -156,9 +162,7 @@ def _with_dense_ends(
     return at, f
 
 
-def bracketed_zero(
-    function: Scalar, ends: tuple[float, float], values: tuple[float, float], tolerance: float
-) -> float:
+def bracketed_zero(function: Scalar, ends: tuple[float, float], values: tuple[float, float], tolerance: float) -> float:
     """A zero between `ends`, where the function has `values` of opposite signs.
 
     Regula falsi; the Illinois rule halves the weight of an end that stays twice in a row, and a
@@ -204,9 +208,7 @@ def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, fl
     return m - slope / (2 * curvature), fm - slope * slope / (4 * curvature)
 
 
-def _minimum(
-    function: Scalar, places: Sequence[float], values: Sequence[float], noise: float
-) -> tuple[float, float]:
+def _minimum(function: Scalar, places: Sequence[float], values: Sequence[float], noise: float) -> tuple[float, float]:
     """The minimum in a bracketing triple of samples, or an earlier place where f < -noise.
 
     Parabolic steps, with golden section steps when they do not shrink the bracket.

@@ -1,0 +1,75 @@
+"""Progress on standard error: a bar with a time estimate in a terminal, a line per stage elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+
+class Reporter:
+    """Messages and progress of one command; everything goes to standard error.
+
+    A context manager. With `quiet` nothing but `error` writes.
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        self._quiet = quiet
+        self._console = Console(stderr=True, highlight=False, soft_wrap=True)
+        self._live = not quiet and self._console.is_terminal
+        self._stage = ""
+        self._task: TaskID | None = None
+        self._progress = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=30),
+            TextColumn("{task.percentage:>3.0f}%"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=self._console,
+            transient=True,
+            disable=not self._live,
+        )
+
+    def __enter__(self) -> Reporter:
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._progress.stop()
+
+    def stage(self, name: str) -> None:
+        """Begin a stage of unknown length."""
+        self._stage = name
+        if self._live:
+            if self._task is not None:
+                self._progress.remove_task(self._task)
+            self._task = self._progress.add_task(name, total=None)
+        else:
+            self.message(f"{name} ...")
+
+    def update(self, detail: str, fraction: float | None) -> None:
+        """Show how far the stage is: `fraction` 0 to 1, or `None` where nobody knows."""
+        if self._task is None:
+            return
+        description = f"{self._stage}: {detail}" if detail else self._stage
+        if fraction is None:
+            self._progress.update(self._task, description=description)
+        else:
+            self._progress.update(self._task, description=description, total=1.0, completed=fraction)
+
+    def message(self, text: str) -> None:
+        """A line for information; none with `quiet`."""
+        if not self._quiet:
+            self.error(text)
+
+    def error(self, text: str) -> None:
+        """A line that is written even with `quiet`."""
+        if self._live:
+            self._console.print(text, markup=False)
+        else:
+            print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,325 @@
+"""The search from start to end: trace families, detect resonances, refine them, write files."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from explore.arguments import Request
+from explore.continuation import Family
+from explore.families import FamilyFailure, Limits, continue_family, trace_family
+from explore.family_file import FamilyRecord, OrbitRecord, ResonanceRecord, read_families, write_families
+from explore.flow import Vector
+from explore.progress import Reporter
+from explore.resonances import Resonance, detect
+from explore.shooting import ShootingProblem, SymmetricOrbit
+from explore.stability import Side
+from shared.formats import Candidate, InputError, read_candidates, write_candidates
+from shared.systems import ReversibleSystem
+
+
+@dataclass(frozen=True)
+class TracedFamily:
+    """A family with the name under which it was asked for and the resonances found on it."""
+
+    name: str
+    label: str
+    family: Family
+    resonances: tuple[Resonance, ...] = ()
+
+    @property
+    def system(self) -> ReversibleSystem:
+        """The family's system."""
+        return self.family.problem.system
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the result table."""
+
+    family: str
+    k: int
+    kind: str
+    point: Vector
+    level: float | Fraction
+    side: Side
+    id: str
+
+
+def run(request: Request) -> int:
+    """Do what a checked command line asks for; returns the exit code. Raises `InputError`."""
+    options = request.options
+    kept: list[Candidate] = []
+    if request.command == "candidates" and options.append and options.output.exists():
+        kept = read_candidates(options.output)
+    resumed = _resumed(request)
+    limits = Limits(
+        max_orbits=options.max_orbits,
+        coordinate_max={} if options.z_max is None else {"z": options.z_max},
+        parameter_min=options.beta_min,
+        parameter_max=options.beta_max,
+        integral_min=options.jacobi_min,
+        min_distance=options.min_distance,
+    )
+    with Reporter(options.quiet) as report:
+        traced, complete = _trace_all(request, resumed, limits, report)
+        if request.family_output is not None and traced:
+            write_families(request.family_output, [_record(family) for family in traced])
+            report.message(f"families written to {request.family_output}")
+        if any(family.family.outcome == "interrupted" for family in traced):
+            where = f"resume with --from-family {request.family_output}" if request.family_output else "nothing written"
+            report.error(f"interrupted while tracing; {where}")
+            return 130
+        if request.command == "family":
+            _print_rows([row for family in traced for row in _float_rows(family)], traced)
+            return 0 if complete else 1
+        return max(0 if complete else 1, _refine_all(request, traced, kept, report))
+
+
+def _resumed(request: Request) -> list[TracedFamily]:
+    if request.options.from_family is None:
+        return []
+    records = read_families(request.options.from_family)
+    wrong = next((record for record in records if request.system not in (None, record.system)), None)
+    if wrong is not None and request.system is not None:
+        raise InputError(
+            f"--system {request.system.name}: {request.options.from_family} holds a family of {wrong.system.name}; "
+            "leave the option out"
+        )
+    return [TracedFamily(record.name, record.label, family_of(record)) for record in records]
+
+
+def _trace_all(
+    request: Request, resumed: list[TracedFamily], limits: Limits, report: Reporter
+) -> tuple[list[TracedFamily], bool]:
+    """All families with their resonances; False if something asked for is missing."""
+    options = request.options
+    traced: list[TracedFamily] = []
+    complete = True
+    known_extent = limits.coordinate_max or (request.system is not None and request.system.family_parameter)
+
+    def progress(message: str, fraction: float) -> None:
+        report.update(message, fraction if known_extent else None)
+
+    for item in resumed or [TracedFamily(name, request.label, None) for name in request.families]:  # type: ignore[arg-type]
+        started = time.monotonic()
+        report.stage(item.name)
+        try:
+            if resumed:
+                family = continue_family(item.family, limits, progress=progress)
+            else:
+                assert request.system is not None
+                family = trace_family(
+                    request.system, item.name, request.parameters, limits, mirrored=options.mirror, progress=progress
+                )
+        except FamilyFailure as error:
+            report.error(f"{item.name}: {error}")
+            complete = False
+            continue
+        item = replace(item, family=family, name=_mirrored_name(item.name, options.mirror))
+        report.message(
+            f"{item.name}: {len(family.orbits)} orbits in {time.monotonic() - started:.1f} s, ends: {family.reason}"
+        )
+        if family.outcome == "failed":
+            complete = False
+        if family.outcome != "interrupted" and options.k:
+            item, found = _detected(item, options.k, report)
+            complete = complete and found
+        traced.append(item)
+        if family.outcome == "interrupted":
+            break
+    return traced, complete
+
+
+def _mirrored_name(name: str, mirrored: bool) -> str:
+    return f"{name}-mirror" if mirrored and name.endswith("halo") else name
+
+
+def _detected(item: TracedFamily, multiplicities: list[int], report: Reporter) -> tuple[TracedFamily, bool]:
+    family = item.family
+    report.stage(f"{item.name}: resonances")
+    length = family.orbits[-1].arclength or 1.0
+    detection = detect(family, multiplicities, progress=lambda place: report.update("", place / length))
+    complete = not detection.undecided
+    for line in detection.undecided:
+        report.error(f"{item.name}: {line}")
+    for k in sorted(set(multiplicities) - {resonance.k for resonance in detection.resonances}):
+        what = "symmetry breaking" if k == 1 else f"1:{k} resonance"
+        report.error(f"{item.name}: no {what} found on the part traced; it ends: {family.reason}")
+        complete = False
+    return replace(item, resonances=detection.resonances), complete
+
+
+def _refine_all(request: Request, traced: list[TracedFamily], kept: list[Candidate], report: Reporter) -> int:
+    from explore.refine import RefinementFailure, refine
+
+    options = request.options
+    wanted = [
+        (item, resonance, side, id) for item in traced for resonance, side, id in _targets(item, options.both_points)
+    ]
+    rows: list[Row] = []
+    candidates: list[Candidate] = []
+    code = 0
+    try:
+        if wanted:
+            report.stage("refining")
+        for index, (item, resonance, side, id) in enumerate(wanted):
+            started = time.monotonic()
+
+            def progress(message: str, fraction: float, index: int = index, id: str = id) -> None:
+                report.update(f"{id}, {message}", (index + fraction) / len(wanted))
+
+            problem = item.family.problem
+            guess = resonance.orbit.centre(side)
+            try:
+                refined = refine(
+                    item.system, problem.parameters, resonance.kind, resonance.k, [float(value) for value in guess],
+                    digits=options.digits, symmetry=resonance.symmetry, progress=progress,
+                )  # fmt: skip
+            except RefinementFailure as error:
+                report.error(f"{id}: not refined: {error}")
+                code = 1
+                continue
+            candidates.append(refined.to_candidate(id, _provenance(item, resonance, side, guess)))
+            level = refined.first_integral if refined.first_integral is not None else refined.centre[0]
+            point = np.array([float(value) for value in refined.centre])
+            rows.append(Row(item.name, resonance.k, resonance.kind, point, level, side, id))
+            report.message(f"{id}: refined to {options.digits} digits in {time.monotonic() - started:.1f} s")
+    except KeyboardInterrupt:
+        report.error(f"interrupted; {len(candidates)} of {len(wanted)} points are refined")
+        code = 130
+    fresh = {candidate.id for candidate in candidates}
+    everything = [candidate for candidate in kept if candidate.id not in fresh] + candidates
+    if not everything:
+        report.error(f"no candidates: {options.output} is not written")
+        return code or 1
+    if candidates or not options.output.exists():
+        write_candidates(options.output, everything)
+        report.message(f"{len(candidates)} candidates written to {options.output} ({len(everything)} in the file)")
+    _print_rows(rows, traced)
+    return code
+
+
+def _targets(item: TracedFamily, both_points: bool) -> list[tuple[Resonance, Side, str]]:
+    """The points to refine, with an id that does not depend on which other k were asked for."""
+    label = "-".join(part for part in (item.label or item.system.name, item.name) if part)
+    counts: dict[int, int] = {}
+    result: list[tuple[Resonance, Side, str]] = []
+    for resonance in item.resonances:
+        counts[resonance.k] = counts.get(resonance.k, 0) + 1
+        id = f"{label}-k{resonance.k}-{counts[resonance.k]}"
+        result.append((resonance, resonance.side, id))
+        if both_points and resonance.other_side and resonance.k > 1:
+            result.append((resonance, "second", f"{id}-second"))
+    return result
+
+
+def _provenance(item: TracedFamily, resonance: Resonance, side: Side, guess: Vector) -> Mapping[str, Any]:
+    return {
+        "family": item.name,
+        "parameters": item.label,
+        "point_on_fix_r": side,
+        "float64_point": [float(value) for value in guess],
+        "float64_first_integral": resonance.orbit.first_integral,
+        "stability_parameters": [[value.real, value.imag] for value in resonance.orbit.stability],
+        "resonant_value": resonance.value,
+        "arclength": resonance.orbit.arclength,
+    }
+
+
+def _float_rows(item: TracedFamily) -> list[Row]:
+    rows: list[Row] = []
+    for resonance, side, id in _targets(item, False):
+        orbit = resonance.orbit
+        level = orbit.first_integral if orbit.first_integral is not None else float(orbit.unknowns[0])
+        rows.append(Row(item.name, resonance.k, resonance.kind, resonance.point, level, side, id))
+    return rows
+
+
+def _print_rows(rows: list[Row], traced: list[TracedFamily]) -> None:
+    """The result table, on standard output."""
+    if not rows:
+        return
+    system = traced[0].system
+    title = system.first_integral_name or system.family_parameter or "parameter"
+    header = ("family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id")
+    lines = [header]
+    for row in rows:
+        point = ", ".join(f"{value:.10g}" for value in row.point)
+        lines.append((row.family, str(row.k), row.kind, row.side, _decimal(row.level), point, row.id))
+    widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
+    for line in lines:
+        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
+
+
+def _decimal(value: float | Fraction, digits: int = 20) -> str:
+    """A number in decimal notation, float64 to 12 digits, exact ones rounded to `digits` places."""
+    if isinstance(value, float):
+        return f"{value:.12g}"
+    scaled = round(value * 10**digits)
+    whole, part = divmod(abs(scaled), 10**digits)
+    return f"{'-' if scaled < 0 else ''}{whole}.{part:0{digits}d}"
+
+
+def _record(item: TracedFamily) -> FamilyRecord:
+    family = item.family
+    return FamilyRecord(
+        name=item.name,
+        label=item.label,
+        system=item.system,
+        parameters=family.problem.parameters,
+        symmetry=family.problem.symmetry,
+        scale=tuple(float(value) for value in family.problem.scales),
+        outcome=family.outcome,
+        reason=family.reason,
+        orbits=tuple(
+            OrbitRecord(
+                arclength=orbit.arclength,
+                point=orbit.centre("first"),
+                second_point=orbit.centre("second"),
+                half_period=orbit.half_period,
+                first_integral=orbit.first_integral,
+                stability=orbit.stability,
+                coefficients=orbit.coefficients,
+                tangent=tangent,
+                crossings=orbit.crossings,
+            )
+            for orbit, tangent in zip(family.orbits, family.tangents, strict=True)
+        ),
+        resonances=tuple(
+            ResonanceRecord(
+                k=resonance.k,
+                kind=resonance.kind,
+                side=resonance.side,
+                point=resonance.point,
+                arclength=resonance.orbit.arclength,
+                first_integral=resonance.orbit.first_integral,
+                stability_parameter=resonance.value,
+            )
+            for resonance in item.resonances
+        ),
+    )
+
+
+def family_of(record: FamilyRecord) -> Family:
+    """A family from a file, ready to be searched and continued."""
+    problem = ShootingProblem(record.system, record.parameters, record.symmetry, record.scale)
+    fixed = len(record.system.fixed_coordinates)
+    orbits = tuple(
+        SymmetricOrbit(
+            unknowns=np.append(orbit.point, orbit.half_period),
+            second_point=orbit.second_point[-fixed:],
+            first_integral=orbit.first_integral,
+            coefficients=orbit.coefficients,
+            arclength=orbit.arclength,
+            crossings=orbit.crossings,
+        )
+        for orbit in record.orbits
+    )
+    tangents = tuple(orbit.tangent for orbit in record.orbits)
+    return Family(problem, orbits, tangents, record.outcome, record.reason)  # type: ignore[arg-type]
