@@ -12,6 +12,7 @@ import os
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from importlib import resources
@@ -84,12 +85,15 @@ def _text(value: Fraction) -> str:
     denominator = value.denominator
     if denominator & (denominator - 1) == 0:
         return format_dyadic(value)
-    digits = 0
-    while (value * 10**digits).denominator != 1:
-        digits += 1
-        if digits > denominator.bit_length():
-            raise ValueError(f"{value} is neither dyadic nor decimal")
-    return f"{(value * 10**digits).numerator}e-{digits}"
+    twos = (denominator & -denominator).bit_length() - 1
+    rest, fives = denominator >> twos, 0
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
+    if rest != 1:
+        raise ValueError(f"{value} is neither dyadic nor decimal")
+    digits = max(twos, fives)
+    # Decimal writes integers of any length; int refuses beyond some thousand digits.
+    return f"{Decimal((value * 10**digits).numerator)}e-{digits}"
 
 
 @cache

@@ -69,8 +69,8 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
 def _statement(candidate: Candidate) -> str:
     system, k = candidate.system, candidate.k
     parameter = parameter_name(candidate)
-    fixed = ", ".join(f"{name} = {value}" for name, value in candidate.parameters.items())
-    where = f"{system.title}{' with ' + fixed if fixed else ''}"
+    fixed = ", ".join(candidate.parameters)
+    where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
     origin = (
         f"the R-symmetric period-two points of the Poincare map P of the {where} in the box are one regular curve"
         if k > 1

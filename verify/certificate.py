@@ -1,0 +1,142 @@
+"""Certificates: statement, hypotheses, verdict and computation, as JSON (docs/method.md, section 10)."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from importlib import metadata, resources
+from pathlib import Path
+from typing import Any
+
+import flint
+from flint import arb
+
+from shared.formats import Candidate, InputError, read_document, write_document
+from verify.ball_text import ball_to_json
+from verify.outcome import Hypothesis, Outcome, Proved, Theorem
+from verify.theorems import theorem_of
+
+Certificate = dict[str, Any]
+"""A JSON object that fits the definition ``certificate`` of shared/schemas/certificates.schema.json."""
+
+
+@cache
+def software() -> dict[str, str]:
+    """Names and versions of what computes, with a digest of the sources of verify and shared."""
+    try:
+        version = metadata.version("orbitproof")
+    except metadata.PackageNotFoundError:
+        version = "not installed"
+    return {
+        "orbitproof": version,
+        "source": _source_digest(),
+        "python": platform.python_version(),
+        "python-flint": str(flint.__version__),
+        "FLINT": str(flint.__FLINT_VERSION__),
+    }
+
+
+def _source_digest() -> str:
+    digest = hashlib.sha256()
+    for package in ("shared", "verify"):
+        files = [entry for entry in resources.files(package).iterdir() if entry.name.endswith(".py")]
+        for entry in sorted(files, key=lambda file: file.name):
+            digest.update(f"{package}/{entry.name}\0".encode() + entry.read_bytes() + b"\0")
+    return f"sha256:{digest.hexdigest()}"
+
+
+def statement(candidate: Candidate) -> dict[str, Any]:
+    """The claim in full: the candidate without provenance, and the system that it is about."""
+    system = candidate.system
+    integral = system.first_integral_program
+    return {
+        "candidate": candidate.to_json(provenance=False),
+        "vector_field": system.program.text(),
+        "first_integral": None if integral is None else integral.text(),
+        "reversing_symmetry": list(system.reversing_symmetry),
+        "symmetry": None if candidate.symmetry is None else list(system.symmetries[candidate.symmetry]),
+        "section": system.section,
+    }
+
+
+def make_certificate(candidate: Candidate, outcome: Outcome, computation: Mapping[str, Any]) -> Certificate:
+    """The certificate of one candidate; `computation` is the object of that name in the schema."""
+    claim = statement(candidate)
+    if isinstance(outcome, Proved):
+        results = outcome.results
+        return {
+            "id": candidate.id,
+            "statement": {**claim, "theorem": outcome.theorem.statement},
+            "verdict": "proved",
+            "reason": None,
+            "hypotheses": [_hypothesis(hypothesis) for hypothesis in outcome.hypotheses],
+            "results": {
+                "point": _balls(results.point),
+                "parameter_name": results.parameter_name,
+                "parameter": ball_to_json(results.parameter),
+                "side": results.side,
+                "normal_form": _balls(results.normal_form),
+            },
+            "computation": dict(computation),
+            "software": software(),
+        }
+    reason = outcome.reason
+    return {
+        "id": candidate.id,
+        "statement": claim,
+        "verdict": "not proved",
+        "reason": {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
+        "hypotheses": [_hypothesis(hypothesis) for hypothesis in outcome.hypotheses],
+        "results": None,
+        "computation": dict(computation),
+        "software": software(),
+    }
+
+
+def _hypothesis(hypothesis: Hypothesis) -> dict[str, Any]:
+    return {
+        "name": hypothesis.name,
+        "statement": hypothesis.statement,
+        "section": hypothesis.section,
+        "holds": hypothesis.holds,
+        "enclosures": _balls(hypothesis.enclosures),
+    }
+
+
+def _balls(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
+    return {name: ball_to_json(ball) for name, ball in balls.items() if ball.is_finite()}
+
+
+def is_proof_of(certificate: Mapping[str, Any], candidate: Candidate) -> bool:
+    """Whether a stored certificate proves exactly this candidate, by exactly this software."""
+    theorem = theorem_of(candidate)
+    return (
+        isinstance(theorem, Theorem)
+        and certificate["verdict"] == "proved"
+        and certificate["statement"] == {**statement(candidate), "theorem": theorem.statement}
+        and certificate.get("software") == software()
+        and tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"]) == theorem.hypotheses
+        and all(hypothesis["holds"] is True for hypothesis in certificate["hypotheses"])
+    )
+
+
+def read_certificates(path: Path) -> dict[str, Certificate]:
+    """The certificates of a file by candidate id. Raises `InputError` for anything else."""
+    entries: Sequence[Certificate] = read_document(path, "certificates")["certificates"]
+    result = {entry["id"]: entry for entry in entries}
+    if len(result) != len(entries):
+        raise InputError(f"{path}: field certificates: an id appears twice; write the file again with --fresh")
+    return result
+
+
+def write_certificates(path: Path, certificates: Iterable[Certificate]) -> None:
+    """Write a certificates file, whole or not at all. Raises `InputError` if it cannot be written."""
+    document = {
+        "format": "orbitproof-certificates",
+        "version": 1,
+        "software": software(),
+        "certificates": list(certificates),
+    }
+    write_document(path, document, "certificates")

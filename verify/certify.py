@@ -1,0 +1,227 @@
+"""Certification of one candidate: symmetries, frames, integration, conditions; more precision if it helps.
+
+The first precision follows from the radii; whatever fails for want of precision is tried again with
+more, up to a limit. Nothing that a well-formed candidate can contain raises an exception here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import ceil
+
+from flint import arb, ctx
+
+from shared.formats import Candidate
+from verify.ball_text import count_certain_digits
+from verify.balls import is_below
+from verify.certificate import Certificate, make_certificate
+from verify.failure import IntegrationFailure
+from verify.outcome import Checklist, NotEstablishedError, NotProved, Outcome, Proved, Reason
+from verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+from verify.symmetry import check_symmetries
+from verify.theorems import prepare, prove, theorem_of
+
+Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Enclosures]
+Progress = Callable[[float, str], None]
+
+LEAST_PRECISION = 64
+GUARD_BITS = 64
+"""Bits that the conditions are evaluated with beyond those of the integration."""
+
+_ERROR_GROWTH_BITS = 48
+_BITS_PER_DIGIT = 3.33
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far to go for one candidate.
+
+    Attributes:
+        max_precision: bits that are never exceeded.
+        digits: certain digits of the parameter to aim for; a proof with fewer stands all the same.
+        timeout: seconds, or `None`; looked at between integration steps.
+    """
+
+    max_precision: int = 1024
+    digits: int = 30
+    timeout: float | None = None
+
+
+class _OutOfTime(Exception):
+    """The time limit of the row has passed."""
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    outcome: Outcome
+    precision: int
+    order: int
+    steps: int
+
+
+def first_precision(candidate: Candidate, digits: int) -> int:
+    """Bits to begin with.
+
+    The error of G_1 is the orbit's error over R_1; it has to stay well below R_0 G_01 for C3, and
+    below the wanted digits of the bifurcation value.
+    """
+    r_0, r_1 = (_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii[:2])
+    wanted = max(r_0, ceil(digits * _BITS_PER_DIGIT)) + r_1 + _ERROR_GROWTH_BITS
+    return max(LEAST_PRECISION, -(-wanted // 16) * 16)
+
+
+def _bits_below_one(numerator: int, denominator: int) -> int:
+    return max(0, denominator.bit_length() - numerator.bit_length())
+
+
+def certify(
+    candidate: Candidate,
+    limits: Limits | None = None,
+    progress: Progress | None = None,
+    integrate: Integrator = enclose_iterates,
+) -> Certificate:
+    """The certificate of a candidate, proved or not.
+
+    `progress` is called with the fraction of the current attempt and a word on what is being done.
+    """
+    limits = Limits() if limits is None else limits
+    start = time.monotonic()
+    deadline = None if limits.timeout is None else start + limits.timeout
+    attempts = 0
+    best: _Attempt | None = None
+    previous: _Attempt | None = None
+
+    def report(fraction: float) -> None:
+        if deadline is not None and time.monotonic() > deadline:
+            raise _OutOfTime
+        if progress is not None:
+            progress(fraction, f"{precision} bits" if attempts == 1 else f"{precision} bits, attempt {attempts}")
+
+    precision = min(first_precision(candidate, limits.digits), limits.max_precision)
+    while True:
+        attempts += 1
+        try:
+            report(0.0)
+            attempt = _attempt(candidate, precision, report, integrate)
+        except _OutOfTime:
+            best = _stopped(best, precision, limits)
+            break
+        more = _more_precision(attempt, previous, limits)
+        best, previous = _better(best, attempt), attempt
+        if more is None:
+            break
+        if more <= precision:
+            best = _at_the_limit(best, limits)
+            break
+        precision = more
+    assert best is not None
+    computation = {
+        "precision": best.precision,
+        "order": best.order,
+        "steps": best.steps,
+        "attempts": attempts,
+        "seconds": round(time.monotonic() - start, 3),
+    }
+    return make_certificate(candidate, best.outcome, computation)
+
+
+def _better(old: _Attempt | None, new: _Attempt) -> _Attempt:
+    keep_old = old is not None and isinstance(old.outcome, Proved) and isinstance(new.outcome, NotProved)
+    return old if keep_old and old is not None else new
+
+
+def _stopped(best: _Attempt | None, precision: int, limits: Limits) -> _Attempt:
+    """What is left when time is up: a proof at hand stands, only its further digits are given up."""
+    remedy = "give --row-timeout more seconds"
+    message = f"the time limit of {limits.timeout:g} s has passed at {precision} bits"
+    if best is None:
+        return _Attempt(NotProved(Reason("time", message, remedy)), precision, 0, 0)
+    if isinstance(best.outcome, Proved):
+        return best
+    message += f"; before that, {best.outcome.reason.message}"
+    return replace(best, outcome=replace(best.outcome, reason=Reason("time", message, remedy)))
+
+
+def _more_precision(attempt: _Attempt, previous: _Attempt | None, limits: Limits) -> int | None:
+    """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
+    precision, outcome = attempt.precision, attempt.outcome
+    if isinstance(outcome, NotProved):
+        if not outcome.reason.needs_precision or not _narrower(outcome, previous):
+            return None
+        return min(precision + max(32, precision // 4), limits.max_precision)
+    missing = limits.digits - count_certain_digits(outcome.results.parameter)
+    wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16
+    tried = previous is not None and isinstance(previous.outcome, Proved)
+    return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None
+
+
+def _narrower(outcome: NotProved, previous: _Attempt | None) -> bool:
+    """Whether the condition that failed has an enclosure that the last attempt made half as wide.
+
+    True if there is nothing to compare with.
+    """
+    if previous is None or isinstance(previous.outcome, Proved):
+        return True
+    if previous.outcome.reason.condition != outcome.reason.condition:
+        return True
+    before, now = (_enclosures(result) for result in (previous.outcome, outcome))
+    pairs = [(before[name], now[name]) for name in before if name in now]
+    return not pairs or any(is_below(2 * new.rad(), old.rad()) for old, new in pairs)
+
+
+def _enclosures(outcome: NotProved) -> dict[str, arb]:
+    condition = outcome.reason.condition
+    found = [hypothesis.enclosures for hypothesis in outcome.hypotheses if hypothesis.name == condition]
+    return {name: ball for name, ball in found[-1].items() if ball.is_finite()} if found else {}
+
+
+def _at_the_limit(attempt: _Attempt, limits: Limits) -> _Attempt:
+    outcome = attempt.outcome
+    if isinstance(outcome, Proved):
+        return attempt
+    reason = replace(
+        outcome.reason,
+        message=f"{outcome.reason.message} (at the limit of {limits.max_precision} bits)",
+        remedy=f"{outcome.reason.remedy}; or give --max-precision more",
+    )
+    return replace(attempt, outcome=replace(outcome, reason=reason))
+
+
+def _attempt(candidate: Candidate, precision: int, report: Callable[[float], None], integrate: Integrator) -> _Attempt:
+    checklist = Checklist()
+
+    def refused(reason: Reason, order: int = 0, steps: int = 0) -> _Attempt:
+        return _Attempt(NotProved(reason, tuple(checklist.hypotheses)), precision, order, steps)
+
+    theorem = theorem_of(candidate)
+    if isinstance(theorem, Reason):
+        return refused(theorem)
+    with ctx.workprec(precision + GUARD_BITS):
+        try:
+            _symmetries(checklist, candidate)
+            prepare(candidate, checklist)
+            enclosures = integrate(candidate, IntegratorSettings(precision), report)
+        except NotEstablishedError as error:
+            return refused(error.reason)
+        except IntegrationFailure as error:
+            return refused(Reason(error.condition, error.message, error.remedy, error.needs_precision))
+        except (ArithmeticError, ValueError) as error:
+            message = f"the integration broke off: {type(error).__name__}: {error}"
+            return refused(Reason("integration", message, "smaller radii or another centre"))
+        outcome = prove(candidate, checklist, enclosures.iterates, enclosures.first_integral)
+        return _Attempt(outcome, precision, enclosures.order, enclosures.steps)
+
+
+def _symmetries(checklist: Checklist, candidate: Candidate) -> None:
+    """R reverses the flow, S commutes with it, both leave the first integral unchanged."""
+    with checklist.hypothesis(
+        "symmetries", "1", "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the "
+        "program; R and S leave the first integral unchanged", "correct the description of the system",
+    ) as evidence:  # fmt: skip
+        try:
+            check_symmetries(candidate.system, candidate.symmetry)
+            evidence.require(True, "")
+        except IntegrationFailure as error:
+            evidence.require(False, error.message)
