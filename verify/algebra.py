@@ -32,12 +32,14 @@ class Arithmetic:
         bits: fractional bits of grade 0.
         grade_bits: further fractional bits per grade.
         degree: largest degree in theta that is kept, N.
+        grade_loss: significant bits that a coefficient is expected to lose per grade.
     """
 
     grading: Grading
     bits: int
     grade_bits: int
     degree: int
+    grade_loss: int = 0
 
     @cached_property
     def one(self) -> fmpz:
@@ -54,6 +56,10 @@ class Arithmetic:
         """For each grade, a bound for the rounding of one polynomial: degree + 1 units."""
         top = self.grading.top
         return tuple(float_above(self.degree + 1, -self.bits - grade * self.grade_bits) for grade in range(top + 1))
+
+    def spare_bits(self, grade: int) -> int:
+        """Bits by which the significant part of a coefficient of this grade is shorter than grade 0."""
+        return min(max(0, self.bits - 64), grade * self.grade_loss)
 
     def zero_errors(self) -> GradedNorm:
         """Errors of an exact element."""

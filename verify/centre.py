@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from math import inf, isfinite, log2
 from operator import mul
 from typing import Any
 
@@ -139,19 +140,23 @@ def _coefficients(
     return solution
 
 
-def step_size(coefficients: Sequence[Sequence[float]], log2_tolerance: float) -> float:
-    """A step for which the last Taylor coefficients fall below 2^log2_tolerance times the solution's size.
+def step_size(coefficients: Sequence[Sequence[float]], log2_tolerance: float, degree: int) -> float:
+    """A step for which the Taylor coefficient of order `degree` falls below 2^log2_tolerance.
 
-    Raises `IntegrationFailure` if the coefficients are not finite.
+    The given coefficients may end earlier; their decay is extrapolated. Raises `IntegrationFailure`
+    if they are not finite.
     """
-    from math import inf, isfinite, log2
-
-    degree = len(coefficients[0]) - 1
-    best = inf
-    for n in (degree - 1, degree):
+    order = len(coefficients[0]) - 1
+    half = order // 2
+    sizes = []
+    for n in (half - 1, half, order - 1, order):
         size = max(abs(series[n]) for series in coefficients)
         if not isfinite(size):
             raise _singular()
-        if size > 0:
-            best = min(best, (log2_tolerance - log2(size)) / n)
-    return float(2.0 ** min(best, 20.0))
+        sizes.append(log2(size) if size > 0 else -inf)
+    early, late = max(sizes[:2]), max(sizes[2:])
+    if late == -inf:
+        return 2.0**20
+    decay = (late - early) / (order - half) if early > -inf else 0.0
+    last = late + decay * (degree - order)
+    return float(2.0 ** min((log2_tolerance - last) / degree, 20.0))

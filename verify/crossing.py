@@ -80,7 +80,11 @@ class CrossingCounter:
             )
         if sign != self._side:
             if self.velocity_sign != sign:
-                raise ValueError("a crossing against the velocity: the enclosures contradict each other")
+                raise IntegrationFailure(
+                    "crossing count",
+                    "a crossing against the velocity: the enclosures contradict each other",
+                    "this is an error of the integrator; please report it",
+                )
             self.crossings += 1
             self._side = sign
         self.velocity_sign = 0

@@ -23,7 +23,7 @@ from verify.norms import GradedNorm, inflate
 _NORM_BITS = 96
 _RATIO = 2.0**-40
 _SLACK = 1.0 + 2.0**-30
-_FLOOR = 2.0**-1000
+_FLOOR = 2.0**-960
 
 _MINUS_ONE = Fraction(-1)
 

@@ -31,6 +31,7 @@ BOX_RATIO = Fraction(1, 4)
 _MAX_STEPS = 4000
 _STEP_BITS = 12
 _HEADROOM = 40
+_ROUGH_DEGREE = 32
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,8 @@ class _Integration:
         self.scales = [radius / BOX_RATIO for radius in candidate.radii]
         bits = settings.precision
         order = settings.order if settings.order is not None else default_order(bits)
-        self.arithmetic = Arithmetic(grading, bits, _grade_bits(grading, self.scales, bits), order)
+        further, loss = _grade_bits(grading, self.scales, bits)
+        self.arithmetic = Arithmetic(grading, bits, further, order, loss)
         self.program = prepare(system.program)
         self.section_program = build_section_program(system)
         point = self._box()
@@ -179,9 +181,9 @@ class _Integration:
         unit = 2.0**-60
         rough = float_coefficients(
             self.program, [(c >> (bits - 60)) * unit for c in centre],
-            [(c >> (bits - 60)) * unit for c in constants], degree,
+            [(c >> (bits - 60)) * unit for c in constants], _ROUGH_DEGREE,
         )  # fmt: skip
-        size = step_size(rough, self.tolerance)
+        size = step_size(rough, self.tolerance, degree)
         step = _dyadic_below(size)
         coefficients = fixed_coefficients(self.program, centre, constants, degree, bits, step)
         root = _next_crossing(coefficients[self.system.section_index], bits, self.at_section)
@@ -233,8 +235,8 @@ def default_order(precision: int) -> int:
     return max(16, precision * 3 // 8)
 
 
-def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> int:
-    """Further fractional bits per grade, so that a coefficient of grade g keeps enough significant bits.
+def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tuple[int, int]:
+    """Further fractional bits per grade, and the significant bits that a coefficient loses per grade.
 
     Scaled initial values of a variable of weight w are about 2^-(w s); with s - d further bits per
     grade, grade g keeps about bits - g d significant bits.
@@ -244,7 +246,9 @@ def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> int:
         for scale, weight in zip(scales, grading.weights, strict=True)
     ]
     spare = max(0, bits - 2 * _HEADROOM) // grading.top
-    return max(0, floor(max(logs)) - spare)
+    size = max(0, floor(max(logs)))
+    loss = min(size, spare)
+    return size - loss, loss
 
 
 def _dyadic_below(size: float) -> Fraction:

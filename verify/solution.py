@@ -48,6 +48,7 @@ def solve(
         solution[component][0] = fmpz_poly(list(centre[component]))
     evaluation.fill(0, [row[0] for row in (*solution, *parameters)])
     jacobian = centre_jacobian(evaluation, size)
+    rounded: dict[int, Jacobian] = {}
     for position in monomials[1:]:
         constants = [row[position] for row in parameters]
         factors = arithmetic.grading.factors[position]
@@ -59,7 +60,10 @@ def solve(
             forcing = [_ZERO] * size
         start = [row[position] for row in initial]
         if forced or any(p.length() for p in start):
-            columns = linear_solution(arithmetic, jacobian, forcing, start, step)
+            grade = arithmetic.grading.grades[position]
+            if grade not in rounded:
+                rounded[grade] = _rounded(jacobian, arithmetic.spare_bits(grade))
+            columns = linear_solution(arithmetic, rounded[grade], forcing, start, step, arithmetic.spare_bits(grade))
             for component in range(size):
                 solution[component][position] = columns[component]
         evaluation.fill(position, [row[position] for row in solution] + constants)
@@ -108,20 +112,27 @@ def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
     ]
 
 
+def _rounded(jacobian: Jacobian, bits: int) -> Jacobian:
+    return [{j: [entry >> bits for entry in entries] for j, entries in row.items()} for row in jacobian]
+
+
 def linear_solution(
     arithmetic: Arithmetic,
     jacobian: Jacobian,
     forcing: Sequence[fmpz_poly],
     start: Sequence[fmpz_poly],
     step: Fraction,
+    spare: int = 0,
 ) -> list[fmpz_poly]:
     """Coefficients in theta of the solution of v' = step * (J v + forcing), v(0) = start.
+
+    `jacobian` has `spare` fractional bits less than the format.
 
     Coefficients are found in blocks. Inside a block the convolutions with J are sums term by term;
     what a finished block contributes to later ones is one polynomial product, of blocks that double
     as often as the position allows (relaxed multiplication).
     """
-    bits = arithmetic.bits
+    bits = arithmetic.bits - spare
     degree = arithmetic.degree
     size = len(start)
     solution: list[list[int]] = [[int(p[0])] if p.length() else [0] for p in start]

@@ -110,7 +110,7 @@ def _tube(
     size = len(solution)
     start = np.array(sources)
     constants = [centre_and_norms(coarse, p, arithmetic.zero_errors()) for p in parameters]
-    tube = 16.0 * start + 2.0**-990
+    tube = 16.0 * start + 2.0**-950
     for _ in range(_ATTEMPTS):
         inputs = [centre_and_norms(coarse, x, [float(t) for t in row]) for x, row in zip(solution, tube, strict=True)]
         bounds, slopes = derivative_bounds(program, size, [*inputs, *constants])
