@@ -183,7 +183,7 @@ class Series:
         """The product with an exact constant."""
         arithmetic = self.arithmetic
         coefs, lost = scale_coefficients(arithmetic, self.coefs, factor)
-        size = float_above(-(-abs(factor.numerator) << 60) // factor.denominator, -60)
+        size = float_above(-((-abs(factor.numerator) << 60) // factor.denominator), -60)
         return Series(arithmetic, coefs, [inflate(size * e + loss) for e, loss in zip(self.errors, lost, strict=True)])
 
     def at_end(self) -> Series:
