@@ -6,6 +6,7 @@ Everything wrong with them is an `InputError`: one line that names the option an
 from __future__ import annotations
 
 import argparse
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -70,6 +71,13 @@ def _count(text: str) -> int:
     return value
 
 
+def _jobs(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= 1024:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of processes from 1 to 1024")
+    return value
+
+
 def _multiplicity(text: str) -> int:
     value = int(text)
     if not 1 <= value <= MAX_MULTIPLICITY:
@@ -84,10 +92,11 @@ def _digits(text: str) -> int:
     return value
 
 
-for _type, _name in ((_positive, "number"), (_number, "number"), (_count, "whole number")):
-    _type.__name__ = _name
-_multiplicity.__name__ = "multiplicity"
-_digits.__name__ = "digits"
+# argparse names the type in its message about text that is no number at all.
+for _type in (_positive, _number):
+    _type.__name__ = "number"
+for _type in (_count, _jobs, _multiplicity, _digits):
+    _type.__name__ = "whole number"
 
 
 def parser() -> Parser:
@@ -113,6 +122,10 @@ def parser() -> Parser:
     candidates.add_argument(
         "--digits", type=_digits, default=50, metavar="N",
         help="decimal digits of the refined points (default: %(default)s)",
+    )  # fmt: skip
+    candidates.add_argument(
+        "--jobs", type=_jobs, default=os.cpu_count() or 1, metavar="N",
+        help="points that are refined at the same time (default: the number of processors, %(default)s)",
     )  # fmt: skip
     candidates.add_argument(
         "--both-points", action="store_true",

@@ -16,6 +16,7 @@ from explore.families import FamilyFailure, Limits, continue_family, trace_famil
 from explore.family_file import FamilyRecord, OrbitRecord, ResonanceRecord, read_families, write_families
 from explore.flow import Vector
 from explore.progress import Reporter
+from explore.refining import Refined, Task, refine_tasks
 from explore.resonances import Resonance, detect
 from explore.shooting import ShootingProblem, SymmetricOrbit
 from explore.stability import Side
@@ -156,53 +157,48 @@ def _detected(item: TracedFamily, multiplicities: list[int], report: Reporter) -
 
 
 def _refine_all(request: Request, traced: list[TracedFamily], kept: list[Candidate], report: Reporter) -> int:
-    from explore.refine import RefinementFailure, refine
-
     options = request.options
-    wanted = [
-        (item, resonance, side, id) for item in traced for resonance, side, id in _targets(item, options.both_points)
-    ]
-    rows: list[Row] = []
-    candidates: list[Candidate] = []
+    targets = [(item, *target) for item in traced for target in _targets(item, options.both_points)]
+    tasks = [_task(item, resonance, side, id, options.digits) for item, resonance, side, id in targets]
+    done: dict[int, Refined] = {}
     code = 0
     try:
-        if wanted:
+        if tasks:
             report.stage("refining")
-        for index, (item, resonance, side, id) in enumerate(wanted):
-            started = time.monotonic()
-
-            def progress(message: str, fraction: float, index: int = index, id: str = id) -> None:
-                report.update(f"{id}, {message}", (index + fraction) / len(wanted))
-
-            problem = item.family.problem
-            guess = resonance.orbit.centre(side)
-            try:
-                refined = refine(
-                    item.system, problem.parameters, resonance.kind, resonance.k, [float(value) for value in guess],
-                    digits=options.digits, symmetry=resonance.symmetry, progress=progress,
-                )  # fmt: skip
-            except RefinementFailure as error:
-                report.error(f"{id}: not refined: {error}")
+        for index, result in refine_tasks(tasks, options.jobs, report.update):
+            if result.failure is not None:
+                report.error(f"{result.task.id}: not refined: {result.failure}")
                 code = 1
                 continue
-            candidates.append(refined.to_candidate(id, _provenance(item, resonance, side, guess)))
-            level = refined.first_integral if refined.first_integral is not None else refined.centre[0]
-            point = np.array([float(value) for value in refined.centre])
-            rows.append(Row(item.name, resonance.k, resonance.kind, point, level, side, id))
-            report.message(f"{id}: refined to {options.digits} digits in {time.monotonic() - started:.1f} s")
+            done[index] = result
+            report.message(f"{result.task.id}: refined to {options.digits} digits in {result.seconds:.1f} s")
     except KeyboardInterrupt:
-        report.error(f"interrupted; {len(candidates)} of {len(wanted)} points are refined")
+        report.error(f"interrupted; {len(done)} of {len(tasks)} points are refined")
         code = 130
+    candidates = [done[index].candidate for index in sorted(done)]
     fresh = {candidate.id for candidate in candidates}
     everything = [candidate for candidate in kept if candidate.id not in fresh] + candidates
-    if not everything:
-        report.error(f"no candidates: {options.output} is not written")
+    if not candidates:
+        report.error(f"no candidates found; nothing is written to {options.output}")
         return code or 1
-    if candidates or not options.output.exists():
-        write_candidates(options.output, everything)
-        report.message(f"{len(candidates)} candidates written to {options.output} ({len(everything)} in the file)")
+    write_candidates(options.output, everything)
+    report.message(f"{len(candidates)} candidates written to {options.output} ({len(everything)} in the file)")
+    rows: list[Row] = []
+    for index in sorted(done):
+        item, resonance, side, id = targets[index]
+        point = np.array([float(value) for value in done[index].candidate.centre])
+        rows.append(Row(item.name, resonance.k, resonance.kind, point, done[index].level, side, id))
     _print_rows(rows, traced)
     return code
+
+
+def _task(item: TracedFamily, resonance: Resonance, side: Side, id: str, digits: int) -> Task:
+    guess = resonance.orbit.centre(side)
+    return Task(
+        id=id, system=item.system.name, parameters=dict(item.family.problem.parameters), kind=resonance.kind,
+        k=resonance.k, symmetry=resonance.symmetry, guess=tuple(float(value) for value in guess), digits=digits,
+        provenance=_provenance(item, resonance, side, guess),
+    )  # fmt: skip
 
 
 def _targets(item: TracedFamily, both_points: bool) -> list[tuple[Resonance, Side, str]]:
