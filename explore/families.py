@@ -32,6 +32,7 @@ Progress = Callable[[str, float], None]
 CONTROL = StepControl(initial=2e-3, minimum=1e-8, maximum=0.1, turning=0.12)
 AMPLITUDE = 1e-3
 BETA_START = 100.0
+PLANAR_ORBITS = 2000
 
 
 class FamilyFailure(Exception):
@@ -163,6 +164,8 @@ def _falkner_skan(parameters: Mapping[str, Fraction], limits: Limits, progress: 
             control=CONTROL,
             max_orbits=limits.max_orbits,
         )
+        if approach.orbits[-1].unknowns[0] > limits.parameter_min:
+            raise CorrectionFailure(f"beta = {limits.parameter_min:g} is not reached: {approach.reason}")
         start = Start(approach.orbits[-1].unknowns, -approach.tangents[-1])
     return trace(
         problem, start, _stop(problem, replace(limits, parameter_min=-np.inf), ()), control=CONTROL,
@@ -207,7 +210,7 @@ def _halo(
 
     if progress is not None:
         progress("tracing the planar family", 0.0)
-    planar = _lyapunov(point, parameters, Limits(max_orbits=limits.max_orbits), breaks, None)
+    planar = _lyapunov(point, parameters, Limits(max_orbits=PLANAR_ORBITS), breaks, None)
     if planar.outcome == "interrupted":
         raise KeyboardInterrupt
     if planar.reason.partition(" (")[0] != "S breaks":
