@@ -20,9 +20,9 @@ import numpy as np
 from explore.arguments import FAMILY_NAMES
 from explore.continuation import Family, Start, StepControl, describe, extend, trace
 from explore.falkner_skan import limit_orbit
-from explore.flow import Matrix
+from explore.flow import FlowFailure, Matrix
 from explore.libration import distance_to_primaries, libration_point, lyapunov_orbit
-from explore.resonances import symmetry_breaking_near
+from explore.resonances import symmetry_breaking_near, symmetry_breakings, until_breaking
 from explore.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 
@@ -110,7 +110,7 @@ def trace_family(
             return _falkner_skan(parameters, limits, progress)
         point, _, kind = name.partition("-")
         if kind == "lyapunov":
-            return _lyapunov(point, parameters, limits, None, progress)
+            return _lyapunov(point, parameters, limits, progress)
         return _halo(point, parameters, limits, -1 if mirrored else 1, progress)
     except CorrectionFailure as error:
         raise FamilyFailure(f"no first orbit of {name}: {error}") from None
@@ -122,7 +122,7 @@ def continue_family(family: Family, limits: Limits, *, progress: Progress | None
     last = family.orbits[-1]
     try:
         states = problem.samples(last.unknowns)
-    except Exception as error:
+    except FlowFailure as error:
         raise FamilyFailure(f"the last orbit cannot be integrated: {error}") from None
     if family.outcome == "closed" or limits.reached(problem, last, states) is not None:
         return family
@@ -182,49 +182,34 @@ def _planar_start(point: str, parameters: Mapping[str, Fraction]) -> tuple[Shoot
     return problem, Start(np.append(orbit.state[fixed], orbit.half_period), np.append(orbit.direction[fixed], 0.0))
 
 
-def _lyapunov(
-    point: str,
-    parameters: Mapping[str, Fraction],
-    limits: Limits,
-    stop: Callable[[ShootingProblem, SymmetricOrbit], str | None] | None,
-    progress: Progress | None,
-) -> Family:
+def _lyapunov(point: str, parameters: Mapping[str, Fraction], limits: Limits, progress: Progress | None) -> Family:
     problem, start = _planar_start(point, parameters)
-
-    def stops(orbit: SymmetricOrbit, states: Matrix) -> str | None:
-        reason = stop(problem, orbit) if stop is not None else None
-        return reason or limits.reached(problem, orbit, states)
-
-    report = _report(problem, limits, progress)
-    return trace(problem, start, stops, control=CONTROL, max_orbits=limits.max_orbits, progress=report)
+    return trace(
+        problem, start, _stop(problem, limits, ()), control=CONTROL, max_orbits=limits.max_orbits,
+        progress=_report(problem, limits, progress),
+    )  # fmt: skip
 
 
 def _halo(
     point: str, parameters: Mapping[str, Fraction], limits: Limits, sign: Literal[1, -1], progress: Progress | None
 ) -> Family:
-    values: list[float] = []
-
-    def breaks(problem: ShootingProblem, orbit: SymmetricOrbit) -> str | None:
-        values.append(problem.symmetry_breaking_function(orbit))
-        return "S breaks" if values[-1] * values[0] < 0 else None
-
     if progress is not None:
         progress("tracing the planar family", 0.0)
-    planar = _lyapunov(point, parameters, Limits(max_orbits=PLANAR_ORBITS), breaks, None)
-    if planar.outcome == "interrupted":
+    planar, start = _planar_start(point, parameters)
+    family = trace(planar, start, until_breaking(planar, np.inf), control=CONTROL, max_orbits=PLANAR_ORBITS)
+    if family.outcome == "interrupted":
         raise KeyboardInterrupt
-    if planar.reason.partition(" (")[0] != "S breaks":
-        raise CorrectionFailure(f"S does not break on the planar family: {planar.reason}")
-    problem = replace(planar.problem, symmetry=None)
-    origin = symmetry_breaking_near(problem, "S", planar.orbits[-2].unknowns, 2.0)
+    breakings = symmetry_breakings(family)
+    if not breakings:
+        raise CorrectionFailure(f"S does not break on the planar family: {family.reason}")
+    problem, origin = replace(planar, symmetry=None), replace(breakings[0].orbit, arclength=0.0)
     direction = np.zeros(problem.size)
     direction[list(problem.odd_unknowns("S"))] = sign
-    start = Start(origin.unknowns, direction, replace(origin, arclength=0.0))
-    family = trace(
-        problem, start, _stop(problem, limits, ()), control=CONTROL, max_orbits=limits.max_orbits,
-        progress=_report(problem, limits, progress),
+    halo = trace(
+        problem, Start(origin.unknowns, direction, origin), _stop(problem, limits, ()), control=CONTROL,
+        max_orbits=limits.max_orbits, progress=_report(problem, limits, progress),
     )  # fmt: skip
-    return _with_symmetric_end(family)
+    return _with_symmetric_end(halo)
 
 
 RETURNED = "the family returns to Fix(S)"

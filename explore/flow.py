@@ -40,6 +40,9 @@ def cache_folder() -> Path:
 def configure_jax() -> None:
     """Double precision and, where the folder can be written, a cache of compiled code."""
     jax.config.update("jax_enable_x64", True)
+    if "JAX_PLATFORMS" not in os.environ:
+        # Small systems of equations, one at a time: nothing for an accelerator.
+        jax.config.update("jax_platforms", "cpu")
     if jax.config.jax_compilation_cache_dir is not None:
         return
     folder = cache_folder()
@@ -104,19 +107,17 @@ class Flow:
         return FlowResult(np.asarray(state), np.asarray(velocity), jacobian[:m].T, parameter_derivative)
 
     def samples(self, initial: Sequence[float] | Vector, time: float, parameters: Sequence[float]) -> Matrix:
-        """States at `SAMPLES` equally spaced times from 0 to `time`, shape (SAMPLES, m).
+        """States at the integrator's own steps from 0 to `time`, both ends included, shape (steps + 1, m).
 
-        Raises `FlowFailure` near a singularity.
+        The steps are short where the orbit passes a singularity. Raises `FlowFailure` as above.
         """
-        states, ok = self._samples(np.asarray(initial, dtype=float), float(time), np.asarray(parameters, dtype=float))
-        result = np.asarray(states)
+        states, count, ok = self._samples(
+            np.asarray(initial, dtype=float), float(time), np.asarray(parameters, dtype=float)
+        )
+        result = np.asarray(states)[: int(count)]
         if not bool(ok) or not np.all(np.isfinite(result)):
             raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g} (near a singularity)")
         return result
-
-
-SAMPLES = 129
-"""Number of states that `Flow.samples` returns."""
 
 
 _FLOWS: dict[int, Flow] = {}
@@ -169,9 +170,8 @@ def _compile(system: ReversibleSystem) -> Flow:
         values, tangents, ok = jax.vmap(push, out_axes=(None, 0, None))(jnp.eye(directions, m + 1))
         return values, jnp.stack(field(values, parameters)), tangents, ok
 
-    def samples(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, jax.Array]:
-        times = time * jnp.linspace(0.0, 1.0, SAMPLES)
-        solution = solve(initial, time, parameters, diffrax.SaveAt(ts=times))
-        return solution.ys, solution.result == diffrax.RESULTS.successful
+    def samples(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
+        solution = solve(initial, time, parameters, diffrax.SaveAt(t0=True, steps=True))
+        return solution.ys, 1 + solution.stats["num_accepted_steps"], solution.result == diffrax.RESULTS.successful
 
     return Flow(system, jax.jit(derivative), jax.jit(samples))

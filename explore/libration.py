@@ -59,16 +59,14 @@ def libration_point(name: str, mu: Fraction | float) -> LibrationPoint:
         raise ValueError(f"unknown libration point {name!r}")
     if not 0.0 < mass < 1.0:
         raise ValueError("the mass parameter lies in (0, 1)")
-    near, side = {"L1": (mass <= 0.5, -1.0), "L2": (True, 1.0), "L3": (False, -1.0)}[name]
-    if name == "L1" and not near:
-        side = 1.0
-    own, other = (mass, 1.0 - mass) if near else (1.0 - mass, mass)
-    # In the direction `side` away from the nearest primary, at distance r, the force is
-    # (place + side r) - side own/r^2 -+ other/(1 +- r)^2; multiplied by `side` it increases with r.
-    centre = 1.0 - mass if near else -mass
-    outwards = 1.0 if name != "L1" else -1.0
+    at_smaller = name == "L2" or (name == "L1" and mass <= 0.5)
+    own, other = (mass, 1.0 - mass) if at_smaller else (1.0 - mass, mass)
+    centre = 1.0 - mass if at_smaller else -mass
+    outwards = -1.0 if name == "L1" else 1.0
+    side = outwards if at_smaller else -outwards
 
     def force(r: float) -> float:
+        # At the distance r from the nearest primary, positive away from it; it increases with r.
         return side * centre + r - own / (r * r) - outwards * other / (1.0 + outwards * r) ** 2
 
     low, high = 0.0, 1.0 if name == "L1" else 2.0

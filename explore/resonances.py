@@ -14,11 +14,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from explore.continuation import Family, Start, describe, trace
-from explore.flow import FlowFailure, Vector
+from explore.continuation import Family, Start, Stop, describe, trace
+from explore.flow import FlowFailure, Matrix, Vector
 from explore.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from explore.stability import Side, resonant_values, tupling_sides
-from explore.zeros import Samples, bracketed_zero, find_zeros, resolve
+from explore.zeros import Samples, find_zeros, resolve
+
+BREAKS = "the symmetry breaks"
 
 
 @dataclass(frozen=True)
@@ -195,29 +197,24 @@ def symmetry_breaking_near(problem: ShootingProblem, symmetry: str, guess: Vecto
     tangent = inner.tangent(jacobian, np.ones(inner.size))
     best: SymmetricOrbit | None = None
     for direction in (tangent, -tangent):
-        values: list[float] = []
-
-        def turned(orbit: SymmetricOrbit, states: Vector, values: list[float] = values) -> str | None:
-            values.append(inner.symmetry_breaking_function(orbit))
-            if len(values) > 1 and (values[-1] < 0) != (values[-2] < 0):
-                return "symmetry breaks"
-            return "out of reach" if orbit.arclength > reach else None
-
-        family = trace(inner, Start(unknowns, direction), turned, max_orbits=200)
-        values.insert(0, inner.symmetry_breaking_function(family.orbits[0]))
-        for index in range(len(family.orbits) - 1):
-            ends = family.arclengths[index], family.arclengths[index + 1]
-            pair = (
-                inner.symmetry_breaking_function(family.orbits[index]),
-                inner.symmetry_breaking_function(family.orbits[index + 1]),
-            )
-            if (pair[0] < 0) != (pair[1] < 0):
-                place = bracketed_zero(
-                    lambda s, family=family: inner.symmetry_breaking_function(family.orbit_at(s)), ends, pair, 1e-13
-                )
-                if best is None or place < best.arclength:
-                    best = family.orbit_at(place)
-                break
+        limit = reach if best is None else best.arclength
+        family = trace(inner, Start(unknowns, direction), until_breaking(inner, limit), max_orbits=200)
+        breakings = symmetry_breakings(family)
+        if breakings and (best is None or breakings[0].orbit.arclength < best.arclength):
+            best = breakings[0].orbit
     if best is None:
         raise CorrectionFailure(f"the symmetry {symmetry} does not break nearby")
     return best
+
+
+def until_breaking(problem: ShootingProblem, reach: float) -> Stop:
+    """Stops a family in Fix(S) after a sign change of its S-odd block, or out of reach."""
+    values: list[float] = []
+
+    def stop(orbit: SymmetricOrbit, states: Matrix) -> str | None:
+        values.append(problem.symmetry_breaking_function(orbit))
+        if values[-1] * values[0] < 0:
+            return BREAKS
+        return "out of reach" if orbit.arclength > reach else None
+
+    return stop

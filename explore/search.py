@@ -98,43 +98,51 @@ def _resumed(request: Request) -> list[TracedFamily]:
 def _trace_all(
     request: Request, resumed: list[TracedFamily], limits: Limits, report: Reporter
 ) -> tuple[list[TracedFamily], bool]:
-    """All families with their resonances; False if something asked for is missing."""
-    options = request.options
+    """All families with their resonances; False if something asked for is missing.
+
+    An interrupt ends the list with the family at hand, marked as interrupted, if it has orbits.
+    """
     traced: list[TracedFamily] = []
     complete = True
-    known_extent = limits.coordinate_max or (request.system is not None and request.system.family_parameter)
+    for index, name in enumerate([item.name for item in resumed] or request.families):
+        report.stage(name)
+        started = time.monotonic()
+        try:
+            item = _trace(request, name, resumed[index] if resumed else None, limits, report)
+        except FamilyFailure as error:
+            report.error(f"{name}: {error}")
+            complete = False
+            continue
+        family = item.family
+        seconds = time.monotonic() - started
+        report.message(f"{item.name}: {len(family.orbits)} orbits in {seconds:.1f} s, ends: {family.reason}")
+        complete = complete and family.outcome != "failed"
+        if family.outcome != "interrupted" and request.options.k:
+            try:
+                item, found = _detected(item, request.options.k, report)
+                complete = complete and found
+            except KeyboardInterrupt:
+                item = replace(item, family=replace(family, outcome="interrupted"))
+        traced.append(item)
+        if item.family.outcome == "interrupted":
+            break
+    return traced, complete
+
+
+def _trace(request: Request, name: str, resumed: TracedFamily | None, limits: Limits, report: Reporter) -> TracedFamily:
+    known_extent = bool(limits.coordinate_max)
 
     def progress(message: str, fraction: float) -> None:
         report.update(message, fraction if known_extent else None)
 
-    for item in resumed or [TracedFamily(name, request.label, None) for name in request.families]:  # type: ignore[arg-type]
-        started = time.monotonic()
-        report.stage(item.name)
-        try:
-            if resumed:
-                family = continue_family(item.family, limits, progress=progress)
-            else:
-                assert request.system is not None
-                family = trace_family(
-                    request.system, item.name, request.parameters, limits, mirrored=options.mirror, progress=progress
-                )
-        except FamilyFailure as error:
-            report.error(f"{item.name}: {error}")
-            complete = False
-            continue
-        item = replace(item, family=family, name=_mirrored_name(item.name, options.mirror))
-        report.message(
-            f"{item.name}: {len(family.orbits)} orbits in {time.monotonic() - started:.1f} s, ends: {family.reason}"
-        )
-        if family.outcome == "failed":
-            complete = False
-        if family.outcome != "interrupted" and options.k:
-            item, found = _detected(item, options.k, report)
-            complete = complete and found
-        traced.append(item)
-        if family.outcome == "interrupted":
-            break
-    return traced, complete
+    if resumed is not None:
+        known_extent = known_extent or resumed.system.family_parameter is not None
+        return replace(resumed, family=continue_family(resumed.family, limits, progress=progress))
+    assert request.system is not None
+    known_extent = known_extent or request.system.family_parameter is not None
+    mirrored = request.options.mirror
+    family = trace_family(request.system, name, request.parameters, limits, mirrored=mirrored, progress=progress)
+    return TracedFamily(_mirrored_name(name, mirrored), request.label, family)
 
 
 def _mirrored_name(name: str, mirrored: bool) -> str:

@@ -11,7 +11,7 @@ S-odd unknowns and equations left out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -229,7 +229,7 @@ class ShootingProblem:
         )
 
     def samples(self, unknowns: Vector) -> Matrix:
-        """States along the half orbit, shape (`flow.SAMPLES`, m). Raises `FlowFailure`."""
+        """States along the half orbit, both ends included, shape (N, m). Raises `FlowFailure`."""
         initial, values = self.initial_state(unknowns), self.parameter_values(unknowns)
         return flow_of(self.system).samples(initial, float(unknowns[-1]), values)
 
@@ -257,18 +257,3 @@ class ShootingProblem:
         if not rows or len(rows) != len(columns) or orbit.derivative is None:
             raise ValueError(f"{self.symmetry} does not split the shooting equations into square blocks")
         return float(np.linalg.det(orbit.derivative.kernel_block[np.ix_(rows, columns)]))
-
-
-def orbit_states(problem: ShootingProblem, orbit: SymmetricOrbit) -> Matrix:
-    """States along the whole orbit, in time order and closed, shape (2 * SAMPLES - 1, m).
-
-    The second half is the mirror image of the first under R, backwards. Raises `FlowFailure`.
-    """
-    half = problem.samples(orbit.unknowns)
-    mirrored = half[::-1] * np.asarray(problem.system.reversing_symmetry)
-    return np.vstack([half, mirrored[1:]])
-
-
-def unknowns_of(problem: ShootingProblem, point: Sequence[float], half_period: float) -> Vector:
-    """Unknowns from a centre (order of `centre_coordinates`) and a half period."""
-    return np.append(np.asarray(point, dtype=float), half_period)
