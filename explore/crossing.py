@@ -15,7 +15,8 @@ from math import comb
 import mpmath
 
 from explore.jets import Jet, JetBasis
-from explore.taylor import IntegrationFailure, JetStepper, Series, StepResult, Tape
+from explore.tape import Tape
+from explore.taylor import IntegrationFailure, JetStepper, Series, StepResult
 from shared.systems import ReversibleSystem
 
 MAXIMAL_STEPS = 2000

@@ -28,13 +28,11 @@ class HalfReturn:
     Attributes:
         kernel_values: q-coordinates of P(u), length n; they vanish at a symmetric orbit.
         derivative: DP(u) in the coordinates (u, q), shape (1 + 2n, 1 + 2n), an mpmath matrix.
-        slopes: for each u_j the derivative of DP(u), or `None` if it was not asked for.
         time: elapsed time.
     """
 
     kernel_values: list[Any]
     derivative: Any
-    slopes: list[Any] | None
     time: float
 
 
@@ -70,87 +68,139 @@ def section_jets(system: ReversibleSystem, crossing: Crossing, parameter: Jet | 
 
 
 def half_return(
-    system: ReversibleSystem,
-    parameters: Mapping[str, Fraction],
-    point: Sequence[Fraction],
-    context: mpmath.MPContext,
-    second: bool,
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[Fraction], context: mpmath.MPContext
 ) -> HalfReturn:
-    """P and DP at `point`, with the derivatives of DP along Fix(R) if `second`.
-
-    Raises `IntegrationFailure` if the orbit does not return to the section.
-    """
+    """P and DP at `point`. Raises `IntegrationFailure` if the orbit does not return to the section."""
     n = len(system.kernel_coordinates)
     size = 1 + 2 * n
     basis = JetBasis.graded((1,) * size, 1)
-    if second:
-        pairs = {tuple(sorted((i, j))) for i in range(1 + n) for j in range(size)}
-        squares = [tuple((i == v) + (j == v) for v in range(size)) for i, j in pairs]
-        basis = JetBasis.of([*basis.monomials, *squares])
     unit = [[int(i == j) for j in range(size)] for i in range(size)]
+    image, time = _image(system, parameters, point, unit, basis, context)
+    derivative = context.matrix([[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in image])
+    return HalfReturn([jet.coefficients[0] for jet in image[1 + n :]], derivative, time)
+
+
+def second_derivatives(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Sequence[Fraction],
+    directions: Sequence[Sequence[Any]],
+    others: Sequence[Sequence[Any]],
+    context: mpmath.MPContext,
+) -> list[list[list[Any]]]:
+    """D^2 P(v, w), 1 + 2n numbers, for each v of `directions` (outer list) and w of `others` (inner list).
+
+    Vectors have 1 + 2n components in the coordinates (u, q); a w may also be one of the v.
+    """
+    vectors = list(directions) + [w for w in others if w not in directions]
+    numbers = [vectors.index(w) for w in others]
+    size = len(vectors)
+
+    def square(i: int, j: int) -> tuple[int, ...]:
+        return tuple((v == i) + (v == j) for v in range(size))
+
+    linear = JetBasis.graded((1,) * size, 1).monomials
+    basis = JetBasis.of([*linear, *(square(i, j) for i in range(len(directions)) for j in numbers)])
+    image, _ = _image(system, parameters, point, vectors, basis, context)
+    return [
+        [[jet.coefficients[basis.index[square(i, j)]] * (1 + (i == j)) for jet in image] for j in numbers]
+        for i in range(len(directions))
+    ]
+
+
+def _image(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Sequence[Fraction],
+    directions: Sequence[Sequence[Any]],
+    basis: JetBasis,
+    context: mpmath.MPContext,
+) -> tuple[list[Jet], float]:
     values = [context.mpf(u.numerator) / u.denominator for u in point]
-    start, parameter = start_jets(system, values, unit, basis)
+    start, parameter = start_jets(system, values, directions, basis)
     crossing = next(section_crossings(system, parameters, start, parameter, context))
-    image = section_jets(system, crossing, parameter)
-    derivative = context.matrix(size, size)
-    for i in range(size):
-        for j in range(size):
-            derivative[i, j] = image[i].coefficients[basis.variable(j)]
-    slopes = None
-    if second:
-        slopes = []
-        for v in range(1 + n):
-            slope = context.matrix(size, size)
-            for j in range(size):
-                monomial = tuple((w == v) + (w == j) for w in range(size))
-                for i in range(size):
-                    slope[i, j] = image[i].coefficients[basis.index[monomial]] * (2 if v == j else 1)
-            slopes.append(slope)
-    kernel_values = [jet.coefficients[0] for jet in image[1 + n :]]
-    return HalfReturn(kernel_values, derivative, slopes, crossing.time)
+    return section_jets(system, crossing, parameter), crossing.time
 
 
 @dataclass(frozen=True)
-class IterateDerivatives:
-    """D pi_q P^i at a point of Fix(R), along Fix(R).
+class LinearIterates:
+    """The word .. A B A at a point of Fix(R): D P^i by reversibility, i = 1, .., k.
 
     Attributes:
-        matrices: matrices[i - 1] has shape (n, 1 + n).
-        slopes: of the last matrix, for each u_j its derivative, or `None`.
+        there: A, the derivative of the Poincare map at the point.
+        inverse: its inverse, or `None` for k = 1.
+        back: B = R A^-1 R, its derivative at the image of a symmetric point, or `None` for k = 1.
+        matrices: D pi_q P^i along Fix(R), shape (n, 1 + n) each.
+        signs: R as a list of signs.
     """
 
+    there: Any
+    inverse: Any
+    back: Any
     matrices: list[Any]
-    slopes: list[Any] | None
+    signs: list[int]
+
+    def factor(self, i: int) -> Any:
+        """The factor that turns D P^(i-1) into D P^i."""
+        return self.there if i % 2 else self.back
 
 
-def iterate_derivatives(half: HalfReturn, k: int, context: mpmath.MPContext) -> IterateDerivatives:
-    """D pi_q P^i for i = 1, .., k by reversibility; raises `ZeroDivisionError` if DP is singular."""
-    size = half.derivative.rows
+def linear_iterates(half: HalfReturn, k: int, context: mpmath.MPContext) -> LinearIterates:
+    """D P^i for i = 1, .., k; raises `ZeroDivisionError` if DP is singular."""
+    there = half.derivative
+    size = there.rows
     n = (size - 1) // 2
     signs = [1] * (1 + n) + [-1] * n
-
-    def reflected(matrix: Any) -> Any:
-        result = matrix.copy()
-        for i in range(size):
-            for j in range(size):
-                if signs[i] != signs[j]:
-                    result[i, j] = -result[i, j]
-        return result
-
-    there, slopes = half.derivative, half.slopes
-    factors = [(there, slopes)]
+    inverse = back = None
     if k > 1:
         inverse = context.inverse(there)
-        back_slopes = None if slopes is None else [reflected(-(inverse * slope * inverse)) for slope in slopes]
-        factors.append((reflected(inverse), back_slopes))
-    # Only the columns along Fix(R) are wanted.
-    word = there[:, : 1 + n]
-    word_slopes = None if slopes is None else [slope[:, : 1 + n] for slope in slopes]
+        rows = range(size)
+        back = context.matrix([[inverse[i, j] * (signs[i] * signs[j]) for j in rows] for i in rows])
+    word = there[:, : 1 + n]  # only the columns along Fix(R) are wanted
     matrices = [word[1 + n :, :]]
     for i in range(1, k):
-        factor, factor_slopes = factors[i % 2]
-        if word_slopes is not None and factor_slopes is not None:
-            word_slopes = [f * word + factor * w for f, w in zip(factor_slopes, word_slopes, strict=True)]
-        word = factor * word
+        word = (back if i % 2 else there) * word
         matrices.append(word[1 + n :, :])
-    return IterateDerivatives(matrices, None if word_slopes is None else [w[1 + n :, :] for w in word_slopes])
+    return LinearIterates(there, inverse, back, matrices, signs)
+
+
+@dataclass(frozen=True)
+class SecondOrderTerm:
+    """A term covector * D^2 P(., vector) of the derivative of left * D P^k * right."""
+
+    covector: list[Any]
+    vector: list[Any]
+
+
+def product_rule(iterates: LinearIterates, k: int, left: Sequence[Any], right: Sequence[Any]) -> list[SecondOrderTerm]:
+    """The derivative of left * D pi_q P^k * right with respect to the point, by the product rule.
+
+    `left` has n components, `right` 1 + n. With d(R A^-1 R) = -R A^-1 dA A^-1 R each factor gives one
+    term in D^2 P.
+    """
+    n = len(left)
+    signs = iterates.signs
+    size = len(signs)
+
+    def apply(matrix: Any, vector: Sequence[Any]) -> list[Any]:
+        return [sum(matrix[i, j] * vector[j] for j in range(size)) for i in range(size)]
+
+    def apply_left(covector: Sequence[Any], matrix: Any) -> list[Any]:
+        return [sum(covector[i] * matrix[i, j] for i in range(size)) for j in range(size)]
+
+    def reflect(vector: Sequence[Any]) -> list[Any]:
+        return [sign * x for sign, x in zip(signs, vector, strict=True)]
+
+    vectors = [[*right, *[0] * n]]
+    for i in range(1, k):
+        vectors.append(apply(iterates.factor(i), vectors[-1]))
+    covector: list[Any] = [*[0] * (1 + n), *left]
+    terms = []
+    for i in range(k, 0, -1):
+        if i % 2:
+            terms.append(SecondOrderTerm(covector, vectors[i - 1]))
+        else:
+            minus = [-x for x in apply_left(reflect(covector), iterates.inverse)]
+            terms.append(SecondOrderTerm(minus, apply(iterates.inverse, reflect(vectors[i - 1]))))
+        covector = apply_left(covector, iterates.factor(i))
+    return terms

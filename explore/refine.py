@@ -1,16 +1,8 @@
-"""Newton refinement of bifurcation points to high precision (Appendix B of the paper).
+"""Newton refinement of bifurcation points to high precision, up to the box for the verifier.
 
-The unknowns are the coordinates u of a point of Fix(R) (the family parameter first, if the system has
-one), the equations are
-
-    pi_q P(u) = 0          (a symmetric orbit of period 2)   and   g(u) = 0,
-
-with g the Schur complement of D_(p1,p2) pi_q P^k, that is dG_k/dp_1 after the Lyapunov-Schmidt
-reduction; on the family it equals the reduced bifurcation function g_k. For k = 1 the symmetry S splits
-the equations: u is S-even, the S-even part of pi_q P and d(q odd)/d(p odd) vanish.
-
-The precision doubles with every iteration, the derivative of g is needed to half of it only, so
-that the cost is about that of the last iteration.
+The equations are those of `explore.resonance` (Appendix B of the paper). The precision doubles with
+every iteration and the derivative of g is needed to half of it only, so that the cost is about that
+of the last iteration.
 """
 
 from __future__ import annotations
@@ -21,13 +13,19 @@ from fractions import Fraction
 from math import ceil, inf, isfinite, log2
 from typing import Any
 
-import mpmath
 import numpy as np
 
-from explore.frames import Frame, Parity, RefinementFailure, bifurcation_frame, parity_of
-from explore.half_return import HalfReturn, half_return, iterate_derivatives
-from explore.jets import JetBasis
-from explore.reduction import BranchGeometry, box_radii, branch_geometry, level_jet, start_jets
+from explore.frames import Frame, Parity, RefinementFailure, parity_of
+from explore.half_return import LinearIterates
+from explore.reduction import BranchGeometry, box_radii, branch_geometry
+from explore.resonance import (
+    LinearisedResonance,
+    Resonance,
+    linearise,
+    newton_correction,
+    resonance_slope,
+    working_context,
+)
 from explore.taylor import IntegrationFailure
 from shared.formats import KINDS, Candidate
 from shared.numbers import round_dyadic
@@ -35,13 +33,16 @@ from shared.systems import ReversibleSystem
 
 __all__ = ["RefinedPoint", "RefinementFailure", "refine"]
 
-GUARD_BITS = 48
+FIRST_BITS = 60
+"""Accuracy that the first iteration aims at: more than a float64 guess, and cheap."""
+
+GUARD_BITS = 16
 """Working precision beyond the accuracy aimed at: what the flow and the reduction may lose."""
 
-MARGIN_DIGITS = 8
+MARGIN_DIGITS = 6
 """Digits by which the centre is more accurate than asked for; radii of second order need them."""
 
-GEOMETRY_BITS = 150
+GEOMETRY_BITS = 100
 """Working precision of the jets that give slopes, curvatures and radii."""
 
 NEIGHBOURHOOD = 1e-3
@@ -133,9 +134,10 @@ def refine(
     """
     report = progress if progress is not None else (lambda _message, _fraction: None)
     parity, symmetry = _checked(system, kind, k, guess, symmetry)
-    problem = _Problem(system, dict(parameters), k, kind != "touch_and_go", parity)
+    problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity)
     try:
-        return _refine(problem, kind, guess, digits, symmetry, report)
+        solution = _solve(problem, guess, digits, report)
+        return _dressed(problem, solution, kind, digits, symmetry, report)
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
 
@@ -157,180 +159,88 @@ def _checked(
     return parity_of(system, symmetry), symmetry
 
 
-@dataclass(frozen=True)
-class _Problem:
-    system: ReversibleSystem
-    parameters: dict[str, Fraction]
-    k: int
-    tangential: bool
-    parity: Parity | None
-
-    @property
-    def unknowns(self) -> tuple[int, ...]:
-        return self.parity.even if self.parity is not None else tuple(range(len(self.system.centre_coordinates)))
-
-    @property
-    def equations(self) -> tuple[int, ...]:
-        kernel = tuple(range(len(self.system.kernel_coordinates)))
-        return self.parity.kernel_even if self.parity is not None else kernel
-
-    def evaluate(self, point: Sequence[Fraction], bits: int, second: bool) -> tuple[HalfReturn, Any]:
-        context = _context(bits)
-        return half_return(self.system, self.parameters, point, context, second), context
-
-    def frame(self, point: Sequence[Fraction], half: HalfReturn, context: mpmath.MPContext) -> Frame:
-        matrices = iterate_derivatives(half, self.k, context).matrices
-        gradient = self.level(point, context, True).coefficients[1:]
-        return bifurcation_frame(
-            self.system, matrices[0], matrices[-1], gradient, self.tangential, self.parity, context
-        )
-
-    def level(self, point: Sequence[Fraction], context: mpmath.MPContext, gradient: bool) -> Any:
-        size = len(point)
-        basis = JetBasis.graded([1] * size, int(gradient))
-        n = size - 1
-        unit = [[context.mpf(int(i == j)) for i in range(size + n)] for j in range(size)]
-        values = [context.mpf(u.numerator) / u.denominator for u in point]
-        start, parameter = start_jets(self.system, values, unit, basis)
-        jet = level_jet(self.system, self.parameters, start, parameter, context)
-        # Monomials of degree 1 come in the order of the variables.
-        return jet
-
-
-def _context(bits: int) -> mpmath.MPContext:
-    context = mpmath.MPContext()
-    context.prec = bits
-    return context
-
-
 def _fraction(value: Any) -> Fraction:
     sign, mantissa, exponent, _ = value._mpf_
     return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
-def _newton_step(
-    problem: _Problem,
-    frame: Frame,
-    half: HalfReturn,
-    context: mpmath.MPContext,
-    rough: HalfReturn,
-    rough_context: mpmath.MPContext,
-) -> list[Any]:
-    """The correction to u: residuals from `half`, derivatives from the second-order `rough`."""
-    n = len(problem.system.kernel_coordinates)
-    derivative = iterate_derivatives(half, problem.k, context)
-    rough_derivative = iterate_derivatives(rough, problem.k, rough_context)
-    left, right = _schur_vectors(frame, rough_derivative.matrices[-1], rough_context)
-    sharp_left, sharp_right = _schur_vectors(frame, derivative.matrices[-1], context)
-    g = (sharp_left.T * derivative.matrices[-1] * sharp_right)[0]
-    assert rough_derivative.slopes is not None
-    rows, residuals = [], []
-    for i in problem.equations:
-        rows.append([derivative.matrices[0][i, j] for j in problem.unknowns])
-        residuals.append(half.kernel_values[i])
-    rows.append([(left.T * rough_derivative.slopes[j] * right)[0] for j in problem.unknowns])
-    residuals.append(g)
-    try:
-        step = context.lu_solve(context.matrix(rows), context.matrix(residuals))
-    except ZeroDivisionError:
-        raise RefinementFailure("Newton's matrix is singular: not a simple resonance, or one degenerate") from None
-    correction = [context.mpf(0)] * (n + 1)
-    for index, j in enumerate(problem.unknowns):
-        correction[j] = -step[index]
-    return correction
+@dataclass(frozen=True)
+class _Solution:
+    """Where Newton's method ended, with the evaluation that checked it."""
+
+    point: list[Fraction]
+    at: LinearisedResonance
+    frame: Frame
+    residual: float
+    iterations: tuple[tuple[int, float], ...]
 
 
-def _schur_vectors(frame: Frame, matrix: Any, context: mpmath.MPContext) -> tuple[Any, Any]:
-    """Left and right vectors that give the Schur complement g = left M right and its derivatives."""
-    n = matrix.rows
-    # The frame may come from another context; mpmath does not mix their matrices.
-    columns = context.matrix(frame.columns[:, 1:].tolist())
-    rows = context.matrix(frame.rows.tolist())
-    if n == 1:
-        return rows.T, columns
-    local = rows * matrix * columns
-    try:
-        inverse = context.inverse(local[1:, 1:])
-    except ZeroDivisionError:
-        raise RefinementFailure("the kernel of D pi_q P^k is not simple") from None
-    right = context.matrix(n, 1)
-    left = context.matrix(n, 1)
-    right[0] = left[0] = context.mpf(1)
-    right[1:, 0] = -(inverse * local[1:, 0])
-    left[1:, 0] = -(local[0, 1:] * inverse).T
-    return rows.T * left, columns * right
-
-
-def _refine(
-    problem: _Problem,
-    kind: str,
-    guess: Sequence[float],
-    digits: int,
-    symmetry: str | None,
-    report: Callable[[str, float], None],
-) -> RefinedPoint:
+def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Callable[[str, float], None]) -> _Solution:
     goal = ceil((digits + MARGIN_DIGITS) * log2(10))
     guard = GUARD_BITS
     point = [Fraction(float(x)) for x in guess]
     if problem.parity is not None:
         if abs(point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
-            raise RefinementFailure(f"the guess is not symmetric under {symmetry}")
+            raise RefinementFailure("the guess does not have the symmetry that is to break")
         point[problem.parity.odd[0]] = Fraction(0)
     seed = list(point)
     iterations: list[tuple[int, float]] = []
-    target, known = 60, 20.0
-    previous = inf
-    while True:
-        if len(iterations) == MAXIMAL_ITERATIONS:
-            raise RefinementFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
+    target, known, previous, expected = FIRST_BITS, 0.0, inf, inf
+    while len(iterations) < MAXIMAL_ITERATIONS:
         report(f"Newton step {len(iterations) + 1} with {target + guard} bits", 0.7 * known / goal)
-        rough_bits = min(target, ceil(max(60.0, target / 2 + 8))) + guard
-        rough, rough_context = problem.evaluate(point, rough_bits, True)
-        sharp = rough_bits >= target + guard
-        half, context = (rough, rough_context) if sharp else problem.evaluate(point, target + guard, False)
-        frame = problem.frame(point, rough, rough_context)
-        correction = _newton_step(problem, frame, half, context, rough, rough_context)
+        at = linearise(problem, point, target + guard)
+        slope = resonance_slope(problem, point, at, max(FIRST_BITS, target // 2 + 8) + guard)
+        correction = newton_correction(problem, at, slope)
         size = _relative_size(correction, point)
         iterations.append((target + guard, size))
-        if not size < NEIGHBOURHOOD or (size > 1e-4 and size > previous):
-            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
         point = [_moved(u, c, target + guard) for u, c in zip(point, correction, strict=True)]
-        if any(abs(u - s) > NEIGHBOURHOOD * max(1, abs(s)) for u, s in zip(point, seed, strict=True)):
+        strays = any(abs(u - s) > NEIGHBOURHOOD * max(1, abs(s)) for u, s in zip(point, seed, strict=True))
+        if strays or not size < NEIGHBOURHOOD or (size > 1e-4 and size > previous):
             raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
         # Quadratic convergence, with the constant seen in the last two steps.
-        constant = max(0.0, log2(size / previous**2)) if 0 < size and isfinite(previous) else 0.0
-        known = min(float(target), -2 * log2(size) - constant) if size > 0 else float(target)
-        previous = size if size > 0 else 2.0**-target
+        size = max(size, 2.0**-target)
+        known = min(float(target), -2 * log2(size) - max(0.0, log2(size / expected)))
+        previous, expected = size, max(size**2, 2.0**-target)
         if known < goal - 1:
-            target = min(goal, max(60, int(2 * known)))
+            target = min(goal, max(FIRST_BITS, int(2 * known)))
             continue
         report("checking", 0.75)
-        half, context = problem.evaluate(point, goal + guard, False)
-        frame = problem.frame(point, half, context)
-        correction = _newton_step(problem, frame, half, context, rough, rough_context)
-        local = context.lu_solve(frame.columns, context.matrix(correction))
+        at = linearise(problem, point, goal + guard)
+        frame = problem.frame(point, at.iterates, at.context, problem.tangential)
+        local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
         residual = float(max(abs(x) for x in local))
         if residual < 10.0 ** -(digits + MARGIN_DIGITS / 2):
-            break
+            return _Solution(point, at, frame, residual, tuple(iterations))
         # The flow loses more digits than the guard bits allow for: carry more and go on.
         known, target = -log2(residual), goal
         guard += max(0, ceil(log2(residual) + goal)) + 10
-    margins = _checked_iterates(problem, frame, half, context, digits)
+    raise RefinementFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
+
+
+def _dressed(
+    problem: Resonance,
+    solution: _Solution,
+    kind: str,
+    digits: int,
+    symmetry: str | None,
+    report: Callable[[str, float], None],
+) -> RefinedPoint:
+    """Check that the point is a simple 1:k resonance, and add radii and what is worth knowing."""
+    system, point, frame, at = problem.system, solution.point, solution.frame, solution.at
+    margins = _checked_iterates(problem, frame, at.iterates)
     report("curvatures", 0.85)
-    geometry = branch_geometry(
-        problem.system, problem.parameters, point, frame, problem.k, problem.tangential, _context(GEOMETRY_BITS)
-    )
-    accuracy = max(residual, 10.0 ** -(digits + MARGIN_DIGITS))
-    n = len(problem.system.kernel_coordinates)
-    radii = box_radii(geometry, digits, accuracy, n)
+    context = working_context(GEOMETRY_BITS)
+    geometry = branch_geometry(system, problem.parameters, point, frame, problem.k, problem.tangential, context)
+    accuracy = max(solution.residual, 10.0 ** -(digits + MARGIN_DIGITS))
     value = None
-    if problem.system.first_integral is not None:
-        value = round_dyadic(_fraction(problem.level(point, context, False).coefficients[0]), goal + guard)
+    if system.first_integral is not None:
+        value = round_dyadic(_fraction(problem.level(point, at.context, False).coefficients[0]), at.context.prec)
     report("done", 1.0)
     return RefinedPoint(
-        system=problem.system, parameters=problem.parameters, kind=kind, k=problem.k, symmetry=symmetry,
-        centre=tuple(point), frame=_exact_rows(frame.columns), kernel_frame=_exact_rows(frame.rows), radii=radii,
-        residual=residual, digits=digits, iterations=tuple(iterations), half_period=half.time,
+        system=system, parameters=problem.parameters, kind=kind, k=problem.k, symmetry=symmetry,
+        centre=tuple(point), frame=_exact_rows(frame.columns), kernel_frame=_exact_rows(frame.rows),
+        radii=box_radii(geometry, digits, accuracy, len(system.kernel_coordinates)),
+        residual=solution.residual, digits=digits, iterations=solution.iterations, half_period=at.half.time,
         first_integral=value, geometry=geometry, margins=margins,
     )  # fmt: skip
 
@@ -349,13 +259,10 @@ def _exact_rows(matrix: Any) -> tuple[tuple[Fraction, ...], ...]:
     return tuple(tuple(_fraction(matrix[i, j]) for j in range(matrix.cols)) for i in range(matrix.rows))
 
 
-def _checked_iterates(
-    problem: _Problem, frame: Frame, half: HalfReturn, context: mpmath.MPContext, digits: int
-) -> tuple[float, ...]:
+def _checked_iterates(problem: Resonance, frame: Frame, iterates: LinearIterates) -> tuple[float, ...]:
     """Singular values of D_(p1,p2) pi_q P^i: simple kernel for i = k, none for i < k."""
-    derivatives = iterate_derivatives(half, problem.k, context).matrices
     margins = []
-    for i, matrix in enumerate(derivatives, start=1):
+    for i, matrix in enumerate(iterates.matrices, start=1):
         local = frame.rows * matrix * frame.columns[:, 1:]
         entries = np.array([[float(local[a, b]) for b in range(local.cols)] for a in range(local.rows)])
         values = np.linalg.svd(entries, compute_uv=False)

@@ -17,15 +17,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from operator import mul
-from typing import Any, Literal
+from typing import Any
 
 import mpmath
 from flint import fmpz_poly
 
 from explore.jets import JetBasis
-from shared.program import Program
+from explore.tape import Operation, Tape
 
 _SLACK = 6
 """Bits of the working precision that the truncation of the Taylor series may spoil."""
@@ -36,90 +35,6 @@ OptionalPolynomial = Any
 
 class IntegrationFailure(Exception):
     """The orbit cannot be followed; the message is one line that says why."""
-
-
-@dataclass(frozen=True)
-class _Operation:
-    code: Literal["input", "constant", "add", "subtract", "scale", "shift", "multiply", "invert", "power"]
-    left: int = -1
-    right: int = -1
-    value: Fraction = Fraction(0)
-
-
-class Tape:
-    """A straight-line program with its constants folded and its powers reduced to a few operations.
-
-    Attributes:
-        operations: the first `inputs` of them are the inputs, in the order of the program.
-        outputs: for each output the operation that computes it.
-    """
-
-    def __init__(self, program: Program, constants: Mapping[str, Fraction]) -> None:
-        """Compile `program`; inputs named in `constants` are replaced by these values."""
-        self.operations: list[_Operation] = []
-        self._seen: dict[_Operation, int] = {}
-        names = [name for name in program.inputs if name not in constants]
-        self.inputs = len(names)
-        for position in range(self.inputs):
-            self.operations.append(_Operation("input", left=position))
-        free = iter(range(self.inputs))
-        arguments = [constants[name] if name in constants else next(free) for name in program.inputs]
-        values: list[int | Fraction] = []
-        for position, step in enumerate(program.instructions):
-            if step.operation == "input":
-                values.append(arguments[position])
-            elif step.operation == "constant":
-                assert step.value is not None
-                values.append(step.value)
-            elif step.operation == "pow":
-                assert step.value is not None
-                values.append(self._power(values[step.operands[0]], step.value))
-            else:
-                values.append(self._binary(step.operation, *(values[i] for i in step.operands)))
-        self.outputs = [
-            self._emit("constant", value=v) if isinstance(v, Fraction) else v
-            for v in (values[i] for i in program.outputs)
-        ]
-
-    def _emit(self, code: Any, left: int = -1, right: int = -1, value: Fraction = Fraction(0)) -> int:
-        operation = _Operation(code, left, right, value)
-        if operation not in self._seen:
-            self._seen[operation] = len(self.operations)
-            self.operations.append(operation)
-        return self._seen[operation]
-
-    def _binary(self, operation: str, a: int | Fraction, b: int | Fraction) -> int | Fraction:
-        if isinstance(a, Fraction) and isinstance(b, Fraction):
-            results = {"add": lambda: a + b, "sub": lambda: a - b, "mul": lambda: a * b, "div": lambda: a / b}
-            return results[operation]()
-        if operation == "div":
-            if isinstance(b, Fraction):
-                return self._emit("scale", left=a, value=1 / b)
-            return self._binary("mul", a, self._emit("invert", left=b))
-        if operation == "sub" and isinstance(b, Fraction):
-            return self._binary("add", a, -b)
-        if operation == "sub" and isinstance(a, Fraction):
-            return self._binary("add", a, self._emit("scale", left=b, value=Fraction(-1)))
-        if isinstance(a, Fraction):
-            a, b = b, a
-        if isinstance(b, Fraction):
-            neutral = b == (operation == "mul")
-            return a if neutral else self._emit("scale" if operation == "mul" else "shift", left=a, value=b)
-        codes = {"add": "add", "sub": "subtract", "mul": "multiply"}
-        return self._emit(codes[operation], left=a, right=b)
-
-    def _power(self, a: int | Fraction, exponent: Fraction) -> int | Fraction:
-        if isinstance(a, Fraction):
-            if exponent.denominator == 1:
-                return a**exponent
-            raise ValueError("a constant to a fractional power is not exact; write its value")
-        if exponent.denominator == 1:
-            base: int | Fraction = a if exponent >= 0 else self._emit("invert", left=a)
-            result: int | Fraction = Fraction(1)
-            for _ in range(abs(int(exponent))):
-                result = self._binary("mul", result, base)
-            return result
-        return self._emit("power", left=a, right=self._emit("invert", left=a), value=exponent)
 
 
 @dataclass(frozen=True)
@@ -139,6 +54,15 @@ class StepResult:
     proposal: int
 
 
+@dataclass(frozen=True)
+class _JacobianRow:
+    """One row of Df along the centre: constant entries, and the others as polynomials in time, by column."""
+
+    constants: list[tuple[int, int]]
+    polynomials: list[tuple[int, OptionalPolynomial]]
+    reversed: list[tuple[int, Series]]
+
+
 class JetStepper:
     """Taylor steps for jets in a given basis, with given precision and order.
 
@@ -152,10 +76,12 @@ class JetStepper:
         self.basis = basis
         self.bits = bits
         # The cost per unit of time, order^2 exp(L / order) with L = -log(tolerance), is least at L / 2.
-        self.order = order if order is not None else max(12, round(0.36 * bits))
+        self.order = order if order is not None else max(12, round(0.4 * bits))
         self._unit = 1 << bits
         self._constants = [round(operation.value * self._unit) for operation in tape.operations]
         self._needed = self._multiplied()
+        self._context = mpmath.MPContext()
+        self._context.prec = bits + 64
 
     def _multiplied(self) -> list[bool]:
         needed = [False] * len(self.tape.operations)
@@ -194,7 +120,7 @@ class JetStepper:
 
     def _orbit(self, start: Sequence[int], exponent: int) -> tuple[list[Series], list[Series]]:
         """Taylor coefficients of all operations (order - 1) and of the states (order) along the centre."""
-        bits, unit = self.bits, self._unit
+        bits = self.bits
         nodes: list[Series] = [[] for _ in self.tape.operations]
         weighted: list[Series] = [[] for _ in self.tape.operations]
         program = list(zip(self.tape.operations, self._constants, nodes, strict=True))
@@ -248,15 +174,14 @@ class JetStepper:
             raise IntegrationFailure("the orbit runs away or into a singularity")
         return nodes, nodes[: self.states]
 
-    def _head(self, operation: _Operation, a: int) -> int:
+    def _head(self, operation: Operation, a: int) -> int:
         if operation.code == "invert":
             if a == 0:
                 raise IntegrationFailure("division by zero: the orbit meets a singularity")
             return (self._unit << self.bits) // a
         if a <= 0:
             raise IntegrationFailure("power of a number <= 0: the orbit meets a singularity")
-        context = mpmath.MPContext()
-        context.prec = self.bits + 64
+        context = self._context
         exponent = context.mpf(operation.value.numerator) / operation.value.denominator
         return int(context.ldexp(context.ldexp(context.mpf(a), -self.bits) ** exponent, self.bits))
 
@@ -273,12 +198,12 @@ class JetStepper:
         degrees = [sum(monomial) for monomial in basis.monomials]
         for degree in range(1, basis.degree + 1):
             batch = [m for m, d in enumerate(degrees) if d == degree]
-            sources: list[list[Series | None]] = []
+            sources: list[list[OptionalPolynomial]] = []
             for m in batch:
                 inputs: list[OptionalPolynomial] = [None] * self.states
                 inputs += [fmpz_poly([jet[m]]) if jet[m] else None for jet in state[self.states :]]
                 propagated = self._propagate(m, jets, slopes, inputs)
-                sources.append([_coefficients(propagated[out], self.order) for out in tape.outputs])
+                sources.append([propagated[out] for out in tape.outputs])
                 jets.append(propagated)
             starts = [[jet[m] for jet in state[: self.states]] for m in batch]
             solutions = _solve_linear(rows, sources, starts, self.order, bits, exponent)
@@ -305,11 +230,8 @@ class JetStepper:
     def _product(self, a: OptionalPolynomial, b: OptionalPolynomial) -> OptionalPolynomial:
         return a.mul_low(b, self.order) // self._unit
 
-    def _jacobian(
-        self, centre: list[OptionalPolynomial], slopes: dict[int, OptionalPolynomial]
-    ) -> list[tuple[list[tuple[int, int]], list[tuple[int, Series]]]]:
-        """Rows of Df along the centre: constant entries (column, value), the others reversed in time."""
-        rows: list[tuple[list[tuple[int, int]], list[tuple[int, Series]]]] = [([], []) for _ in range(self.states)]
+    def _jacobian(self, centre: list[OptionalPolynomial], slopes: dict[int, OptionalPolynomial]) -> list[_JacobianRow]:
+        rows = [_JacobianRow([], [], []) for _ in range(self.states)]
         first = self.basis.variable(0)
         for column in range(self.states):
             inputs: list[OptionalPolynomial] = [None] * self.tape.inputs
@@ -320,11 +242,10 @@ class JetStepper:
                 if entry is None:
                     continue
                 if entry.length() <= 1:
-                    rows[i][0].append((column, int(entry[0])))
+                    rows[i].constants.append((column, int(entry[0])))
                 else:
-                    coefficients = _coefficients(entry, self.order)
-                    assert coefficients is not None
-                    rows[i][1].append((column, coefficients[::-1]))
+                    rows[i].polynomials.append((column, entry))
+                    rows[i].reversed.append((column, _coefficients(entry, self.order)[::-1]))
         return rows
 
     def _propagate(
@@ -399,35 +320,58 @@ class JetStepper:
         return out
 
 
-def _coefficients(polynomial: OptionalPolynomial, length: int) -> Series | None:
-    if polynomial is None:
-        return None
+def _coefficients(polynomial: OptionalPolynomial, length: int) -> Series:
     values = [int(c) for c in polynomial.coeffs()]
     return values + [0] * (length - len(values))
 
 
 def _solve_linear(
-    rows: Sequence[tuple[Sequence[tuple[int, int]], Sequence[tuple[int, Series]]]],
-    sources: Sequence[Sequence[Series | None]],
+    rows: Sequence[_JacobianRow],
+    sources: Sequence[Sequence[OptionalPolynomial]],
     starts: Sequence[Sequence[int]],
     order: int,
     bits: int,
     exponent: int,
 ) -> list[list[Series]]:
-    """Taylor coefficients of V' = J(t) V + S(t) for several (S, V(0)) at once; time scaled by 2 ** exponent."""
+    """Taylor coefficients of V' = J(t) V + S(t) for several (S, V(0)) at once; time scaled by 2 ** exponent.
+
+    The coefficients are found in blocks: inside a block by recurrence, and the contribution of a
+    finished block to all later coefficients by one polynomial product per entry of J.
+    """
     solutions = [[[value] for value in start] for start in starts]
-    shift = bits - exponent
-    for n in range(order):
-        for i, (constants, entries) in enumerate(rows):
-            slices = [(column, reversed_entry[order - 1 - n :]) for column, reversed_entry in entries]
-            for solution, source in zip(solutions, sources, strict=True):
-                total = 0
-                for column, value in constants:
-                    total += value * solution[column][n]
-                for column, entry in slices:
-                    total += sum(map(mul, entry, solution[column]))
-                s = source[i]
-                if s is not None:
-                    total += s[n] << bits
-                solution[i].append((total >> shift) // (n + 1))
+    shift, unit = bits - exponent, 1 << bits
+    block = max(8, -(-order // 4))
+    tails = [[(c, [entry[order - 1 - n :] for n in range(block)]) for c, entry in row.reversed] for row in rows]
+    for solution, source in zip(solutions, sources, strict=True):
+        pending = [None if s is None else s * unit for s in source]
+        for begin in range(0, order, block):
+            length = min(block, order - begin)
+            part = [series[begin:] for series in solution]
+            plan = [
+                (
+                    part[i],
+                    None if pending[i] is None else _coefficients(pending[i].truncate(length), length),
+                    [(value, part[column]) for column, value in row.constants],
+                    [(tail, part[column]) for column, tail in tails[i]],
+                )
+                for i, row in enumerate(rows)
+            ]
+            for n in range(length):
+                divisor = begin + n + 1
+                for out, earlier, constants, products in plan:
+                    total = 0 if earlier is None else earlier[n]
+                    for value, series in constants:
+                        total += value * series[n]
+                    for tail, series in products:
+                        total += sum(map(mul, tail[n], series))
+                    out.append((total >> shift) // divisor)
+            for series, values in zip(solution, part, strict=True):
+                series.extend(values[1:])
+            if begin + length < order:
+                finished = [fmpz_poly(values[:-1]) for values in part]
+                for i, row in enumerate(rows):
+                    terms = [finished[column] * polynomial for column, polynomial in row.polynomials]
+                    if pending[i] is not None:
+                        terms.append(pending[i])
+                    pending[i] = sum(terms[1:], terms[0]).right_shift(length) if terms else None
     return solutions
