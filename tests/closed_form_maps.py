@@ -20,7 +20,7 @@ from shared.systems import ParameterRange, ReversibleSystem
 from verify.balls import enclose, symmetric
 from verify.derivatives import DerivativeTable
 from verify.jets import Jet, increment, indices_up_to
-from verify.outcome import Checklist, Outcome
+from verify.outcome import Checklist, NotEstablishedError, NotProved, Outcome
 from verify.theorems import prepare, prove
 
 Shear = Callable[[Sequence[Any]], Sequence[Any]]
@@ -53,7 +53,9 @@ class ReversibleMap:
         return result
 
 
-def table(function: Callable[[list[Jet], Callable[[Fraction], Jet]], Jet], radii: Sequence[Fraction]) -> DerivativeTable:
+def table(
+    function: Callable[[list[Jet], Callable[[Fraction], Jet]], Jet], radii: Sequence[Fraction]
+) -> DerivativeTable:
     """Derivatives of a closed-form function over the box and at its centre."""
     size = len(radii)
 
@@ -128,8 +130,6 @@ def verdict(
     checklist = Checklist()
     with checklist.hypothesis("symmetries", "1", "given", "") as evidence:
         evidence.require(True, "")
-    from verify.outcome import NotEstablishedError, NotProved
-
     try:
         prepare(candidate, checklist)
     except NotEstablishedError as error:

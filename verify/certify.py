@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil
 
+import numpy as np
 from flint import arb, ctx
 
 from shared.formats import Candidate
@@ -147,28 +148,31 @@ def _stopped(best: _Attempt | None, precision: int, limits: Limits) -> _Attempt:
 def _more_precision(attempt: _Attempt, previous: _Attempt | None, limits: Limits) -> int | None:
     """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
     precision, outcome = attempt.precision, attempt.outcome
-    if isinstance(outcome, NotProved):
-        if not outcome.reason.needs_precision or not _narrower(outcome, previous):
-            return None
-        return min(precision + max(32, precision // 4), limits.max_precision)
-    missing = limits.digits - count_certain_digits(outcome.results.parameter)
-    wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16
-    tried = previous is not None and isinstance(previous.outcome, Proved)
-    return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None
+    if isinstance(outcome, Proved):
+        missing = limits.digits - count_certain_digits(outcome.results.parameter)
+        wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16
+        tried = previous is not None and isinstance(previous.outcome, Proved)
+        return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None
+    if not outcome.reason.needs_precision:
+        return None
+    enclosures = _enclosures(outcome)
+    if not enclosures:
+        # Nothing says how far away success is, so each attempt costs more than all before it.
+        return min(2 * precision, limits.max_precision)
+    if previous is not None and not _narrower(enclosures, previous.outcome, outcome.reason.condition):
+        return None
+    return min(precision + max(32, precision // 4), limits.max_precision)
 
 
-def _narrower(outcome: NotProved, previous: _Attempt | None) -> bool:
-    """Whether the condition that failed has an enclosure that the last attempt made half as wide.
+def _narrower(enclosures: dict[str, arb], previous: Outcome, condition: str) -> bool:
+    """Whether the last attempt made an enclosure of the failing condition half as wide.
 
-    True if there is nothing to compare with.
+    True if the attempt before it did not fail at the same condition.
     """
-    if previous is None or isinstance(previous.outcome, Proved):
+    if isinstance(previous, Proved) or previous.reason.condition != condition:
         return True
-    if previous.outcome.reason.condition != outcome.reason.condition:
-        return True
-    before, now = (_enclosures(result) for result in (previous.outcome, outcome))
-    pairs = [(before[name], now[name]) for name in before if name in now]
-    return not pairs or any(is_below(2 * new.rad(), old.rad()) for old, new in pairs)
+    before = _enclosures(previous)
+    return not before or any(is_below(2 * enclosures[n].rad(), before[n].rad()) for n in before if n in enclosures)
 
 
 def _enclosures(outcome: NotProved) -> dict[str, arb]:
@@ -202,7 +206,9 @@ def _attempt(candidate: Candidate, precision: int, report: Callable[[float], Non
         try:
             _symmetries(checklist, candidate)
             prepare(candidate, checklist)
-            enclosures = integrate(candidate, IntegratorSettings(precision), report)
+            # Bounds that overflow are infinite, and what is infinite proves nothing.
+            with np.errstate(all="ignore"):
+                enclosures = integrate(candidate, IntegratorSettings(precision), report)
         except NotEstablishedError as error:
             return refused(error.reason)
         except IntegrationFailure as error:

@@ -116,6 +116,7 @@ def check_family(checklist: Checklist, problem: Problem) -> PeriodTwoFamily:
     remedy = "move the centre onto the family, align p_0 with it, or widen the box across it"
     with checklist.hypothesis("family", "8.1", statement, remedy) as evidence:
         graph = ImplicitGraph(problem.iterates[0], problem.box, 1)
+        _record_matrix(evidence, graph.derivative_matrix(problem.box), 1, 1, "P")
         evidence.require(graph.is_regular(), "D_(p_1, p_2) pi_q P may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:1]), start=1):
             _require_inside(evidence, f"p_{position}", ball, problem.radii[position])
@@ -128,9 +129,7 @@ def check_no_other_orbit(checklist: Checklist, problem: Problem, i: int) -> None
     remedy = f"smaller radii; if the family is near a resonance of order {i}, much smaller ones"
     with checklist.hypothesis(f"regular-{i}", "8.2", statement, remedy) as evidence:
         matrix = [component.gradient(problem.box, 1) for component in problem.iterates[i - 1]]
-        for row, entries in enumerate(matrix, start=1):
-            for column, ball in enumerate(entries, start=1):
-                evidence.record(f"d q_{row}(P^{i}) / d p_{column}", ball)
+        _record_matrix(evidence, matrix, 1, 1, f"P^{i}")
         evidence.require(is_regular(matrix), "a singular matrix is not excluded", needs_precision=True)
 
 
@@ -144,6 +143,7 @@ def check_reduction(checklist: Checklist, problem: Problem, family: Family | Non
     with checklist.hypothesis(f"{problem.prefix}C2", "8.3", statement, remedy) as evidence:
         component, *others = problem.iterates[-1]
         graph = ImplicitGraph(tuple(others), problem.box, 2)
+        _record_matrix(evidence, graph.derivative_matrix(problem.box), 2, 2, f"P^{problem.k}")
         evidence.require(graph.is_regular(), "D_p2 pi_q2 P^k may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:2]), start=2):
             _require_inside(evidence, f"p_{position}^H", ball, problem.radii[position])
@@ -224,6 +224,14 @@ def locate(checklist: Checklist, problem: Problem, family: Family, reduction: Bi
             _require_inside(evidence, f"p_{position}", ball, problem.radii[position])
         crossing = evidence.record("G_01 + G_11 p_1'", _crossing(p_0, family, reduction))
     return Point(where, crossing)
+
+
+def _record_matrix(
+    evidence: Evidence, matrix: Sequence[Sequence[arb]], first_row: int, first_column: int, iterate: str
+) -> None:
+    for row, entries in enumerate(matrix, start=first_row):
+        for column, ball in enumerate(entries, start=first_column):
+            evidence.record(f"d q_{row}({iterate}) / d p_{column}", ball)
 
 
 def _require_inside(evidence: Evidence, name: str, ball: arb, radius: Fraction) -> None:

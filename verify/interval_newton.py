@@ -35,7 +35,8 @@ def is_regular(matrix: Matrix) -> bool:
     """Whether every real matrix in the interval matrix is shown to be regular.
 
     With M >= |I - B A| entrywise, a vector v > 0 with M v < v shows that |I - B A| < 1 in the norm
-    max |w_i| / v_i, hence that B A is regular. A good v is (I - M)^-1 (1, .., 1); any v will do.
+    max |w_i| / v_i, hence that B A is regular. A good v is (I - M)^-2 (1, .., 1), the second factor
+    for the scale of its components; any v will do.
     """
     try:
         bound = regularity_defect(matrix)
@@ -43,7 +44,7 @@ def is_regular(matrix: Matrix) -> bool:
         if not all_finite(entry for row in bound for entry in row):
             return False
         gap = arb_mat([[int(i == j) - bound[i][j] for j in range(size)] for i in range(size)])
-        weights = gap.mid().solve(arb_mat([[1]] * size)).mid()
+        weights = gap.mid().solve(gap.mid().solve(arb_mat([[1]] * size)).mid()).mid()
     except ZeroDivisionError:
         return False
     v = [weights[i, 0] for i in range(size)]

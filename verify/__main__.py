@@ -1,0 +1,166 @@
+"""Command line of the verifier: ``python -m verify candidates.json -o certificates.json``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from shared.formats import Candidate, InputError, check_writable, read_candidates
+from verify.certificate import Certificate, is_proof_of, read_certificates, write_certificates
+from verify.certify import LEAST_PRECISION, Limits
+from verify.report import Display, verdict_table
+from verify.workers import certify_all
+
+_EXAMPLES = """\
+examples:
+  python -m verify candidates.json
+      prove what can be proved and print the table
+  python -m verify candidates.json -o certificates.json --jobs 2
+      the same on two cores, certificates in a file; if interrupted, the same command goes on
+  python -m verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
+      one row again, with more bits
+
+exit codes: 0 everything proved, 1 something not proved or interrupted, 2 bad input
+"not proved" never means "shown to be false"
+"""
+
+_MOST_BITS = 65536
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="python -m verify",
+        description="Prove bifurcations of symmetric periodic orbits: rigorous verification of candidate boxes.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("candidates", type=Path, help="candidates file (JSON)")
+    parser.add_argument("-o", "--output", type=Path, help="certificates file; rows are saved as they finish")
+    parser.add_argument(
+        "--max-precision", type=_precision, default=Limits.max_precision, metavar="BITS",
+        help="never use more bits (default: %(default)s)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--digits", type=_positive_integer, default=Limits.digits, metavar="N",
+        help="certain digits of the parameter to aim for (default: %(default)s)",
+    )  # fmt: skip
+    parser.add_argument("--row-timeout", type=_seconds, metavar="SECONDS", help="give a candidate up after this time")
+    parser.add_argument("--jobs", type=_positive_integer, default=1, metavar="N", help="processes (default: 1)")
+    parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
+    parser.add_argument("--fresh", action="store_true", help="verify again what an earlier run proved")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    return parser
+
+
+def _positive_integer(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 0 < int(text[:9]) == int(text):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer")
+    return int(text)
+
+
+def _precision(text: str) -> int:
+    bits = _positive_integer(text)
+    if not LEAST_PRECISION <= bits <= _MOST_BITS:
+        raise argparse.ArgumentTypeError(f"{text} bits: give {LEAST_PRECISION} to {_MOST_BITS}")
+    return bits
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 < value < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
+    return value
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return _run(options)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+def _run(options: argparse.Namespace) -> int:
+    everything = read_candidates(options.candidates)
+    selected = _select(everything, options.only, options.candidates)
+    earlier: dict[str, Certificate] = {}
+    if options.output is not None:
+        check_writable(options.output)
+        # With --only, --fresh means the selected rows; those of the others stay in the file.
+        if options.output.exists() and not (options.fresh and options.only is None):
+            earlier = _earlier(options.output, everything)
+    certificates = dict(earlier)
+    reusable = [] if options.fresh else [c for c in selected if c.id in earlier]
+    kept = frozenset(c.id for c in reusable if is_proof_of(earlier[c.id], c))
+    pending = [candidate for candidate in selected if candidate.id not in kept]
+    fresh: set[str] = set()
+    display = Display(pending, options.quiet)
+    if kept:
+        display.message(f"{len(kept)} of {len(selected)} proved already, kept (--fresh verifies again)")
+
+    def finished(certificate: Certificate) -> None:
+        certificates[certificate["id"]] = certificate
+        fresh.add(certificate["id"])
+        if options.output is not None:
+            in_order = [certificates[c.id] for c in everything if c.id in certificates]
+            write_certificates(options.output, in_order)
+        display.finish(certificate)
+
+    limits = Limits(options.max_precision, options.digits, options.row_timeout)
+    interrupted = False
+    try:
+        with display.shown():
+            certify_all(pending, limits, options.jobs, display.advance, finished)
+    except KeyboardInterrupt:
+        interrupted = True
+    done = {name: certificate for name, certificate in certificates.items() if name in fresh | kept}
+    print(verdict_table(selected, done, kept), flush=True)
+    if interrupted:
+        saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
+        print(f"interrupted: {len(done)} of {len(selected)} candidates finished{saved}", file=sys.stderr)
+        return 1
+    return 0 if all(done[candidate.id]["verdict"] == "proved" for candidate in selected) else 1
+
+
+def _select(candidates: Sequence[Candidate], names: Sequence[str] | None, path: Path) -> list[Candidate]:
+    if names is None:
+        return list(candidates)
+    known = {candidate.id for candidate in candidates}
+    for name in names:
+        if name not in known:
+            raise InputError(f"{path}: --only: no candidate {name!r}; its ids are: {', '.join(sorted(known))}")
+    return [candidate for candidate in candidates if candidate.id in names]
+
+
+def _earlier(path: Path, candidates: Sequence[Candidate]) -> dict[str, Certificate]:
+    """The certificates of an earlier run. Nothing that belongs to other candidates is overwritten."""
+    try:
+        result = read_certificates(path)
+    except InputError as error:
+        raise InputError(f"{error}; or replace the file with --fresh") from None
+    known = {candidate.id for candidate in candidates}
+    foreign = [name for name in result if name not in known]
+    if foreign:
+        raise InputError(
+            f"{path}: holds certificates of other candidates ({foreign[0]!r}); "
+            "choose another output, or replace the file with --fresh"
+        )
+    return result
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,118 @@
+"""What people see: progress with a time estimate on stderr, a table of verdicts for stdout."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from shared.formats import Candidate
+from verify.ball_text import ball_from_json, certain_digits
+from verify.certificate import Certificate
+
+_SHOWN_DIGITS = 34
+_HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
+
+
+class Display:
+    """Progress of a run, on stderr: a bar on a terminal, a line for each finished row elsewhere."""
+
+    def __init__(self, candidates: Sequence[Candidate], quiet: bool) -> None:
+        # A crossing more is an integration more, so k is a fair measure of the work.
+        self._weights = {candidate.id: float(candidate.k) for candidate in candidates}
+        self._fractions = dict.fromkeys(self._weights, 0.0)
+        self._done = 0
+        self._start = time.monotonic()
+        self._quiet = quiet
+        self._console = Console(stderr=True, quiet=quiet, highlight=False, soft_wrap=True)
+        self._bar: Progress | None = None
+
+    @contextmanager
+    def shown(self) -> Iterator[Display]:
+        """Show progress while the body runs."""
+        if self._quiet or not self._console.is_terminal or not self._weights:
+            yield self
+            return
+        columns = (
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f}%"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=self._console, transient=True) as bar:
+            bar.add_task("verify", total=sum(self._weights.values()))
+            self._bar = bar
+            try:
+                yield self
+            finally:
+                self._bar = None
+
+    def advance(self, name: str, fraction: float, label: str) -> None:
+        """A row has come so far in its current attempt."""
+        self._fractions[name] = min(max(fraction, 0.0), 1.0)
+        self._refresh(f"{name} ({label})")
+
+    def finish(self, certificate: Certificate) -> None:
+        """A row is finished."""
+        name = certificate["id"]
+        self._fractions[name] = 1.0
+        self._done += 1
+        seconds = certificate["computation"]["seconds"]
+        line = f"[{self._done}/{len(self._weights)}] {name}: {certificate['verdict']}, {seconds:.1f} s"
+        if self._bar is None and self._done < len(self._weights):
+            line += f"; about {self._remaining():.0f} s left"
+        self._console.print(line, markup=False)
+        self._refresh(name)
+
+    def message(self, text: str) -> None:
+        """A message on stderr, unless quiet."""
+        self._console.print(text, markup=False)
+
+    def _work_done(self) -> float:
+        return sum(weight * self._fractions[name] for name, weight in self._weights.items())
+
+    def _remaining(self) -> float:
+        done = self._work_done()
+        return (time.monotonic() - self._start) * (sum(self._weights.values()) - done) / done if done else 0.0
+
+    def _refresh(self, description: str) -> None:
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], completed=self._work_done(), description=description)
+
+
+def verdict_table(
+    candidates: Sequence[Candidate], certificates: Mapping[str, Certificate], kept: frozenset[str] = frozenset()
+) -> str:
+    """The verdicts in the order of the candidates, as plain text; then why what is not proved is not.
+
+    `kept` names the rows that an earlier run proved.
+    """
+    rows = [_HEADERS]
+    reasons = []
+    for candidate in candidates:
+        certificate = certificates.get(candidate.id)
+        if certificate is None:
+            rows.append((candidate.id, str(candidate.k), candidate.kind, "not finished", "", "", ""))
+            continue
+        results, seconds = certificate["results"], certificate["computation"]["seconds"]
+        side = results["side"] if results else ""
+        parameter = ""
+        if results:
+            ball = ball_from_json(results["parameter"])
+            parameter = f"{results['parameter_name']} = {certain_digits(ball, _SHOWN_DIGITS)}"
+        elapsed = "kept" if candidate.id in kept else f"{seconds:.1f} s"
+        verdict = certificate["verdict"]
+        rows.append((candidate.id, str(candidate.k), candidate.kind, verdict, side, parameter, elapsed))
+        if certificate["reason"]:
+            reason = certificate["reason"]
+            reasons.append(
+                f"{candidate.id}: not proved, {reason['condition']}: {reason['message']}; {reason['remedy']}"
+            )
+    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEADERS))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return "\n".join([*lines, *([""] if reasons else []), *reasons])

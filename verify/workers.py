@@ -1,0 +1,144 @@
+"""Certification of several candidates, in this process or in worker processes.
+
+The precision of Arb is global to a process, so rows run side by side only in processes of their own.
+These are started afresh (no fork) and get and return JSON text.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import signal
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+from shared.formats import Candidate, candidate_from_json
+from verify.certificate import Certificate, make_certificate
+from verify.certify import Limits, certify
+from verify.outcome import NotProved, Reason
+
+_REPORT_SECONDS = 0.25
+_PATIENCE_SECONDS = 2.0
+
+Progress = Callable[[str, float, str], None]
+"""Called with a candidate's id, the fraction of its current attempt, and a word on it."""
+Finished = Callable[[Certificate], None]
+
+
+def certify_all(
+    candidates: Sequence[Candidate], limits: Limits, jobs: int, progress: Progress, finished: Finished
+) -> None:
+    """Certify every candidate and hand each certificate to `finished`, in the order in which they are done."""
+    jobs = min(jobs, len(candidates))
+    if jobs > 1:
+        _in_processes(candidates, limits, jobs, progress, finished)
+        return
+    for candidate in candidates:
+        finished(certify(candidate, limits, _for_row(progress, candidate.id)))
+
+
+def _for_row(progress: Progress, name: str) -> Callable[[float, str], None]:
+    return lambda fraction, label: progress(name, fraction, label)
+
+
+@dataclass
+class _Worker:
+    process: BaseProcess
+    connection: Connection
+    candidate: Candidate
+
+
+def _in_processes(
+    candidates: Sequence[Candidate], limits: Limits, jobs: int, progress: Progress, finished: Finished
+) -> None:
+    waiting = deque(candidates)
+    workers: dict[int, _Worker] = {}
+    with _stopping(workers):
+        for _ in range(jobs):
+            _start(workers, waiting.popleft(), limits)
+        while workers:
+            for connection in wait([worker.connection for worker in workers.values()]):
+                number, worker = next((n, w) for n, w in workers.items() if w.connection is connection)
+                try:
+                    message: Mapping[str, Any] = json.loads(worker.connection.recv())
+                except (EOFError, OSError):
+                    worker.process.join(_PATIENCE_SECONDS)
+                    del workers[number]
+                    finished(_lost(worker))
+                    if waiting:
+                        _start(workers, waiting.popleft(), limits)
+                    continue
+                if "certificate" not in message:
+                    progress(worker.candidate.id, message["fraction"], message["label"])
+                    continue
+                finished(message["certificate"])
+                if waiting:
+                    worker.candidate = waiting.popleft()
+                    worker.connection.send(_task(worker.candidate, limits))
+                else:
+                    del workers[number]
+                    worker.connection.close()
+                    worker.process.join(_PATIENCE_SECONDS)
+
+
+def _start(workers: dict[int, _Worker], candidate: Candidate, limits: Limits) -> None:
+    context = multiprocessing.get_context("spawn")
+    here, there = context.Pipe()
+    process = context.Process(target=_serve, args=(there,), daemon=True)
+    process.start()
+    there.close()
+    here.send(_task(candidate, limits))
+    workers[max(workers, default=0) + 1] = _Worker(process, here, candidate)
+
+
+@contextmanager
+def _stopping(workers: Mapping[int, _Worker]) -> Iterator[None]:
+    """Leave no worker behind, whatever happens."""
+    try:
+        yield
+    finally:
+        for worker in workers.values():
+            worker.process.terminate()
+        for worker in workers.values():
+            worker.process.join(_PATIENCE_SECONDS)
+
+
+def _task(candidate: Candidate, limits: Limits) -> str:
+    return json.dumps({"candidate": candidate.to_json(provenance=False), "limits": asdict(limits)})
+
+
+def _lost(worker: _Worker) -> Certificate:
+    code = worker.process.exitcode
+    message = f"the process that checked it ended before it was done (exit code {code})"
+    reason = Reason("process", message, "free memory or give fewer --jobs")
+    computation = {"precision": 0, "order": 0, "steps": 0, "attempts": 1, "seconds": 0.0}
+    return make_certificate(worker.candidate, NotProved(reason), computation)
+
+
+def _serve(connection: Connection) -> None:
+    """The work of one process: tasks in, progress and certificates out, until the other end closes."""
+    # Ctrl-C reaches every process of the terminal; only the parent reacts, and stops its workers.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    last = 0.0
+
+    def report(fraction: float, label: str) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last >= _REPORT_SECONDS:
+            last = now
+            connection.send(json.dumps({"fraction": fraction, "label": label}))
+
+    try:
+        while True:
+            task = json.loads(connection.recv())
+            candidate = candidate_from_json(task["candidate"], "candidate")
+            certificate = certify(candidate, Limits(**task["limits"]), report)
+            connection.send(json.dumps({"certificate": certificate}))
+    except (EOFError, OSError):
+        return
