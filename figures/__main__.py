@@ -72,7 +72,7 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
 
     candidates = read_candidates(arguments.candidates)
     marks = mark_candidates(candidates, arguments.certificates, arguments.candidates)
-    families = [family for path in arguments.family for family in read_families(path)]
+    families = [family.refined() for path in arguments.family for family in read_families(path)]
 
     # Matplotlib takes a second to load: only after the input is known to be good.
     from figures.draw import draw_family, draw_marks

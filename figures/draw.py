@@ -73,7 +73,7 @@ def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
 
 def _parameter_figure(family: Family, placements: Sequence[Placement]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 3.1))
-    grid = figure.add_gridspec(2, 3, left=0.085, right=0.985, top=0.91, bottom=0.29, wspace=0.5, hspace=0.12)
+    grid = figure.add_gridspec(2, 3, left=0.105, right=0.985, top=0.91, bottom=0.29, wspace=0.5, hspace=0.12)
     first = figure.add_subplot(grid[0, 0])
     second = figure.add_subplot(grid[1, 0], sharex=first)
     stability, orbits = figure.add_subplot(grid[:, 1]), figure.add_subplot(grid[:, 2])

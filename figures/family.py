@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -34,9 +35,9 @@ class Family:
         second_points: shape (N, 1 + n), the point on Fix(R) half a period later.
         periods: shape (N,), full periods, nondimensional time.
         levels: shape (N,), Jacobi constant (first integral) or family parameter.
-        stability: shape (N, n), (lambda + 1/lambda)/2 of each nontrivial pair of Floquet
-            multipliers; NaN where a pair is complex (off the unit circle and off the real axis).
-        arclength: shape (N,), length along the curve of `points`.
+        coefficients: shape (N, n + 1), polynomial whose roots are the stability parameters
+            (lambda + 1/lambda)/2 of the nontrivial pairs of Floquet multipliers, highest power first.
+        arclength: shape (N,), along the family, increasing.
     """
 
     name: str
@@ -46,8 +47,27 @@ class Family:
     second_points: Array
     periods: Array
     levels: Array
-    stability: Array
+    coefficients: Array
     arclength: Array
+
+    @cached_property
+    def stability(self) -> Array:
+        """Stability parameters, shape (N, n), ascending.
+
+        NaN where a pair is complex, that is, where multipliers have left both the unit circle and
+        the real axis: there is no resonance there.
+        """
+        roots = np.array([np.roots(row) for row in self.coefficients])
+        return np.sort(np.where(roots.imag == 0, roots.real, np.nan), axis=1)
+
+    def refined(self, parts: int = 12) -> Family:
+        """The same family with each interval of arclength cut into `parts`, by cubic interpolation."""
+        nodes = self.arclength
+        fractions = np.arange(parts) / parts
+        dense = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
+        names = ("points", "second_points", "periods", "levels", "coefficients")
+        # The coefficients, unlike the stability parameters, are smooth also where two parameters meet.
+        return replace(self, arclength=dense, **{name: _cubic(nodes, getattr(self, name), dense) for name in names})
 
 
 @dataclass(frozen=True)
@@ -80,6 +100,20 @@ class Placement:
     second: bool
     arclength: float
     distance: float
+
+
+def _cubic(nodes: Array, values: Array, positions: Array) -> Array:
+    """Piecewise cubic Hermite interpolation with slopes from three neighbours; `values` has N rows."""
+    slopes = np.gradient(values, nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
+    i = np.clip(np.searchsorted(nodes, positions, side="right") - 1, 0, len(nodes) - 2)
+    width = nodes[i + 1] - nodes[i]
+    shape = (-1,) + (1,) * (values.ndim - 1)
+    u, width = ((positions - nodes[i]) / width).reshape(shape), width.reshape(shape)
+    return np.asarray(
+        values[i] * (1 + 2 * u) * (1 - u) ** 2
+        + values[i + 1] * u * u * (3 - 2 * u)
+        + width * (slopes[i] * u * (1 - u) ** 2 - slopes[i + 1] * u * u * (1 - u))
+    )
 
 
 def state_on_fixed_set(system: ReversibleSystem, point: Sequence[float]) -> list[float]:

@@ -26,8 +26,6 @@ def _family(record: FamilyRecord) -> Family:
     orbits = record.orbits
     points = np.array([orbit.point for orbit in orbits])
     integrals = [orbit.first_integral for orbit in orbits if orbit.first_integral is not None]
-    # A complex pair has left both the unit circle and the real axis: no resonance there, a gap in the curve.
-    stability = np.sort([[s.real if s.imag == 0 else np.nan for s in orbit.stability] for orbit in orbits], axis=1)
     return Family(
         name=f"{record.label}-{record.name}" if record.label else record.name,
         system=record.system,
@@ -36,6 +34,6 @@ def _family(record: FamilyRecord) -> Family:
         second_points=np.array([orbit.second_point for orbit in orbits]),
         periods=np.array([2 * orbit.half_period for orbit in orbits]),
         levels=np.array(integrals) if integrals else points[:, 0],
-        stability=stability,
+        coefficients=np.array([orbit.coefficients for orbit in orbits]),
         arclength=np.array([orbit.arclength for orbit in orbits]),
     )

@@ -45,7 +45,10 @@ def symmetric_orbit(
     between rows (nondimensional). Raises `OrbitNotClosed`.
     """
     values = parameter_values(system, parameters, point)
-    half = _to_section(system, values, state_on_fixed_set(system, point), longest_step)
+    try:
+        half = _to_section(system, values, state_on_fixed_set(system, point), longest_step)
+    except (ZeroDivisionError, OverflowError):
+        raise OrbitNotClosed("the orbit runs into a singularity of the vector field") from None
     mirrored = half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)
     return np.vstack([half, mirrored])
 
@@ -63,10 +66,7 @@ def _to_section(
     step = min(1e-3, longest_step)
     slope = field(state)
     for _ in range(_STEPS):
-        try:
-            following, next_slope, error = _step(field, state, slope, step)
-        except (ZeroDivisionError, OverflowError) as failure:
-            raise OrbitNotClosed(f"the vector field is singular at {state.tolist()}") from failure
+        following, next_slope, error = _step(field, state, slope, step)
         size = float(np.max(np.abs(error) / (1.0 + np.abs(following))))
         if not np.isfinite(size):
             raise OrbitNotClosed("the orbit is not finite")

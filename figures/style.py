@@ -20,6 +20,7 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
 from figures.family import MarkedPoint
 from shared.formats import InputError, check_writable
@@ -55,13 +56,15 @@ def draw_mark(axes: Axes, position: Sequence[float], mark: MarkedPoint) -> Line2
     (line,) = axes.plot(
         *coordinates, marker=marker, linestyle="none", color=colour, markeredgecolor=colour,
         markerfacecolor=colour if mark.certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
+        # A thin white rim, so that markers that touch can be told apart.
+        path_effects=[withStroke(linewidth=1.9, foreground="white")],
     )  # fmt: skip
     line.set_gid(f"candidate {mark.candidate.id}")
     return line
 
 
 def _size(marker: str) -> float:
-    return {"D": 5.2, "s": 5.6, "*": 8.5, "o": 6.0}.get(marker, 6.6)
+    return {"D": 4.9, "s": 5.2, "*": 8.0, "o": 5.4}.get(marker, 6.2)
 
 
 def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:

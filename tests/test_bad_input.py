@@ -259,3 +259,26 @@ def test_writable_path_is_not_refused(tmp_path: Path) -> None:
     check_writable(tmp_path / "new.json")
     with pytest.raises(InputError, match="is a folder"):
         check_writable(tmp_path)
+
+
+HOPELESS: dict[str, dict[str, Any]] = {
+    "box far too large": {"radii": ["1", "1"]},
+    "box shifted off the family": {"centre": ["453.4", "0.93"]},
+    "singular frame": {"frame": [["1", "0"], ["0", "0"]]},
+    "starts in the primary": {**CR3BP, "parameters": {"mu": "0x1p-1"}, "centre": ["0x1p-1", "0", "0"]},
+    "falls into the primary": {**CR3BP, "parameters": {"mu": "0x1p-1"}, "centre": ["0.7", "0", "0.001"]},
+    "box reaches over the primary": {
+        **CR3BP, "parameters": {"mu": "0x1p-1"}, "centre": ["0.51", "0", "1"], "radii": ["0.1", "0.1", "0.1"],
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", HOPELESS)
+def test_well_formed_hopeless_claim_is_not_proved_with_a_reason(case: str, tmp_path: Path, capsys: Any) -> None:
+    candidates, certificates = tmp_path / "candidates.json", tmp_path / "certificates.json"
+    candidates.write_text(changed(**HOPELESS[case]))
+    assert verify_main([str(candidates), "-o", str(certificates), "--quiet", "--row-timeout", "5"]) == 1
+    assert "Traceback" not in capsys.readouterr().err
+    (certificate,) = json.loads(certificates.read_text())["certificates"]
+    assert certificate["verdict"] == "not proved"
+    assert all(certificate["reason"].values())
