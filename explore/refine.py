@@ -199,7 +199,7 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
             raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
         # Quadratic convergence, with the constant seen in the last two steps.
         size = max(size, 2.0**-target)
-        known = min(float(target), -2 * log2(size) - max(0.0, log2(size / expected)))
+        known = min(float(target), -2 * log2(size) - max(0.0, log2(size) - log2(expected)))
         previous, expected = size, max(size**2, 2.0**-target)
         if known < goal - 1:
             target = min(goal, max(FIRST_BITS, int(2 * known)))
