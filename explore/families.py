@@ -19,10 +19,10 @@ import numpy as np
 
 from explore.arguments import FAMILY_NAMES
 from explore.continuation import Family, Start, StepControl, describe, extend, trace
+from explore.detection import symmetry_breaking_near, symmetry_breakings, until_breaking
 from explore.falkner_skan import limit_orbit
 from explore.flow import FlowFailure, Matrix
 from explore.libration import distance_to_primaries, libration_point, lyapunov_orbit
-from explore.resonances import symmetry_breaking_near, symmetry_breakings, until_breaking
 from explore.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 

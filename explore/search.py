@@ -12,12 +12,12 @@ import numpy as np
 
 from explore.arguments import Request
 from explore.continuation import Family
+from explore.detection import LocatedResonance, detect
 from explore.families import FamilyFailure, Limits, continue_family, trace_family
 from explore.family_file import FamilyRecord, OrbitRecord, ResonanceRecord, read_families, write_families
 from explore.flow import Vector
 from explore.progress import Reporter
 from explore.refining import Refined, Task, refine_tasks
-from explore.resonances import Resonance, detect
 from explore.shooting import ShootingProblem, SymmetricOrbit
 from explore.stability import Side
 from shared.formats import Candidate, InputError, read_candidates, write_candidates
@@ -31,7 +31,7 @@ class TracedFamily:
     name: str
     label: str
     family: Family
-    resonances: tuple[Resonance, ...] = ()
+    resonances: tuple[LocatedResonance, ...] = ()
 
     @property
     def system(self) -> ReversibleSystem:
@@ -200,7 +200,7 @@ def _refine_all(request: Request, traced: list[TracedFamily], kept: list[Candida
     return code
 
 
-def _task(item: TracedFamily, resonance: Resonance, side: Side, id: str, digits: int) -> Task:
+def _task(item: TracedFamily, resonance: LocatedResonance, side: Side, id: str, digits: int) -> Task:
     guess = resonance.orbit.centre(side)
     return Task(
         id=id, system=item.system.name, parameters=dict(item.family.problem.parameters), kind=resonance.kind,
@@ -209,11 +209,11 @@ def _task(item: TracedFamily, resonance: Resonance, side: Side, id: str, digits:
     )  # fmt: skip
 
 
-def _targets(item: TracedFamily, both_points: bool) -> list[tuple[Resonance, Side, str]]:
+def _targets(item: TracedFamily, both_points: bool) -> list[tuple[LocatedResonance, Side, str]]:
     """The points to refine, with an id that does not depend on which other k were asked for."""
     label = "-".join(part for part in (item.label or item.system.name, item.name) if part)
     counts: dict[int, int] = {}
-    result: list[tuple[Resonance, Side, str]] = []
+    result: list[tuple[LocatedResonance, Side, str]] = []
     for resonance in item.resonances:
         counts[resonance.k] = counts.get(resonance.k, 0) + 1
         id = f"{label}-k{resonance.k}-{counts[resonance.k]}"
@@ -223,7 +223,7 @@ def _targets(item: TracedFamily, both_points: bool) -> list[tuple[Resonance, Sid
     return result
 
 
-def _provenance(item: TracedFamily, resonance: Resonance, side: Side, guess: Vector) -> Mapping[str, Any]:
+def _provenance(item: TracedFamily, resonance: LocatedResonance, side: Side, guess: Vector) -> Mapping[str, Any]:
     return {
         "family": item.name,
         "parameters": item.label,

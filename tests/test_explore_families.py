@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from explore.continuation import Family, Start, StepControl, trace
+from explore.detection import Detection, detect, symmetry_breakings
 from explore.families import FamilyFailure, Limits, continue_family, trace_family
-from explore.resonances import Detection, detect, symmetry_breakings
 from explore.shooting import CorrectionFailure, ShootingProblem
 from shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 

@@ -24,7 +24,7 @@ BREAKS = "the symmetry breaks"
 
 
 @dataclass(frozen=True)
-class Resonance:
+class LocatedResonance:
     """A bifurcation of symmetric orbits, located in float64.
 
     Attributes:
@@ -61,7 +61,7 @@ class Detection:
             that float64 cannot tell whether it reaches it, or where an orbit could not be computed.
     """
 
-    resonances: tuple[Resonance, ...]
+    resonances: tuple[LocatedResonance, ...]
     undecided: tuple[str, ...]
 
 
@@ -113,7 +113,7 @@ def detect(
         progress: called with the arclength that has been searched.
     """
     wanted = sorted(set(multiplicities))
-    found: list[Resonance] = []
+    found: list[LocatedResonance] = []
     undecided: list[str] = []
     if 1 in wanted:
         found += symmetry_breakings(family)
@@ -130,16 +130,16 @@ def detect(
     return Detection(tuple(found), tuple(undecided))
 
 
-def _tuplings(curve: _Curve, samples: Samples, k: int, value: float) -> tuple[list[Resonance], list[str]]:
+def _tuplings(curve: _Curve, samples: Samples, k: int, value: float) -> tuple[list[LocatedResonance], list[str]]:
     family = curve.family
     function = curve.resonance(value)
     zeros = find_zeros(function, samples.places, [_resonance_function(row, value) for row in samples.values])
-    found: list[Resonance] = []
+    found: list[LocatedResonance] = []
     for place in zeros.zeros:
         orbit = family.problem.with_derivative(curve.orbit(place))
         assert orbit.derivative is not None
         sides = tupling_sides(orbit.derivative, k)
-        found.append(Resonance(k, kind_of(k), None, orbit, sides[0], len(sides) > 1, value))
+        found.append(LocatedResonance(k, kind_of(k), None, orbit, sides[0], len(sides) > 1, value))
     unclear = [
         f"a stability parameter comes within {abs(touch.value):.1e} of {value:.6g} (k = {k}) and may or may not "
         f"reach it ({describe(family.problem, curve.orbit(touch.place))})"
@@ -148,14 +148,14 @@ def _tuplings(curve: _Curve, samples: Samples, k: int, value: float) -> tuple[li
     return found, unclear
 
 
-def symmetry_breakings(family: Family) -> list[Resonance]:
+def symmetry_breakings(family: Family) -> list[LocatedResonance]:
     """Symmetry breakings on a family.
 
     On a family within Fix(S): the sign changes of the S-odd block. On any other: its ends that lie
     in Fix(S), where it branches off from orbits in Fix(S).
     """
     problem, system = family.problem, family.problem.system
-    found: list[Resonance] = []
+    found: list[LocatedResonance] = []
     if problem.symmetry is None:
         for orbit in {id(orbit): orbit for orbit in (family.orbits[0], family.orbits[-1])}.values():
             for name in system.symmetries:
@@ -173,8 +173,8 @@ def symmetry_breakings(family: Family) -> list[Resonance]:
     return [_breaking(family.orbit_at(place), problem.symmetry) for place in zeros]
 
 
-def _breaking(orbit: SymmetricOrbit, symmetry: str) -> Resonance:
-    return Resonance(1, kind_of(1), symmetry, orbit, "first", True, 1.0)
+def _breaking(orbit: SymmetricOrbit, symmetry: str) -> LocatedResonance:
+    return LocatedResonance(1, kind_of(1), symmetry, orbit, "first", True, 1.0)
 
 
 def symmetry_breaking_near(problem: ShootingProblem, symmetry: str, guess: Vector, reach: float) -> SymmetricOrbit:
