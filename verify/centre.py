@@ -83,6 +83,7 @@ def _coefficients(
     series: list[list[Any]] = [[] for _ in nodes]
     weighted: dict[int, list[Any]] = {}
     solution = [[value] for value in state]
+    length, numerator, denominator = float(step), step.numerator, step.denominator
     for n in range(degree + 1):
         for index, node in enumerate(nodes):
             own = series[index]
@@ -134,9 +135,9 @@ def _coefficients(
             for component, output in enumerate(program.outputs):
                 slope = series[output][n]
                 if bits is None:
-                    solution[component].append(slope * float(step) / (n + 1))
+                    solution[component].append(slope * length / (n + 1))
                 else:
-                    solution[component].append(slope * step.numerator // (step.denominator * (n + 1)))
+                    solution[component].append(slope * numerator // (denominator * (n + 1)))
     return solution
 
 

@@ -21,6 +21,7 @@ from verify.grading import Grading
 from verify.norms import GradedNorm, inflate
 
 _NORM_BITS = 96
+_NORM_DEGREE = 24
 _RATIO = 2.0**-40
 _SLACK = 1.0 + 2.0**-30
 _FLOOR = 2.0**-960
@@ -33,7 +34,7 @@ Floats = NDArray[np.float64]
 def norm_arithmetic(arithmetic: Arithmetic) -> Arithmetic:
     """The format of the norm computation: only the centre is known, every grade is bounded."""
     grading = Grading((), arithmetic.grading.top)
-    return Arithmetic(grading, min(_NORM_BITS, arithmetic.bits), 0, arithmetic.degree)
+    return Arithmetic(grading, min(_NORM_BITS, arithmetic.bits), 0, min(_NORM_DEGREE, arithmetic.degree))
 
 
 def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float]) -> Series:
@@ -42,6 +43,9 @@ def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float])
     drop = fine.bits - coarse.bits
     centre = element.coefs[0]
     errors = [inflate(e + t) for e, t in zip(element.errors, tube, strict=True)]
+    if centre.length() > coarse.degree + 1:
+        errors[0] = inflate(errors[0] + fine.size(centre.right_shift(coarse.degree + 1), fine.scales[0]))
+        centre = centre.truncate(coarse.degree + 1)
     if drop and centre.length():
         centre = centre // (1 << drop)
         errors[0] = inflate(errors[0] + coarse.rounding[0])

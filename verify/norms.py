@@ -2,9 +2,9 @@
 
 A graded norm is a list of G + 2 non-negative floats: bounds for the grades 0 .. G and, last, one for
 everything above G. Every function returns upper bounds: the terms are non-negative, so float
-rounding is a relative error far below the factor of `inflate`, and its summand covers underflow, even where subnormal numbers are flushed to zero.
-Overflow gives infinity and NaN is never turned into a number; a bound that is not finite fails every
-comparison that could carry proof.
+rounding is a relative error far below the factor of `inflate`, and its summand covers underflow,
+even where subnormal numbers are flushed to zero. Overflow gives infinity and NaN is never turned
+into a number; a bound that is not finite fails every comparison that could carry proof.
 """
 
 from __future__ import annotations

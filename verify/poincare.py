@@ -30,8 +30,7 @@ BOX_RATIO = Fraction(1, 4)
 
 _MAX_STEPS = 4000
 _STEP_BITS = 12
-_HEADROOM = 40
-_ROUGH_DEGREE = 32
+_ROUGH_DEGREE = 24
 
 
 @dataclass(frozen=True)
@@ -245,7 +244,7 @@ def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tupl
         -(log2(scale.numerator) - log2(scale.denominator)) / weight
         for scale, weight in zip(scales, grading.weights, strict=True)
     ]
-    spare = max(0, bits - 2 * _HEADROOM) // grading.top
+    spare = bits // 6
     size = max(0, floor(max(logs)))
     loss = min(size, spare)
     return size - loss, loss

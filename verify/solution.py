@@ -17,7 +17,7 @@ from verify.algebra import Arithmetic
 from verify.evaluation import Evaluation, PreparedProgram
 
 _ZERO = fmpz_poly([])
-_BLOCK = 16
+_BLOCK = 12
 Jacobian = list[dict[int, list[int]]]
 
 
@@ -135,32 +135,42 @@ def linear_solution(
     bits = arithmetic.bits - spare
     degree = arithmetic.degree
     size = len(start)
+    numerator, denominator = step.numerator, step.denominator
     solution: list[list[int]] = [[int(p[0])] if p.length() else [0] for p in start]
     forces = [[int(c) << bits for c in p.coeffs()] + [0] * (degree + 1 - p.length()) for p in forcing]
-    constant = [[(j, entries[0]) for j, entries in row.items() if len(entries) == 1] for row in jacobian]
     varying = [[(j, entries) for j, entries in row.items() if len(entries) > 1] for row in jacobian]
     factors = [[(j, fmpz_poly(entries)) for j, entries in row] for row in varying]
     for first in range(0, degree, _BLOCK):
-        last = min(first + _BLOCK, degree)
         if first:
             width = _BLOCK * (first // _BLOCK & -(first // _BLOCK))
             blocks = [fmpz_poly(values[first - width : first]) for values in solution]
             for force, row in zip(forces, factors, strict=True):
                 if row:
-                    exact = sum(
-                        (entries.truncate(2 * width).mul_low(blocks[j], 2 * width) for j, entries in row), _ZERO
-                    )
+                    terms = (entries.truncate(2 * width).mul_low(blocks[j], 2 * width) for j, entries in row)
+                    exact = sum(terms, _ZERO)
                     for n in range(first, min(first + width, degree)):
                         force[n] += int(exact[n - first + width])
-        for n in range(first, last):
+        # The block's coefficients so far, latest first, as the convolutions need them.
+        latest: list[list[int]] = [[values[-1]] for values in solution]
+        rows = [
+            (
+                forces[i],
+                [(entries[0], latest[j]) for j, entries in jacobian[i].items() if len(entries) == 1],
+                [(entries, latest[j]) for j, entries in varying[i]],
+            )
+            for i in range(size)
+        ]
+        for n in range(first, min(first + _BLOCK, degree)):
+            divisor = denominator * (n + 1)
             slopes = []
-            for i in range(size):
-                slope = forces[i][n]
-                for j, entry in constant[i]:
-                    slope += entry * solution[j][n]
-                for j, entries in varying[i]:
-                    slope += sum(map(mul, entries, solution[j][n : first - 1 if first else None : -1]))
-                slopes.append((slope >> bits) * step.numerator // (step.denominator * (n + 1)))
-            for i in range(size):
-                solution[i].append(slopes[i])
+            for force, constants, convolutions in rows:
+                slope = force[n]
+                for entry, values in constants:
+                    slope += entry * values[0]
+                for entries, values in convolutions:
+                    slope += sum(map(mul, entries, values))
+                slopes.append((slope >> bits) * numerator // divisor)
+            for own, values, slope in zip(solution, latest, slopes, strict=True):
+                own.append(slope)
+                values.insert(0, slope)
     return [fmpz_poly(values) for values in solution]
