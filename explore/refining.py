@@ -60,6 +60,10 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
         )  # fmt: skip
     except RefinementFailure as error:
         return Refined(task, None, None, str(error), time.monotonic() - started)
+    except (ArithmeticError, ValueError) as error:
+        # One point on which the arithmetic breaks down must not lose the others.
+        reason = f"the arithmetic broke down ({type(error).__name__}: {error})"
+        return Refined(task, None, None, reason, time.monotonic() - started)
     level = point.first_integral if point.first_integral is not None else point.centre[0]
     return Refined(task, point.to_candidate(task.id, task.provenance), level, None, time.monotonic() - started)
 

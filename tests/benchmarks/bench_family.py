@@ -1,0 +1,74 @@
+"""Seconds for tracing families and finding their resonances in float64.
+
+python tests/benchmarks/bench_family.py
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+
+def timed(label: str, work: Callable[[], Any]) -> Any:
+    """Run `work` and print its wall and processor seconds."""
+    wall, processor = time.perf_counter(), time.process_time()
+    result = work()
+    print(f"{label:<52} {time.perf_counter() - wall:8.3f} s wall {time.process_time() - processor:8.3f} s processor")
+    return result
+
+
+def main() -> None:
+    """Print the timings, one a line."""
+
+    def load() -> Any:
+        import explore.detection
+        import explore.families
+        import explore.flow
+
+        return explore
+
+    explore = timed("import JAX and diffrax", load)
+    from shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+
+    mass = MASS_PARAMETERS["earth-moon"]
+    flow = explore.flow.flow_of(CR3BP)
+    state = [0.8426, 0.0, 0.1639, 0.0, 0.2635, 0.0]
+    timed("first half return (tracing, compiling or its cache)", lambda: flow.derivative(state, 1.3346, [float(mass)]))
+    timed("first samples of an orbit", lambda: flow.samples(state, 1.3346, [float(mass)]))
+    count = 100
+    repeat = timed(
+        f"{count} half returns with state transition matrix",
+        lambda: [flow.derivative(state, 1.3346, [float(mass)]) for _ in range(count)],
+    )
+    assert len(repeat) == count
+    for bound in (0.2, 0.3):
+        limits = explore.families.Limits(coordinate_max={"z": bound})
+        parameters = {"mu": mass}
+        family = timed(
+            f"Earth-Moon L1 halo family from its birth to z = {bound}",
+            lambda limits=limits, parameters=parameters: explore.families.trace_family(
+                CR3BP, "L1-halo", parameters, limits
+            ),
+        )
+        found = timed(
+            f"  its resonances k = 1, 2, 3, 4 ({len(family.orbits)} orbits)",
+            lambda family=family: explore.detection.detect(family, [1, 2, 3, 4]),
+        )
+        print(f"  found: {', '.join(f'k = {resonance.k}' for resonance in found.resonances)}")
+    odd = timed(
+        "Falkner-Skan family, beta 100 to 1000, with compiling",
+        lambda: explore.families.trace_family(FALKNER_SKAN, "odd", {}, explore.families.Limits()),
+    )
+    found = timed(
+        f"  its resonances k = 2, 3, 4 ({len(odd.orbits)} orbits)", lambda: explore.detection.detect(odd, [2, 3, 4])
+    )
+    print(f"  found: {', '.join(f'k = {resonance.k}' for resonance in found.resonances)}")
+
+
+if __name__ == "__main__":
+    main()
