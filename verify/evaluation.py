@@ -236,6 +236,8 @@ def approximate_power(arithmetic: Arithmetic, base: fmpz_poly, exponent: Fractio
         for _ in range(p - 1):
             power = power * root
         return _fixed(power, scale, length), _fixed(inverse, scale, length)
+    except ZeroDivisionError:
+        raise _no_expansion() from None
     finally:
         ctx.prec, ctx.cap = previous, cap
 
@@ -245,13 +247,17 @@ def _fixed(series: arb_series, scale: arb, length: int) -> fmpz_poly:
     for n in range(length):
         integer = integer_part(series[n] * scale)
         if integer is None:
-            raise IntegrationFailure(
-                "singularity",
-                "a power or quotient of the vector field has no finite expansion at the centre",
-                "the orbit meets a singularity of the vector field: give another centre",
-            )
+            raise _no_expansion()
         values.append(integer)
     return fmpz_poly(values)
+
+
+def _no_expansion() -> IntegrationFailure:
+    return IntegrationFailure(
+        "singularity",
+        "a power or quotient of the vector field has no finite expansion at the centre",
+        "the orbit meets a singularity of the vector field: give another centre",
+    )
 
 
 def integer_part(value: arb) -> fmpz | None:

@@ -138,6 +138,7 @@ def comparison_matrix(bounds: Sequence[dict[int, GradedNorm]], slots: int) -> Fl
     return matrix.reshape(size * slots, size * slots) * _SLACK
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def exponential_bound(matrix: Floats, start: Floats) -> Floats:
     """An upper bound, entrywise, of ``exp(matrix) @ start`` for non-negative entries.
 

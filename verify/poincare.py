@@ -177,11 +177,7 @@ class _Integration:
         bits, degree = self.arithmetic.bits, self.arithmetic.degree
         centre = [int(x.coefs[0][0]) for x in self.state]
         constants = [int(p.coefs[0][0]) for p in self.parameters]
-        unit = 2.0**-60
-        rough = float_coefficients(
-            self.program, [(c >> (bits - 60)) * unit for c in centre],
-            [(c >> (bits - 60)) * unit for c in constants], _ROUGH_DEGREE,
-        )  # fmt: skip
+        rough = float_coefficients(self.program, _rough(centre, bits), _rough(constants, bits), _ROUGH_DEGREE)
         size = step_size(rough, self.tolerance, degree)
         step = _dyadic_below(size)
         coefficients = fixed_coefficients(self.program, centre, constants, degree, bits, step)
@@ -250,6 +246,16 @@ def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tupl
     return size - loss, loss
 
 
+def _rough(values: Sequence[int], bits: int) -> list[float]:
+    """Fixed-point numbers in float64."""
+    try:
+        return [value / (1 << bits) for value in values]
+    except OverflowError:
+        raise IntegrationFailure(
+            "size", "the orbit leaves the range of floating-point numbers", "give another centre"
+        ) from None
+
+
 def _dyadic_below(size: float) -> Fraction:
     """A dyadic number just below `size` with few bits."""
     exponent = floor(log2(size)) - _STEP_BITS
@@ -258,8 +264,7 @@ def _dyadic_below(size: float) -> Fraction:
 
 def _next_crossing(coefficients: Sequence[int], bits: int, starts_on_section: bool) -> Fraction | None:
     """The first root of a time polynomial in (0, 1], dyadic with about `bits` bits; not rigorous."""
-    unit = 2.0**-64
-    rough = [(c >> (bits - 64)) * unit for c in coefficients]
+    rough = _rough(coefficients, bits)
     samples = 64
 
     def value(theta: float) -> float:

@@ -96,6 +96,7 @@ def _above(step: Fraction) -> float:
     return float(np.nextafter(float(step), np.inf))
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def _tube(
     program: PreparedProgram,
     arithmetic: Arithmetic,
