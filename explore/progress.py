@@ -30,6 +30,7 @@ class Reporter:
             TimeRemainingColumn(),
             console=self._console,
             transient=True,
+            redirect_stdout=False,
             disable=not self._live,
         )
 

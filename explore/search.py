@@ -43,7 +43,7 @@ class TracedFamily:
 class Row:
     """A line of the result table."""
 
-    family: str
+    item: TracedFamily
     k: int
     kind: str
     point: Vector
@@ -68,18 +68,28 @@ def run(request: Request) -> int:
         min_distance=options.min_distance,
     )
     with Reporter(options.quiet) as report:
-        traced, complete = _trace_all(request, resumed, limits, report)
-        if request.family_output is not None and traced:
-            write_families(request.family_output, [_record(family) for family in traced])
-            report.message(f"families written to {request.family_output}")
-        if any(family.family.outcome == "interrupted" for family in traced):
-            where = f"resume with --from-family {request.family_output}" if request.family_output else "nothing written"
-            report.error(f"interrupted while tracing; {where}")
-            return 130
-        if request.command == "family":
-            _print_rows([row for family in traced for row in _float_rows(family)], traced)
-            return 0 if complete else 1
-        return max(0 if complete else 1, _refine_all(request, traced, kept, report))
+        code, rows = _search(request, resumed, limits, kept, report)
+    # Only now: a running progress display would take what is printed to standard output.
+    _print_rows(rows)
+    return code
+
+
+def _search(
+    request: Request, resumed: list[TracedFamily], limits: Limits, kept: list[Candidate], report: Reporter
+) -> tuple[int, list[Row]]:
+    """Trace, detect, refine and write; the exit code and the lines of the result table."""
+    traced, complete = _trace_all(request, resumed, limits, report)
+    if request.family_output is not None and traced:
+        write_families(request.family_output, [_record(family) for family in traced])
+        report.message(f"families written to {request.family_output}")
+    if any(family.family.outcome == "interrupted" for family in traced):
+        where = f"resume with --from-family {request.family_output}" if request.family_output else "nothing is written"
+        report.error(f"interrupted while tracing; {where}")
+        return 130, []
+    if request.command == "family":
+        return (0 if complete else 1), [row for family in traced for row in _float_rows(family)]
+    code, rows = _refine_all(request, traced, kept, report)
+    return max(code, 0 if complete else 1), rows
 
 
 def _resumed(request: Request) -> list[TracedFamily]:
@@ -164,7 +174,9 @@ def _detected(item: TracedFamily, multiplicities: list[int], report: Reporter) -
     return replace(item, resonances=detection.resonances), complete
 
 
-def _refine_all(request: Request, traced: list[TracedFamily], kept: list[Candidate], report: Reporter) -> int:
+def _refine_all(
+    request: Request, traced: list[TracedFamily], kept: list[Candidate], report: Reporter
+) -> tuple[int, list[Row]]:
     options = request.options
     targets = [(item, *target) for item in traced for target in _targets(item, options.both_points)]
     tasks = [_task(item, resonance, side, id, options.digits) for item, resonance, side, id in targets]
@@ -188,16 +200,15 @@ def _refine_all(request: Request, traced: list[TracedFamily], kept: list[Candida
     everything = [candidate for candidate in kept if candidate.id not in fresh] + candidates
     if not candidates:
         report.error(f"no candidates found; nothing is written to {options.output}")
-        return code or 1
+        return code or 1, []
     write_candidates(options.output, everything)
     report.message(f"{len(candidates)} candidates written to {options.output} ({len(everything)} in the file)")
     rows: list[Row] = []
     for index in sorted(done):
         item, resonance, side, id = targets[index]
         point = np.array([float(value) for value in done[index].candidate.centre])
-        rows.append(Row(item.name, resonance.k, resonance.kind, point, done[index].level, side, id))
-    _print_rows(rows, traced)
-    return code
+        rows.append(Row(item, resonance.k, resonance.kind, point, done[index].level, side, id))
+    return code, rows
 
 
 def _task(item: TracedFamily, resonance: LocatedResonance, side: Side, id: str, digits: int) -> Task:
@@ -241,21 +252,21 @@ def _float_rows(item: TracedFamily) -> list[Row]:
     for resonance, side, id in _targets(item, False):
         orbit = resonance.orbit
         level = orbit.first_integral if orbit.first_integral is not None else float(orbit.unknowns[0])
-        rows.append(Row(item.name, resonance.k, resonance.kind, resonance.point, level, side, id))
+        rows.append(Row(item, resonance.k, resonance.kind, resonance.point, level, side, id))
     return rows
 
 
-def _print_rows(rows: list[Row], traced: list[TracedFamily]) -> None:
+def _print_rows(rows: list[Row]) -> None:
     """The result table, on standard output."""
     if not rows:
         return
-    system = traced[0].system
+    system = rows[0].item.system
     title = system.first_integral_name or system.family_parameter or "parameter"
     header = ("family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id")
     lines = [header]
     for row in rows:
         point = ", ".join(f"{value:.10g}" for value in row.point)
-        lines.append((row.family, str(row.k), row.kind, row.side, _decimal(row.level), point, row.id))
+        lines.append((row.item.name, str(row.k), row.kind, row.side, _decimal(row.level), point, row.id))
     widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
     for line in lines:
         print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())
