@@ -19,8 +19,10 @@ from explore.tape import Tape
 from explore.taylor import IntegrationFailure, JetStepper, Series, StepResult
 from shared.systems import ReversibleSystem
 
-MAXIMAL_STEPS = 2000
+MAXIMAL_STEPS = 500
 """Steps after which a return to the section is given up."""
+
+_SMALLEST_EXPONENT = -40
 
 _SAMPLES = 16
 
@@ -68,6 +70,8 @@ def section_crossings(
             result = stepper.step(state + fixed_parameters, exponent)
             exponent = result.proposal
             steps += 1
+            if exponent < _SMALLEST_EXPONENT:
+                raise IntegrationFailure("the orbit runs into a singularity")
             height = result.series[system.section_index][0]
             if side == 0:
                 side = 1 if height[1] > 0 else -1
