@@ -58,7 +58,7 @@ FIGURES = $(BIN)/python -m figures family
 
 # Exit code 1 of a step (something not found, not proved) does not stop the ones after it.
 demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
-	@failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
+	@start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	echo "1/3  search: Earth-Moon L1 halo family and Falkner-Skan family"; \
 	step $(EXPLORE) --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.3 \
 	  -o $(OUT)/candidates.json --family-output $(OUT)/halo-family.json; \
@@ -69,6 +69,8 @@ demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
 	echo; echo "3/3  pictures"; \
 	step $(FIGURES) $(OUT)/candidates.json $(OUT)/certificates.json \
 	  --family $(OUT)/halo-family.json $(OUT)/falkner-skan-family.json -o $(OUT)/figures; \
+	echo; echo "certificates: $(OUT)/certificates.json   pictures: $(OUT)/figures/   time: $$(($$(date +%s) - start)) s"; \
+	[ $$failed -eq 0 ] || echo "not everything was found or proved: the reasons stand above" >&2; \
 	exit $$failed
 
 lint: $(VENV)/dev.stamp
