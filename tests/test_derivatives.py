@@ -78,7 +78,7 @@ def test_the_bound_on_the_box_is_nearly_attained(order: int, degree: int) -> Non
         value = derivative_at({(degree,): Fraction(1)}, (order,), [ratio])
         assert value > factorial(order)
         assert contains(table.box[(order,)], value)
-        assert not contains(table.box[(order,)], value * 3)
+        assert not contains(table.box[(order,)], value * 4)
 
 
 def test_lower_grades_do_not_enter_higher_derivatives() -> None:
