@@ -30,6 +30,7 @@ BOX_RATIO = Fraction(1, 4)
 
 _MAX_STEPS = 4000
 _STEP_BITS = 12
+_LEAST_STEP = 1e-8
 _ROUGH_DEGREE = 24
 
 
@@ -179,6 +180,12 @@ class _Integration:
         constants = [int(p.coefs[0][0]) for p in self.parameters]
         rough = float_coefficients(self.program, _rough(centre, bits), _rough(constants, bits), _ROUGH_DEGREE)
         size = step_size(rough, self.tolerance, degree)
+        if size < _LEAST_STEP:
+            raise IntegrationFailure(
+                "singularity",
+                f"at time {float(self.time):.9g} the Taylor expansions allow only a step of {size:.1e}",
+                "the orbit comes too close to a singularity of the vector field: give another centre",
+            )
         step = _dyadic_below(size)
         coefficients = fixed_coefficients(self.program, centre, constants, degree, bits, step)
         root = _next_crossing(coefficients[self.system.section_index], bits, self.at_section)
