@@ -165,8 +165,12 @@ def _normalised(context: mpmath.MPContext, vector: Sequence[Any]) -> list[Any]:
 
 
 def _solve(context: mpmath.MPContext, equations: Sequence[Sequence[Any]], guess: Any) -> list[Any]:
-    """The vector that `equations` annihilate, with component 1 along its float64 approximation `guess`."""
-    last = [context.mpf(float(x)) for x in guess]
+    """The vector that `equations` annihilate, with component 1 along its float64 approximation `guess`.
+
+    The sign of `guess` is arbitrary; the largest component is made positive, the same at nearby points.
+    """
+    sign = 1 if max(guess, key=abs) > 0 else -1
+    last = [context.mpf(sign * float(x)) for x in guess]
     matrix = context.matrix([*(list(row) for row in equations), last])
     try:
         solution = context.lu_solve(matrix, context.matrix(_unit(context, len(last) - 1, len(last))))

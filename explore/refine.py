@@ -36,8 +36,11 @@ __all__ = ["RefinedPoint", "RefinementFailure", "refine"]
 FIRST_BITS = 60
 """Accuracy that the first iteration aims at: more than a float64 guess, and cheap."""
 
-GUARD_BITS = 16
-"""Working precision beyond the accuracy aimed at: what the flow and the reduction may lose."""
+GUARD_BITS = 12
+"""Working precision beyond the accuracy aimed at and beyond the bits that are lost on the way."""
+
+CHECK_BITS = 24
+"""Working precision that the last evaluation has beyond that of the last iteration."""
 
 MARGIN_DIGITS = 6
 """Digits by which the centre is more accurate than asked for; radii of second order need them."""
@@ -164,6 +167,19 @@ def _fraction(value: Any) -> Fraction:
     return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
+def _lost_bits(problem: Resonance, point: Sequence[Fraction]) -> int:
+    """Bits of the working precision that do not reach Newton's correction at a point, from two evaluations."""
+    for bits in (80, 160, 320):
+        coarse, fine = (linearise(problem, point, b) for b in (bits, bits + 32))
+        slope = resonance_slope(problem, point, coarse, bits)
+        pair = zip(newton_correction(problem, coarse, slope), newton_correction(problem, fine, slope), strict=True)
+        difference = _relative_size([a - b for a, b in pair], point)
+        lost = bits + ceil(log2(max(difference, 2.0**-bits)))
+        if lost < bits / 2:
+            return lost
+    raise RefinementFailure("the orbit loses too many digits; it is too unstable or too close to a singularity")
+
+
 @dataclass(frozen=True)
 class _Solution:
     """Where Newton's method ended, with the evaluation that checked it."""
@@ -177,7 +193,6 @@ class _Solution:
 
 def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Callable[[str, float], None]) -> _Solution:
     goal = ceil((digits + MARGIN_DIGITS) * log2(10))
-    guard = GUARD_BITS
     point = [Fraction(float(x)) for x in guess]
     if problem.parity is not None:
         if abs(point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
@@ -185,6 +200,8 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
         point[problem.parity.odd[0]] = Fraction(0)
     seed = list(point)
     iterations: list[tuple[int, float]] = []
+    report("measuring how much precision the flow loses", 0.0)
+    guard = GUARD_BITS + _lost_bits(problem, point)
     target, known, previous, expected = FIRST_BITS, 0.0, inf, inf
     while len(iterations) < MAXIMAL_ITERATIONS:
         report(f"Newton step {len(iterations) + 1} with {target + guard} bits", 0.7 * known / goal)
@@ -205,7 +222,8 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
             target = min(goal, max(FIRST_BITS, int(2 * known)))
             continue
         report("checking", 0.75)
-        at = linearise(problem, point, goal + guard)
+        # At the same precision the evaluation would repeat its own rounding errors and see none of them.
+        at = linearise(problem, point, goal + guard + CHECK_BITS)
         frame = problem.frame(point, at.iterates, at.context, problem.tangential)
         local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
         residual = float(max(abs(x) for x in local))

@@ -100,9 +100,10 @@ class JetStepper:
         while True:
             nodes, orbit = self._orbit([jet[0] for jet in state], exponent)
             length = self._length(orbit)
-            if length >= 1 / 16:
+            if length >= 1 / 4:
                 break
-            exponent -= 4
+            # Coefficients that grow would spoil the sum with the rounding errors of the powers of time.
+            exponent += math.floor(math.log2(length))
         series: list[list[Series]] = [[s] for s in orbit]
         if len(self.basis.monomials) > 1:
             self._jets(nodes, state, exponent, series)
