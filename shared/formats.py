@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from jsonschema import Draft202012Validator
-from jsonschema.exceptions import best_match
+from jsonschema.exceptions import ValidationError, best_match
 
 from shared.numbers import format_dyadic, parse_exact
 from shared.systems import SYSTEMS, ReversibleSystem
@@ -140,12 +140,56 @@ def read_document(path: Path, name: str) -> dict[str, Any]:
 
 
 def validate_document(document: object, name: str, source: str) -> None:
-    """Check a JSON value against the schema `name`; raises `InputError` that names the field."""
+    """Check a JSON value against the schema `name`; raises `InputError` that names the field and the rule."""
     error = best_match(_validator(name).iter_errors(document))
     if error is not None:
-        where = error.json_path.removeprefix("$").removeprefix(".") or "the document"
-        message = error.message if len(error.message) < 300 else error.message[:300] + " ..."
-        raise InputError(f"{source}: field {where}: {' '.join(message.split())}; see shared/schemas/{name}.schema.json")
+        where = _short(error.json_path.removeprefix("$").removeprefix(".")) or "the document"
+        raise InputError(f"{source}: field {where}: {_broken_rule(error)}; see shared/schemas/{name}.schema.json")
+
+
+_SIZES = {
+    "minItems": "needs at least {} entries",
+    "maxItems": "has room for {} entries",
+    "minLength": "needs at least {} characters",
+    "maxLength": "has room for {} characters",
+    "minimum": "must be at least {}",
+    "maximum": "must be at most {}",
+    "exclusiveMinimum": "must be greater than {}",
+}
+
+
+def _broken_rule(error: ValidationError) -> str:
+    """The rule in words. The value is quoted only if it is a short scalar: it may be a whole file."""
+    rule = str(error.validator)
+    wanted: Any = error.validator_value
+    value: Any = error.instance
+    schema: Any = error.schema
+    if rule == "additionalProperties":
+        unknown = sorted(str(key) for key in value if key not in schema.get("properties", {}))
+        return f"unknown key {_short(unknown[0])!r}" + (f" and {len(unknown) - 1} more" if unknown[1:] else "")
+    if rule == "required":
+        return f"key {next(key for key in wanted if key not in value)!r} is missing"
+    if rule == "not" and "required" in wanted:
+        return f"must not have the key {wanted['required'][0]!r}"
+    if rule == "pattern":
+        text = f"must have the form {wanted}"
+    elif rule in ("const", "enum"):
+        text = "must be " + " or ".join(json.dumps(choice) for choice in ([wanted] if rule == "const" else wanted))
+    elif rule == "type":
+        text = "must be of type " + " or ".join([wanted] if isinstance(wanted, str) else wanted)
+    else:
+        text = _SIZES.get(rule, f"breaks the rule {rule!r}").format(wanted)
+    scalar = not isinstance(value, (dict, list))
+    return f"{json.dumps(value)} {text}" if scalar and len(str(value)) <= _LONGEST_QUOTED else text
+
+
+_LONGEST_QUOTED = 100
+
+
+def _short(text: str) -> str:
+    """A text of one line and readable length."""
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST_QUOTED else text[:_LONGEST_QUOTED] + " ..."
 
 
 def read_candidates(path: Path) -> list[Candidate]:
