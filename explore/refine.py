@@ -34,12 +34,12 @@ from shared.systems import ReversibleSystem
 __all__ = ["RefinedPoint", "RefinementFailure", "refine"]
 
 FIRST_BITS = 60
-"""Accuracy that the first iteration aims at: more than a float64 guess, and cheap."""
+"""Accuracy that an iteration aims at, at least: more than that of a float64 guess, and cheap."""
 
 GUARD_BITS = 12
 """Working precision beyond the accuracy aimed at and beyond the bits that are lost on the way."""
 
-CHECK_BITS = 24
+CHECK_BITS = 12
 """Working precision that the last evaluation has beyond that of the last iteration."""
 
 MARGIN_DIGITS = 6
@@ -167,16 +167,26 @@ def _fraction(value: Any) -> Fraction:
     return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
-def _lost_bits(problem: Resonance, point: Sequence[Fraction]) -> int:
-    """Bits of the working precision that do not reach Newton's correction at a point, from two evaluations."""
+@dataclass(frozen=True)
+class _FirstStep:
+    """The first Newton step, with `bits` of working precision of which `lost_bits` did not reach the correction."""
+
+    correction: list[Any]
+    slope: list[Any]
+    bits: int
+    lost_bits: int
+
+
+def _first_step(problem: Resonance, point: Sequence[Fraction]) -> _FirstStep:
+    """Newton's correction at the guess, and the precision that the flow loses, from two evaluations."""
     for bits in (80, 160, 320):
         coarse, fine = (linearise(problem, point, b) for b in (bits, bits + 32))
         slope = resonance_slope(problem, point, coarse, bits)
-        pair = zip(newton_correction(problem, coarse, slope), newton_correction(problem, fine, slope), strict=True)
-        difference = _relative_size([a - b for a, b in pair], point)
+        corrections = [newton_correction(problem, at, slope) for at in (coarse, fine)]
+        difference = _relative_size([a - b for a, b in zip(*corrections, strict=True)], point)
         lost = bits + ceil(log2(max(difference, 2.0**-bits)))
         if lost < bits / 2:
-            return lost
+            return _FirstStep(corrections[1], slope, bits + 32, lost)
     raise RefinementFailure("the orbit loses too many digits; it is too unstable or too close to a singularity")
 
 
@@ -200,14 +210,12 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
         point[problem.parity.odd[0]] = Fraction(0)
     seed = list(point)
     iterations: list[tuple[int, float]] = []
-    report("measuring how much precision the flow loses", 0.0)
-    guard = GUARD_BITS + _lost_bits(problem, point)
-    target, known, previous, expected = FIRST_BITS, 0.0, inf, inf
-    while len(iterations) < MAXIMAL_ITERATIONS:
-        report(f"Newton step {len(iterations) + 1} with {target + guard} bits", 0.7 * known / goal)
-        at = linearise(problem, point, target + guard)
-        slope = resonance_slope(problem, point, at, max(FIRST_BITS, target // 2 + 8) + guard)
-        correction = newton_correction(problem, at, slope)
+    report("first Newton step", 0.0)
+    first = _first_step(problem, point)
+    guard = GUARD_BITS + first.lost_bits
+    target, slope, correction = first.bits - guard, first.slope, first.correction
+    previous, expected = inf, inf
+    while True:
         size = _relative_size(correction, point)
         iterations.append((target + guard, size))
         point = [_moved(u, c, target + guard) for u, c in zip(point, correction, strict=True)]
@@ -218,21 +226,25 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
         size = max(size, 2.0**-target)
         known = min(float(target), -2 * log2(size) - max(0.0, log2(size) - log2(expected)))
         previous, expected = size, max(size**2, 2.0**-target)
-        if known < goal - 1:
-            target = min(goal, max(FIRST_BITS, int(2 * known)))
-            continue
-        report("checking", 0.75)
-        # At the same precision the evaluation would repeat its own rounding errors and see none of them.
-        at = linearise(problem, point, goal + guard + CHECK_BITS)
-        frame = problem.frame(point, at.iterates, at.context, problem.tangential)
-        local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
-        residual = float(max(abs(x) for x in local))
-        if residual < 10.0 ** -(digits + MARGIN_DIGITS / 2):
-            return _Solution(point, at, frame, residual, tuple(iterations))
-        # The flow loses more digits than the guard bits allow for: carry more and go on.
-        known, target = -log2(residual), goal
-        guard += max(0, ceil(log2(residual) + goal)) + 10
-    raise RefinementFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
+        if known >= goal - 1:
+            report("checking", 0.75)
+            # At the same precision the evaluation would repeat its own rounding errors and see none of them.
+            at = linearise(problem, point, goal + guard + CHECK_BITS)
+            frame = problem.frame(point, at.iterates, at.context, problem.tangential)
+            local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
+            residual = float(max(abs(x) for x in local))
+            if residual < 10.0 ** -(digits + MARGIN_DIGITS / 2):
+                return _Solution(point, at, frame, residual, tuple(iterations))
+            # The flow loses more digits than the guard bits allow for: carry more and go on.
+            known = -log2(residual)
+            guard += max(0, ceil(goal - known)) + 10
+        if len(iterations) == MAXIMAL_ITERATIONS:
+            raise RefinementFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
+        target = min(goal, max(FIRST_BITS, int(2 * known)))
+        report(f"Newton step {len(iterations) + 1} with {target + guard} bits", min(0.7, 0.7 * known / goal))
+        at = linearise(problem, point, target + guard)
+        slope = resonance_slope(problem, point, at, max(FIRST_BITS, target // 2 + 8) + guard)
+        correction = newton_correction(problem, at, slope)
 
 
 def _dressed(
