@@ -31,7 +31,11 @@ LEAST_PRECISION = 64
 GUARD_BITS = 64
 """Bits that the conditions are evaluated with beyond those of the integration."""
 
-_ERROR_GROWTH_BITS = 48
+_RESERVE = 24
+_RESERVE_ACROSS = 64
+_DIGIT_RESERVE = 16
+"""Bits that errors were found to gain along an orbit, and a little more."""
+
 _BITS_PER_DIGIT = 3.33
 
 
@@ -66,11 +70,14 @@ def first_precision(candidate: Candidate, digits: int) -> int:
     """Bits to begin with.
 
     The error of G_1 is the orbit's error over R_1; it has to stay well below R_0 G_01 for C3, and
-    below the wanted digits of the bifurcation value.
+    below the wanted digits of the bifurcation value. The error of p_2^H has to stay below R_2.
     """
-    r_0, r_1 = (_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii[:2])
-    wanted = max(r_0, ceil(digits * _BITS_PER_DIGIT)) + r_1 + _ERROR_GROWTH_BITS
-    return max(LEAST_PRECISION, -(-wanted // 16) * 16)
+    r_0, r_1, *others = (_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii)
+    wanted = max(
+        max(r_0, ceil(digits * _BITS_PER_DIGIT) + _DIGIT_RESERVE) + r_1 + _RESERVE,
+        max(others, default=0) + _RESERVE_ACROSS,
+    )
+    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
 def _bits_below_one(numerator: int, denominator: int) -> int:
@@ -216,14 +223,14 @@ def _attempt(candidate: Candidate, precision: int, report: Callable[[float], Non
         except (ArithmeticError, ValueError) as error:
             message = f"the integration broke off: {type(error).__name__}: {error}"
             return refused(Reason("integration", message, "smaller radii or another centre"))
-        outcome = prove(candidate, checklist, enclosures.iterates, enclosures.first_integral)
+        outcome = prove(candidate, checklist, enclosures.iterates, enclosures.first_integral, enclosures.return_times)
         return _Attempt(outcome, precision, enclosures.order, enclosures.steps)
 
 
 def _symmetries(checklist: Checklist, candidate: Candidate) -> None:
     """R reverses the flow, S commutes with it, both leave the first integral unchanged."""
     with checklist.hypothesis(
-        "symmetries", "1", "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the "
+        "symmetries", "1.3", "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the "
         "program; R and S leave the first integral unchanged", "correct the description of the system",
     ) as evidence:  # fmt: skip
         try:

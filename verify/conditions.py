@@ -12,6 +12,7 @@ from fractions import Fraction
 
 from flint import arb
 
+from shared.formats import Candidate
 from verify.balls import (
     all_finite,
     excludes_zero,
@@ -71,18 +72,25 @@ class Point:
 
 def check_enclosures(
     checklist: Checklist,
-    k: int,
-    radii: Sequence[Fraction],
+    candidate: Candidate,
     iterates: Sequence[Sequence[DerivativeTable]],
     first_integral: DerivativeTable | None,
+    return_times: Sequence[arb] = (),
 ) -> Problem:
     """Every derivative that the conditions use is there and finite, and its two enclosures meet."""
+    k, radii = candidate.k, candidate.radii
     size = len(radii)
     statement = f"P to P^{k} exist on the box with finite enclosures of their derivatives up to order {MAX_ORDER}"
     with checklist.hypothesis("poincare-map", "6", statement, "smaller radii or more precision") as evidence:
+        for number, time in enumerate(return_times, start=1):
+            evidence.record(f"time of crossing {number}", time)
         evidence.require(
             len(iterates) == k and all(len(components) == size - 1 for components in iterates),
             "an iterate or a component is missing",
+        )
+        evidence.require(
+            (first_integral is None) == (candidate.system.first_integral is None),
+            "the first integral is missing, or there is one too many",
         )
         tables = [table for components in iterates for table in components]
         tables += [] if first_integral is None else [first_integral]
@@ -103,7 +111,7 @@ def check_enclosures(
             )
     return Problem(
         k=k,
-        radii=tuple(radii),
+        radii=radii,
         box=tuple(symmetric(radius) for radius in radii),
         iterates=tuple(tuple(BoxFunction(table) for table in components) for components in iterates),
         first_integral=None if first_integral is None else BoxFunction(first_integral),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from flint import arb
+
 from shared.formats import Candidate
 from verify.balls import dot, enclose
 from verify.conditions import (
@@ -78,17 +80,19 @@ def _statement(candidate: Candidate) -> str:
         "in the box are one regular curve"
     )
     branch = {
-        "symmetry_breaking": "a symmetry breaking bifurcation of P^2: a pair of R-symmetric period-two orbits, "
+        "symmetry_breaking": "a symmetry breaking bifurcation of P^2: a pair of R-symmetric period-two points, "
         f"exchanged by {candidate.symmetry}, branches off",
-        "period_tupling": f"a period-{k}-tupling bifurcation of P^2: an R-symmetric orbit of period {2 * k} of P that "
+        "period_tupling": f"a period-{k}-tupling bifurcation of P^2: an R-symmetric orbit of period {k} of P^2 that "
         "meets Fix(R) twice near the point branches off",
         "touch_and_go": f"a touch-and-go bifurcation of P^2 of order {k}: a curve of R-symmetric points of period "
-        f"{2 * k} of P crosses it",
+        f"{k} of P^2 crosses it",
     }[candidate.kind]
+    others = f"In the box there is no further R-symmetric point x with P^{2 * k}(x) = x" + (
+        f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
+    )
     return (
-        f"{origin}; at exactly one point of it, the bifurcation point, the parameter being {parameter}, it undergoes "
-        f"{branch}. In the box there is no other R-symmetric point of period 2k of P than those of the two curves"
-        + (", and none of period 2i, i < k, off the first." if k > 1 else ".")
+        f"{origin}; at exactly one point of it, the bifurcation point, the parameter being the {parameter}, it "
+        f"undergoes {branch}. {others}"
     )
 
 
@@ -103,21 +107,24 @@ def prove(
     checklist: Checklist,
     iterates: Sequence[Sequence[DerivativeTable]],
     first_integral: DerivativeTable | None,
+    return_times: Sequence[arb] = (),
 ) -> Outcome:
     """Check the theorem that `candidate` claims, given enclosures of derivatives of P, .., P^k and H.
 
     `checklist` already holds what was established before the integration (see `prepare`); the
-    current precision of Arb is used. Every failure is a `NotProved` that names the condition.
+    current precision of Arb is used. Every failure is a `NotProved` that names the condition. The
+    times of the crossings, if given, go into the certificate.
     """
     theorem = theorem_of(candidate)
     if isinstance(theorem, Reason):
         return NotProved(theorem, tuple(checklist.hypotheses))
     try:
-        results = _check(candidate, checklist, iterates, first_integral)
+        problem = check_enclosures(checklist, candidate, iterates, first_integral, return_times)
+        results = _check(candidate, checklist, problem)
     except NotEstablishedError as error:
         return NotProved(error.reason, tuple(checklist.hypotheses))
     except ArithmeticError as error:
-        pending = theorem.hypotheses[len(checklist.hypotheses)]
+        pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
         reason = Reason(pending, f"{pending} could not be evaluated: {error}", "more precision", needs_precision=True)
         return NotProved(reason, tuple(checklist.hypotheses))
     return Proved(theorem, results, tuple(checklist.hypotheses))
@@ -130,14 +137,8 @@ def prepare(candidate: Candidate, checklist: Checklist) -> None:
         check_adapted_frames(checklist, candidate)
 
 
-def _check(
-    candidate: Candidate,
-    checklist: Checklist,
-    iterates: Sequence[Sequence[DerivativeTable]],
-    first_integral: DerivativeTable | None,
-) -> BifurcationResults:
+def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
     k = candidate.k
-    problem = check_enclosures(checklist, k, candidate.radii, iterates, first_integral)
     family: Family
     if k > 1:
         family = check_family(checklist, problem)
