@@ -167,7 +167,7 @@ def _family_options(target: argparse.ArgumentParser) -> None:
     limits.add_argument("--z-max", type=_positive, metavar="Z", help="CR3BP: largest |z| of the first point")
     limits.add_argument("--jacobi-min", type=_number, metavar="C", help="CR3BP: smallest Jacobi constant")
     limits.add_argument(
-        "--min-distance", type=_positive, default=1e-3, metavar="R",
+        "--min-distance", type=_positive, default=1e-4, metavar="R",
         help="CR3BP: smallest distance to a primary (default: %(default)s)",
     )  # fmt: skip
     limits.add_argument("--beta-min", type=_number, default=100.0, metavar="B", help="default: %(default)s")

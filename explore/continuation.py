@@ -28,7 +28,8 @@ class StepControl:
     """Arclength steps, in scaled unknowns.
 
     Attributes:
-        initial, minimum, maximum: step lengths.
+        initial, minimum, maximum: step lengths; the largest grows with the scaled unknowns once these
+            exceed 10, so that the long arcs towards a collision, where velocities are large, stay affordable.
         turning: largest angle in radians between the tangents at both ends of a step.
     """
 
@@ -147,7 +148,7 @@ def extend(
     problem, orbits, tangents = family.problem, list(family.orbits), list(family.tangents)
     step = control.initial
     if len(orbits) > 2:
-        step = min(control.maximum, orbits[-1].arclength - orbits[-2].arclength)
+        step = min(_longest(problem, orbits[-1], control), orbits[-1].arclength - orbits[-2].arclength)
 
     def ended(outcome: Outcome, reason: str) -> Family:
         return Family(problem, tuple(orbits), tuple(tangents), outcome, reason)
@@ -172,10 +173,14 @@ def extend(
             reason = stop(orbit, states)
             if reason is not None:
                 return ended("limit", f"{reason} ({describe(problem, orbit)})")
-            step = min(control.maximum, step * (1.4 if easy else 1.0))
+            step = min(_longest(problem, orbit, control), step * (1.4 if easy else 1.0))
     except KeyboardInterrupt:
         return ended("interrupted", f"interrupted ({describe(problem, orbits[-1])})")
     return ended("limit", f"{max_orbits} orbits ({describe(problem, orbits[-1])})")
+
+
+def _longest(problem: ShootingProblem, orbit: SymmetricOrbit, control: StepControl) -> float:
+    return control.maximum * max(1.0, 0.1 * float(np.linalg.norm(orbit.unknowns / problem.scales)))
 
 
 def _advance(

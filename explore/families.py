@@ -56,7 +56,7 @@ class Limits:
     parameter_min: float = BETA_START
     parameter_max: float = 1000.0
     integral_min: float | None = None
-    min_distance: float = 1e-3
+    min_distance: float = 1e-4
 
     def reached(self, problem: ShootingProblem, orbit: SymmetricOrbit, states: Matrix) -> str | None:
         """Which limit the orbit lies beyond, in words, or `None`."""

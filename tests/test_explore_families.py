@@ -22,6 +22,13 @@ ROWS = [
     (3, 2.99998691164245632),
     (3, 2.99791950160021651),
 ]
+LATER_ROWS = [
+    (3, 2.94132864491556775),
+    (4, 2.94068392276693138),
+    (2, -0.98650909103850289),
+    (3, -0.99679533512816265),
+    (4, -1.00472734964887814),
+]
 FALKNER_SKAN_POINTS = {
     2: (340.18753498914353231, 0.939792756949623004649),
     3: (453.442586821384637563, 0.939848585715971576498),
@@ -59,6 +66,19 @@ def test_every_row_of_the_papers_table_up_to_j_5_is_found_to_1e_8(halo_resonance
     assert halo_resonances.undecided == ()
     kinds = {r.k: r.kind for r in halo_resonances.resonances}
     assert kinds == {1: "symmetry_breaking", 2: "period_tupling", 3: "touch_and_go", 4: "period_tupling"}
+
+
+@pytest.mark.slow
+def test_halo_loop_returns_to_the_plane_and_has_every_row_of_the_papers_table() -> None:
+    family = trace_family(CR3BP, "L1-halo", EARTH_MOON, Limits())
+    assert family.reason.startswith("the family returns to Fix(S)")
+    assert family.orbits[-1].unknowns[1] == 0
+    assert -1.01614 < (family.orbits[-1].first_integral or 0) < -1.01609
+    resonances = detect(family, [1, 2, 3, 4]).resonances
+    found = [(r.k, r.orbit.first_integral) for r in resonances if r.side == "first" and r.k > 1]
+    assert [k for k, _ in found] == [k for k, _ in ROWS + LATER_ROWS]
+    assert [c for _, c in found] == pytest.approx([c for _, c in ROWS + LATER_ROWS], abs=1e-9)
+    assert [r.k for r in resonances if r.k == 1] == [1, 1]
 
 
 def test_doublings_that_show_at_the_second_point_only_are_found(halo_resonances: Detection) -> None:
