@@ -1,25 +1,42 @@
-"""Command line: pictures of families with their certified bifurcations."""
+"""Command line: pictures of families with their certified bifurcations, and tables of these."""
 
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from shared.formats import InputError, read_candidates
+from figures.folder import check_folder
+from shared.formats import InputError, read_candidates, write_text
 
 _EXAMPLES = """\
 examples:
   python -m figures family candidates.json certificates.json -o figures-out/
   python -m figures family candidates.json certificates.json --family halo-family.json -o figures-out/
   python -m figures family candidates.json -o figures-out/        (no certificates: all points hollow)
+  python -m figures tables certificates.json -o tables-out/
 
 A marker is filled if the certificate of its candidate says "proved", and hollow otherwise. Family files
 are written by explore, with its option --family-output.
-Exit codes: 0 pictures written, 2 bad input.
+Exit codes: 0 pictures or tables written, 1 (tables only) a row is not proved, lies outside its published
+enclosure or is missing, 2 bad input.
+"""
+
+_TABLES_EXAMPLES = """\
+examples:
+  python -m figures tables certificates.json
+  python -m figures tables earth-moon.json sun-jupiter.json -o tables-out/
+  python -m figures tables certificates.json -o tables-out/ --candidates candidates.json --digits 40
+  python -m figures tables certificates.json -o tables-out/ --published my-list.json --allow-missing
+
+One table for each family, as text, Markdown, CSV and LaTeX, beside what the paper prints: our enclosure is
+"inside" the published one, "overlaps" it, or lies "outside". The format of a file of published enclosures is
+described in docs/formats.md. Without -o the tables are printed as text. Verdicts are copied, not checked again.
+Exit codes: 0 tables written; 1 written, but a row is not proved, lies outside or is missing; 2 bad input.
 """
 
 
@@ -34,7 +51,7 @@ def argument_parser() -> argparse.ArgumentParser:
     raw = argparse.RawDescriptionHelpFormatter
     parser = _Parser(
         prog="python -m figures",
-        description="Pictures of families of symmetric periodic orbits (PDF and PNG).",
+        description="Pictures of families of symmetric periodic orbits (PDF and PNG), and tables of what is certified.",
         epilog=_EXAMPLES,
         formatter_class=raw,
     )
@@ -47,20 +64,49 @@ def argument_parser() -> argparse.ArgumentParser:
     family.add_argument("--family", type=Path, nargs="+", default=[], metavar="FILE", help="traced families (JSON)")
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     family.add_argument("--quiet", action="store_true", help="no messages on standard error")
+    tables = commands.add_parser(
+        "tables", help="the certified rows beside the published ones", epilog=_TABLES_EXAMPLES, formatter_class=raw
+    )
+    tables.add_argument("certificates", type=Path, nargs="+", help="certificates files (JSON)")
+    tables.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder for the tables")
+    tables.add_argument("--published", type=Path, metavar="FILE", help="published enclosures (default: the paper's)")
+    tables.add_argument(
+        "--candidates", type=Path, nargs="+", default=[], metavar="FILE",
+        help="the candidates, for family names and the order along the family (default: from ids, as in the file)",
+    )  # fmt: skip
+    tables.add_argument(
+        "--digits", type=_digits, default=30, metavar="N", help="print at most N significant digits (default: 30)"
+    )
+    tables.add_argument(
+        "--allow-missing", action="store_true", help="exit code 0 also if published rows have no certificate"
+    )
+    tables.add_argument("--quiet", action="store_true", help="no messages on standard error")
     return parser
+
+
+def _digits(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 3 <= int(text[:5]) <= 1000:
+        raise argparse.ArgumentTypeError(f"{text!r}: give a number of digits from 3 to 1000")
+    return int(text)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     arguments = argument_parser().parse_args(argv)
     try:
+        if arguments.command == "tables":
+            return tabulate(arguments)
         for path in draw(arguments):
             print(path)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("interrupted: pictures already written are kept", file=sys.stderr)
+        print("interrupted: files already written are kept", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        # Whoever reads standard output has seen enough; Python must not complain when it flushes at the end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return 0
 
@@ -76,7 +122,7 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
 
     # Matplotlib takes a second to load: only after the input is known to be good.
     from figures.draw import draw_family, draw_marks
-    from figures.style import check_folder, close, save, use_style
+    from figures.style import close, save, use_style
 
     check_folder(arguments.output)
     written: list[Path] = []
@@ -97,6 +143,39 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
             written += save(figure, arguments.output / _name(f"points-{system}", names))
             close(figure)
     return written
+
+
+def tabulate(arguments: argparse.Namespace) -> int:
+    """Read everything, then write or print the tables; returns the exit code. Raises `InputError`."""
+    # Not needed by the other command, and FLINT is slow to load on some machines.
+    from figures.certified import read_rows
+    from figures.published import default_published, read_published
+    from figures.table_latex import to_latex
+    from figures.table_text import to_csv, to_markdown, to_text
+    from figures.tables import build_tables
+
+    published = read_published(arguments.published or default_published())
+    tables = build_tables(read_rows(arguments.certificates, arguments.candidates), published)
+    names: set[str] = set()
+    if arguments.output is not None:
+        check_folder(arguments.output)
+    for table in tables:
+        if arguments.output is None:
+            print(to_text(table, arguments.digits))
+            continue
+        stem = _name(f"table-{table.system.name}-{table.family}", names)
+        for suffix, write in ((".txt", to_text), (".md", to_markdown), (".csv", to_csv), (".tex", to_latex)):
+            path = arguments.output / f"{stem}{suffix}"
+            write_text(path, write(table, arguments.digits))
+            print(path)
+    sections = [(table, section) for table in tables for section in table.sections]
+    if not arguments.quiet:
+        for table, section in sections:
+            label = f" ({section.label})" if section.label else ""
+            print(f"{table.system.name} {table.family}{label}: {section.summary()}", file=sys.stderr)
+    bad = any(section.not_proved or section.count("outside") for _, section in sections)
+    missing = any(section.count("missing") for _, section in sections)
+    return 1 if bad or (missing and not arguments.allow_missing) else 0
 
 
 def _name(text: str, taken: set[str]) -> str:

@@ -110,17 +110,6 @@ def resonances(multiplicities: Sequence[int]) -> dict[int, list[float]]:
     }
 
 
-def check_folder(folder: Path) -> None:
-    """Create the output folder; raises `InputError` if that is not possible."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise InputError(f"{folder}: is a file; give the path of a folder for the pictures") from None
-    except OSError as error:
-        raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another folder") from None
-    check_writable(folder / "picture.png")
-
-
 def save(figure: Figure, stem: Path) -> list[Path]:
     """Write `stem`.pdf and `stem`.png, each whole or not at all. Raises `InputError`."""
     written = []
