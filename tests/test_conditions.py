@@ -148,6 +148,46 @@ def test_the_bifurcation_value_is_enclosed_to_many_digits(name: str) -> None:
         assert value.rad() < arb("1e-80")
 
 
+@pytest.mark.parametrize("name", ["k=2", "k=2, other sign", "k=2, n=2", "k=4", "k=4, n=2"])
+def test_the_bifurcation_does_not_depend_on_the_direction_of_p_1(name: str) -> None:
+    # With H = nu = 2 p_0 + p_1/8 + .. the branch is tilted in the box: p_0' = -1/16 at the point.
+    system, kind, k, radii = CASES[name]
+    wide = (radii[1] / 8, radii[1], *(radius * 2**9 for radius in radii[2:]))
+
+    def steep(p: Sequence[Any], number: Callable[[F], Any]) -> Any:
+        return p[0] * number(F(2)) + p[1] * number(F(1, 8)) + p[0] * p[1] + p[0] * p[0] + p[1] * p[1]
+
+    tables, integral = tables_of_maps(system, k, wide, steep)
+    level = proof(verdict(claim(description(len(wide) - 1, True), kind, k, wide), tables, integral)).results
+    plain = proof(outcome_of(name)).results
+    assert level.side == plain.side
+    assert level.parameter.overlaps(plain.parameter)
+    assert level.normal_form["beta"].overlaps(plain.normal_form["beta"])
+    assert level.normal_form["beta"].rad() < abs(plain.normal_form["beta"]) * arb("0.1")
+
+
+@pytest.mark.parametrize("name", ["k=3", "k=3, sloped family", "k=2, sloped family", "k=2", "k=4"])
+def test_enclosures_of_the_reduced_function_contain_exact_values(name: str) -> None:
+    system, _, k, radii = CASES[name]
+    enclosures = next(h.enclosures for h in proof(outcome_of(name)).hypotheses if h.name == "C3")
+
+    def reduced(p_0: F, p_1: F) -> F:
+        (q,) = system.iterate_kernel(p_0, [p_1], k, F)[-1]
+        return q / (p_1 - system.slope * p_0)
+
+    def contains(ball: arb, value: F) -> bool:
+        lower, upper = bounds(ball)
+        return lower <= value <= upper
+
+    for i in (-10, -7, -3, 1, 4, 9, 10):
+        p_1 = radii[1] * i / 10
+        assert contains(enclosures["g(0, P_1)"], reduced(F(0), p_1))
+        for a, b in ((-1, 1), (-1, 0), (F(1, 2), 1)):
+            low, high = radii[0] * a, radii[0] * b
+            quotient = (reduced(high, p_1) - reduced(low, p_1)) / (high - low)
+            assert contains(enclosures["g_0"], quotient)
+
+
 def zeros_off_the_family(system: ReversibleMap, k: int, nu: float, width: float) -> list[float]:
     """Points p_1 where q_1 of f^k, divided by the distance to the family, changes sign (n = 1)."""
 

@@ -267,3 +267,11 @@ def test_implicit_graph_encloses_the_graph_of_a_known_function() -> None:
         for where in (graph.over((box[0],)), graph.over((enclose(x),))):
             assert where[1].overlaps(hull(enclose(low), enclose(high)))
     assert graph.over((arb(0),))[1].rad() < 1e-6
+
+
+def test_implicit_graph_far_from_zero_keeps_its_solution() -> None:
+    # y + 3 y^2 = 13/100 at y = 1/10: the mean of the derivative over [0, y] is not its value near y.
+    polynomial: Polynomial = {(0, 1): F(1), (0, 2): F(3), (0, 0): F(-13, 100)}
+    radii = [F(1), F(1, 8)]
+    graph = ImplicitGraph((BoxFunction(table_of(polynomial, radii)),), tuple(symmetric(r) for r in radii), 1)
+    assert contains(graph.over((arb(0),))[1], F(1, 10))
