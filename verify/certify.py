@@ -32,7 +32,7 @@ GUARD_BITS = 64
 """Bits that the conditions are evaluated with beyond those of the integration."""
 
 _RESERVE = 24
-_RESERVE_ACROSS = 64
+_RESERVE_PER_RETURN = 6
 _DIGIT_RESERVE = 16
 """Bits that errors were found to gain along an orbit, and a little more."""
 
@@ -69,15 +69,14 @@ class _Attempt:
 def first_precision(candidate: Candidate, digits: int) -> int:
     """Bits to begin with.
 
-    The error of G_1 is the orbit's error over R_1; it has to stay well below R_0 G_01 for C3, and
-    below the wanted digits of the bifurcation value. The error of p_2^H has to stay below R_2.
+    The error of G_1 has to stay well below R_0 G_01 for C3, and below the wanted digits of the
+    bifurcation value; the error of p_2^H has to stay below R_2. Both grow with every return, and the
+    first grade of a series is known to 5/6 of its bits.
     """
-    r_0, r_1, *others = (_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii)
-    wanted = max(
-        max(r_0, ceil(digits * _BITS_PER_DIGIT) + _DIGIT_RESERVE) + r_1 + _RESERVE,
-        max(others, default=0) + _RESERVE_ACROSS,
-    )
-    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
+    radii = [_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii]
+    wanted = max(radii[0], *radii[2:], ceil(digits * _BITS_PER_DIGIT) + _DIGIT_RESERVE)
+    wanted += _RESERVE + _RESERVE_PER_RETURN * candidate.k
+    return max(LEAST_PRECISION, -(-wanted * 6 // 40) * 8)
 
 
 def _bits_below_one(numerator: int, denominator: int) -> int:

@@ -234,7 +234,7 @@ class _Integration:
 
 def default_order(precision: int) -> int:
     """Degree of the time expansions that was found fast for a precision in bits."""
-    return max(16, precision * 3 // 8)
+    return max(16, precision * 7 // 16)
 
 
 def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tuple[int, int]:
