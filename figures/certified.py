@@ -19,6 +19,7 @@ from verify.ball_text import ball_from_json, bounds
 from verify.certificate import read_certificates
 
 _NUMBERED = re.compile(r"-k[0-9]+-[0-9]+(-second)?\Z")
+_LARGEST_EXPONENT = 150_000
 _PART = re.compile(r"-?[0-9]+(?:\.([0-9]+))?(?:e([+-]?[0-9]+))?\Z")
 
 
@@ -136,6 +137,8 @@ def _enclosure(entry: Mapping[str, str], where: str) -> Enclosure:
         ball = ball_from_json(entry)
     except (ValueError, OverflowError) as error:
         raise InputError(f"{where}: {error}; the file was changed, verify again") from None
+    if any(abs(int(part.man_exp()[1])) > _LARGEST_EXPONENT for part in (ball.mid(), ball.rad())):
+        raise InputError(f"{where}: of a size that no computation gives; the file was changed, verify again")
     interval = Interval(*bounds(ball))
     if "decimal" in entry and not _rounds(interval, entry["decimal"]):
         raise InputError(f"{where}: ball and decimal do not agree; the file was changed, verify again")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from importlib import resources
 from pathlib import Path
@@ -159,5 +160,11 @@ def compare(row: CertifiedRow, published: PublishedRow) -> Comparison | None:
 
 def _outside(name: str, ours: Interval, theirs: Interval) -> str:
     side = "above the upper" if ours.lower > theirs.upper else "below the lower"
-    distance = float(ours.distance(theirs))
-    return f"{name} lies {distance:.2g} {side} end of the published enclosure, which is {float(theirs.width):.2g} wide"
+    distance, width = _rounded(ours.distance(theirs)), _rounded(theirs.width)
+    return f"{name} lies {distance} {side} end of the published enclosure, which is {width} wide"
+
+
+def _rounded(value: Fraction) -> str:
+    """Two digits of a value that may be beyond the range of a double."""
+    with localcontext(prec=3):
+        return f"{Decimal(value.numerator) / Decimal(value.denominator):.2g}"

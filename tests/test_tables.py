@@ -175,6 +175,13 @@ def test_outside_says_on_which_side_and_how_far(halo: CertifiedRow) -> None:
     assert above.startswith("outside: Jacobi constant lies 1e-19 above")
 
 
+def test_distances_beyond_the_range_of_doubles_are_printed(halo: CertifiedRow) -> None:
+    huge = Fraction(10) ** 400
+    comparison = compare(halo, PublishedRow(7, halo.k, printed(huge, huge + 1 / huge), {}))
+    assert str(comparison).startswith("outside: Jacobi constant lies 1.0e+400 below")
+    assert str(comparison).endswith("1e-400 wide")
+
+
 def test_a_coordinate_outside_makes_the_row_outside(rows: list[CertifiedRow]) -> None:
     row = next(row for row in rows if row.id == "falkner-skan-odd-k2-1")
     y = row.point["y"].interval
@@ -422,6 +429,7 @@ BAD_CERTIFICATES: dict[str, tuple[Callable[[list[Any]], list[Any] | None], str]]
     "another sign": (change_ball("mid", lambda text: f"-{text}"), "do not agree"),
     "radius made zero": (change_ball("rad", lambda text: "0x0"), "do not agree"),
     "radius made larger": (change_ball("rad", lambda text: text.replace("p-1", "p-", 1)), "do not agree"),
+    "absurd size": (change_ball("rad", lambda text: "0x1p999999"), "size"),
     "negative radius": (change_ball("rad", lambda text: f"-{text}"), "radius"),
     "NaN midpoint": (change_ball("mid", lambda text: "nan"), "mid"),
     "NaN radius": (change_ball("rad", lambda text: float("nan")), "NaN"),  # type: ignore[arg-type, return-value]
