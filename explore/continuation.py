@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from explore.flow import FlowFailure, Matrix, Vector
+from explore.prediction import predict
 from explore.shooting import Correction, CorrectionFailure, ShootingProblem, SymmetricOrbit
 
 Outcome = Literal["limit", "closed", "failed", "interrupted"]
@@ -65,30 +66,22 @@ class Family:
     def orbit_at(self, arclength: float) -> SymmetricOrbit:
         """The orbit between two computed ones, at a chord arclength within the family.
 
-        Prediction by cubic Hermite interpolation, corrected in the hyperplane across the chord.
-        Raises `CorrectionFailure`.
+        Prediction by Hermite interpolation between the nearest orbits, corrected in the hyperplane across
+        the chord. Raises `CorrectionFailure`.
         """
         index = min(max(bisect_right(self.arclengths, arclength) - 1, 0), len(self.orbits) - 2)
         left, right = self.orbits[index], self.orbits[index + 1]
         scales = self.problem.scales
-        start, end = left.unknowns / scales, right.unknowns / scales
-        length = right.arclength - left.arclength
-        fraction = (arclength - left.arclength) / length
-        chord = (end - start) / length
-        cubic = _hermite(start, end, self.tangents[index] * length, self.tangents[index + 1] * length, fraction)
-        flat = start + fraction * length * chord
-        prediction = cubic - float((cubic - flat) @ chord) * chord
+        step = (right.unknowns - left.unknowns) / scales
+        length = float(np.linalg.norm(step))
+        chord = step / length
+        nearest = [i for i in (index, index + 1, index - 1, index + 2) if 0 <= i < len(self.orbits)]
+        prediction = predict(
+            [self.orbits[i].unknowns / scales for i in nearest], [self.tangents[i] for i in nearest],
+            chord, length * (arclength - left.arclength) / (right.arclength - left.arclength),
+        )  # fmt: skip
         correction = self.problem.correct(prediction * scales, chord)
         return self.problem.orbit(correction, arclength, left.crossings)
-
-
-def _hermite(start: Vector, end: Vector, first: Vector, last: Vector, x: float) -> Vector:
-    return (
-        (1 + 2 * x) * (1 - x) ** 2 * start
-        + x * x * (3 - 2 * x) * end
-        + x * (1 - x) ** 2 * first
-        - x * x * (1 - x) * last
-    )
 
 
 @dataclass(frozen=True)
@@ -156,7 +149,7 @@ def extend(
     try:
         while len(orbits) < max_orbits:
             try:
-                orbit, tangent, states, easy = _advance(problem, orbits[-1], tangents[-1], step, control)
+                orbit, tangent, states, growth = _advance(problem, orbits[-3:], tangents[-3:], step, control)
             except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
                 step /= 2
                 if step < control.minimum:
@@ -173,7 +166,7 @@ def extend(
             reason = stop(orbit, states)
             if reason is not None:
                 return ended("limit", f"{reason} ({describe(problem, orbit)})")
-            step = min(_longest(problem, orbit, control), step * (1.4 if easy else 1.0))
+            step = min(_longest(problem, orbit, control), step * growth)
     except KeyboardInterrupt:
         return ended("interrupted", f"interrupted ({describe(problem, orbits[-1])})")
     return ended("limit", f"{max_orbits} orbits ({describe(problem, orbits[-1])})")
@@ -184,10 +177,17 @@ def _longest(problem: ShootingProblem, orbit: SymmetricOrbit, control: StepContr
 
 
 def _advance(
-    problem: ShootingProblem, last: SymmetricOrbit, tangent: Vector, step: float, control: StepControl
-) -> tuple[SymmetricOrbit, Vector, Matrix, bool]:
-    prediction = last.unknowns + step * tangent * problem.scales
-    correction = problem.correct(prediction, tangent)
+    problem: ShootingProblem,
+    orbits: Sequence[SymmetricOrbit],
+    tangents: Sequence[Vector],
+    step: float,
+    control: StepControl,
+) -> tuple[SymmetricOrbit, Vector, Matrix, float]:
+    """The next orbit after the last of `orbits`, its tangent, its states, and the factor for the next step."""
+    last, tangent = orbits[-1], tangents[-1]
+    backwards = [orbit.unknowns / problem.scales for orbit in reversed(orbits)]
+    prediction = predict(backwards, list(reversed(tangents)), tangent, step)
+    correction = problem.correct(prediction * problem.scales, tangent)
     new_tangent = problem.tangent(correction.jacobian, tangent)
     angle = float(np.arccos(min(1.0, float(new_tangent @ tangent))))
     moved = (correction.unknowns - last.unknowns) / problem.scales
@@ -196,7 +196,10 @@ def _advance(
     states = _samples(problem, correction)
     orbit = problem.orbit(correction, crossings=crossings(problem, states))
     orbit = replace(orbit, arclength=last.arclength + float(np.linalg.norm(moved)))
-    return orbit, new_tangent, states, correction.iterations <= 4 and angle < 0.6 * control.turning
+    growth = 1.0
+    if angle < 0.6 * control.turning:
+        growth = {0: 2.0, 1: 2.0, 2: 1.6, 3: 1.3, 4: 1.0}.get(correction.iterations, 0.7)
+    return orbit, new_tangent, states, growth
 
 
 def _samples(problem: ShootingProblem, correction: Correction) -> Matrix:
