@@ -199,6 +199,7 @@ class _Solution:
     frame: Frame
     residual: float
     iterations: tuple[tuple[int, float], ...]
+    lost_bits: int
 
 
 def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Callable[[str, float], None]) -> _Solution:
@@ -234,7 +235,7 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
             local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
             residual = float(max(abs(x) for x in local))
             if residual < 10.0 ** -(digits + MARGIN_DIGITS / 2):
-                return _Solution(point, at, frame, residual, tuple(iterations))
+                return _Solution(point, at, frame, residual, tuple(iterations), first.lost_bits)
             # The flow loses more digits than the guard bits allow for: carry more and go on.
             known = -log2(residual)
             guard += max(0, ceil(goal - known)) + 10
@@ -269,7 +270,7 @@ def _dressed(
     return RefinedPoint(
         system=system, parameters=problem.parameters, kind=kind, k=problem.k, symmetry=symmetry,
         centre=tuple(point), frame=_exact_rows(frame.columns), kernel_frame=_exact_rows(frame.rows),
-        radii=box_radii(geometry, digits, accuracy, len(system.kernel_coordinates)),
+        radii=box_radii(geometry, digits, accuracy, len(system.kernel_coordinates), solution.lost_bits),
         residual=solution.residual, digits=digits, iterations=solution.iterations, half_period=at.half.time,
         first_integral=value, geometry=geometry, margins=margins,
     )  # fmt: skip

@@ -31,9 +31,9 @@ LEAST_PRECISION = 64
 GUARD_BITS = 64
 """Bits that the conditions are evaluated with beyond those of the integration."""
 
+_SPARE = 8
 _RESERVE = 24
 _RESERVE_PER_RETURN = 6
-_DIGIT_RESERVE = 16
 """Bits that errors were found to gain along an orbit, and a little more."""
 
 _BITS_PER_DIGIT = 3.33
@@ -73,10 +73,14 @@ def first_precision(candidate: Candidate, digits: int) -> int:
     bifurcation value; the error of p_2^H has to stay below R_2. Both grow with every return, and the
     first grade of a series is known to 5/6 of its bits.
     """
-    radii = [_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii]
-    wanted = max(radii[0], *radii[2:], ceil(digits * _BITS_PER_DIGIT) + _DIGIT_RESERVE)
-    wanted += _RESERVE + _RESERVE_PER_RETURN * candidate.k
+    wanted = accuracy_bits(candidate, digits) + _RESERVE + _RESERVE_PER_RETURN * candidate.k
     return max(LEAST_PRECISION, -(-wanted * 6 // 40) * 8)
+
+
+def accuracy_bits(candidate: Candidate, digits: int) -> int:
+    """Bits that the errors of the last return should have; found by trial, it only saves attempts."""
+    radii = [_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii]
+    return max(radii[0], *radii[2:], ceil(digits * _BITS_PER_DIGIT)) - _SPARE
 
 
 def _bits_below_one(numerator: int, denominator: int) -> int:
@@ -106,12 +110,13 @@ def certify(
         if progress is not None:
             progress(fraction, f"{precision} bits" if attempts == 1 else f"{precision} bits, attempt {attempts}")
 
+    accuracy = accuracy_bits(candidate, limits.digits)
     precision = min(first_precision(candidate, limits.digits), limits.max_precision)
     while True:
         attempts += 1
         try:
             report(0.0)
-            attempt = _attempt(candidate, precision, report, integrate)
+            attempt = _attempt(candidate, precision, accuracy, report, integrate)
         except _OutOfTime:
             best = _stopped(best, precision, limits)
             break
@@ -161,6 +166,8 @@ def _more_precision(attempt: _Attempt, previous: _Attempt | None, limits: Limits
         return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None
     if not outcome.reason.needs_precision:
         return None
+    if outcome.reason.enough_precision is not None:
+        return min(max(outcome.reason.enough_precision, precision + 8), limits.max_precision)
     enclosures = _enclosures(outcome)
     if not enclosures:
         # Nothing says how far away success is, so each attempt costs more than all before it.
@@ -199,7 +206,9 @@ def _at_the_limit(attempt: _Attempt, limits: Limits) -> _Attempt:
     return replace(attempt, outcome=replace(outcome, reason=reason))
 
 
-def _attempt(candidate: Candidate, precision: int, report: Callable[[float], None], integrate: Integrator) -> _Attempt:
+def _attempt(
+    candidate: Candidate, precision: int, accuracy: int, report: Callable[[float], None], integrate: Integrator
+) -> _Attempt:
     checklist = Checklist()
 
     def refused(reason: Reason, order: int = 0, steps: int = 0) -> _Attempt:
@@ -214,16 +223,20 @@ def _attempt(candidate: Candidate, precision: int, report: Callable[[float], Non
             prepare(candidate, checklist)
             # Bounds that overflow are infinite, and what is infinite proves nothing.
             with np.errstate(all="ignore"):
-                enclosures = integrate(candidate, IntegratorSettings(precision), report)
+                enclosures = integrate(candidate, IntegratorSettings(precision, accuracy=accuracy), report)
         except NotEstablishedError as error:
             return refused(error.reason)
         except IntegrationFailure as error:
-            return refused(Reason(error.condition, error.message, error.remedy, error.needs_precision))
+            return refused(_reason(error))
         except (ArithmeticError, ValueError) as error:
             message = f"the integration broke off: {type(error).__name__}: {error}"
             return refused(Reason("integration", message, "smaller radii or another centre"))
         outcome = prove(candidate, checklist, enclosures.iterates, enclosures.first_integral, enclosures.return_times)
         return _Attempt(outcome, precision, enclosures.order, enclosures.steps)
+
+
+def _reason(failure: IntegrationFailure) -> Reason:
+    return Reason(failure.condition, failure.message, failure.remedy, failure.needs_precision, failure.enough_precision)
 
 
 def _symmetries(checklist: Checklist, candidate: Candidate) -> None:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
+from math import comb
 
 import numpy as np
 from flint import fmpz_poly
@@ -18,11 +20,14 @@ from verify.algebra import Arithmetic, Series, correct_power
 from verify.evaluation import PreparedProgram, approximate_power
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
-from verify.norms import GradedNorm, inflate
+from verify.norms import inflate
 
 _NORM_BITS = 96
 _NORM_DEGREE = 24
 _RATIO = 2.0**-40
+
+PARTS = 8
+"""The number of equal parts of a step on each of which the derivatives are bounded anew."""
 _SLACK = 1.0 + 2.0**-30
 _FLOOR = 2.0**-960
 
@@ -57,15 +62,15 @@ def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float])
 
 def derivative_bounds(
     program: PreparedProgram, size: int, inputs: Sequence[Series]
-) -> tuple[list[dict[int, GradedNorm]], list[Series]]:
-    """Graded norms of all partial derivatives of the vector field on a tube, and its values there.
+) -> tuple[list[dict[int, Series]], list[Series]]:
+    """Enclosures of all partial derivatives of the vector field on a tube, and of its values there.
 
     Args:
         size: number of state components; derivatives are taken with respect to these inputs.
         inputs: state and parameters over the tube, in the norm arithmetic.
 
     Returns:
-        for each output, a map from component to graded norm (absent: zero), and the outputs.
+        for each output, a map from component to derivative (absent: zero), and the outputs.
     """
     coarse = inputs[0].arithmetic
     zero = coarse.zero_errors()
@@ -108,8 +113,7 @@ def derivative_bounds(
                     slope = {j: outer * other for j, other in slopes[node.left].items()}
         values.append(value)
         slopes.append(slope)
-    bounds = [{j: other.norm() for j, other in slopes[output].items()} for output in program.outputs]
-    return bounds, [values[output] for output in program.outputs]
+    return [slopes[output] for output in program.outputs], [values[output] for output in program.outputs]
 
 
 def _power(base: Series, exponent: Fraction) -> Series:
@@ -125,17 +129,54 @@ def _power(base: Series, exponent: Fraction) -> Series:
     return result
 
 
-def comparison_matrix(bounds: Sequence[dict[int, GradedNorm]], slots: int) -> Floats:
-    """The matrix M of the comparison system, shape (m * slots, m * slots), slots = G + 2."""
-    size = len(bounds)
-    matrix = np.zeros((size, slots, size, slots))
-    for i, row in enumerate(bounds):
-        for j, norm in row.items():
+def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) -> list[Floats]:
+    """The matrix M of the comparison system on each part of the step, shape (m * slots, m * slots).
+
+    slots = G + 2. The grade 0 of a derivative is bounded on each part by the sum of the coefficients
+    of its polynomial recentred there, the other grades on the whole step.
+    """
+    size = len(derivatives)
+    matrices = np.zeros((PARTS, size, slots, size, slots))
+    for i, row in enumerate(derivatives):
+        for j, derivative in row.items():
+            errors = derivative.errors
+            bounds = np.empty((PARTS, slots))
+            bounds[:, 0] = _bounds_on_parts(derivative) + errors[0]
+            bounds[:, 1:] = errors[1:]
             for source in range(slots):
-                for grade, bound in enumerate(norm):
-                    target = min(source + grade, slots - 1)
-                    matrix[i, target, j, source] += bound
-    return matrix.reshape(size * slots, size * slots) * _SLACK
+                for grade in range(slots):
+                    matrices[:, i, min(source + grade, slots - 1), j, source] += bounds[:, grade]
+    return [matrix.reshape(size * slots, size * slots) * _SLACK + _FLOOR for matrix in matrices]
+
+
+def _bounds_on_parts(derivative: Series) -> Floats:
+    """Bounds of the known part, a polynomial of grade 0, on each of `PARTS` equal parts of [0, 1].
+
+    With c the coefficients, those of p(middle + half s) are S c for S of non-negative entries whose
+    columns sum to at most 1, and |p| <= sum |S c| for |s| <= 1. Rounding is below 10^-13 sum |c|.
+    """
+    arithmetic = derivative.arithmetic
+    polynomial = derivative.coefs[0]
+    length = polynomial.length()
+    if length == 0:
+        return np.zeros(PARTS)
+    scale = 2.0**-arithmetic.bits
+    coefficients = np.array([float(int(polynomial[n])) * scale for n in range(length)])
+    recentred = np.abs(_recentring(length) @ coefficients).sum(axis=1)
+    return np.asarray((recentred + 1e-13 * np.abs(coefficients).sum()) * _SLACK)
+
+
+@cache
+def _recentring(length: int) -> Floats:
+    """The matrices S, shape (PARTS, length, length)."""
+    half = 1.0 / (2 * PARTS)
+    matrices = np.zeros((PARTS, length, length))
+    for part in range(PARTS):
+        middle = (2 * part + 1) * half
+        for n in range(length):
+            for j in range(n + 1):
+                matrices[part, j, n] = comb(n, j) * middle ** (n - j) * half**j
+    return matrices
 
 
 @np.errstate(over="ignore", invalid="ignore")

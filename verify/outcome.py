@@ -52,12 +52,14 @@ class Reason:
         message: what happened.
         remedy: what to try.
         needs_precision: whether more precision may mend it.
+        enough_precision: bits that are expected to be enough, where that is known.
     """
 
     condition: str
     message: str
     remedy: str
     needs_precision: bool = False
+    enough_precision: int | None = None
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ BOX_RATIO = Fraction(1, 4)
 _MAX_STEPS = 4000
 _STEP_BITS = 12
 _LEAST_STEP = 1e-8
+_LOSS_DIVISOR = 6
 _ROUGH_DEGREE = 24
 
 
@@ -41,10 +42,13 @@ class IntegratorSettings:
     Attributes:
         precision: fractional bits of the fixed-point format.
         order: degree of the time expansions; `None` chooses it from the precision.
+        accuracy: bits that the errors at the last crossing should have; if the first returns show that
+            they will not, the integration is given up early. `None` goes on in any case.
     """
 
     precision: int
     order: int | None = None
+    accuracy: int | None = None
 
 
 @dataclass(frozen=True)
@@ -119,6 +123,8 @@ class _Integration:
             for name in system.parameters
         ]
         self.first_integral = self._first_integral()
+        self.accuracy = settings.accuracy
+        self.first_error_bits = 0.0
         self.tolerance = float(-bits)
         self.counter = CrossingCounter()
         self.time = arb(0)
@@ -198,6 +204,8 @@ class _Integration:
         self.state = list(flow.end)
         self.time = self.time + rational_ball(step)
         self.steps += 1
+        if self.steps == 1:
+            self.first_error_bits = self._error_bits()
         self.at_section = root is not None
         return self.at_section
 
@@ -221,9 +229,35 @@ class _Integration:
                 "the box is too large: give smaller radii",
             )
         self.return_times.append(when)
+        if number < self.candidate.k:
+            self._check_accuracy(number)
         return tuple(
             derivative_table(self._combine(image, row), self.scales, BOX_RATIO) for row in self.candidate.kernel_frame
         )
+
+    def _error_bits(self) -> float:
+        """Bits of the worst error of the state in grades 0 and 1, the latter per unit of the variable."""
+        linear = min(
+            scale for scale, weight in zip(self.scales, self.arithmetic.grading.weights, strict=True) if weight == 1
+        )
+        return -log2(max(max(x.errors[0], x.errors[1] / float(linear)) for x in self.state))
+
+    def _check_accuracy(self, number: int) -> None:
+        """Give up if the errors, growing as they did so far, would exceed what the last crossing needs."""
+        if self.accuracy is None:
+            return
+        expected = self.first_error_bits - (self.first_error_bits - self._error_bits()) * self.candidate.k / number
+        missing = ceil(self.accuracy - expected)
+        if missing > 0:
+            failure = IntegrationFailure(
+                "precision",
+                f"{self.arithmetic.bits} bits are too few: {expected:.0f} would be left at the last crossing, "
+                f"and {self.accuracy} are needed",
+                "give --max-precision more",
+                needs_precision=True,
+            )
+            failure.enough_precision = self.arithmetic.bits + 20 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1)
+            raise failure
 
     def _combine(self, image: Sequence[Series], row: Sequence[Fraction]) -> Series:
         result = self._zero()
@@ -247,7 +281,7 @@ def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tupl
         -(log2(scale.numerator) - log2(scale.denominator)) / weight
         for scale, weight in zip(scales, grading.weights, strict=True)
     ]
-    spare = bits // 6
+    spare = bits // _LOSS_DIVISOR
     size = max(0, floor(max(logs)))
     loss = min(size, spare)
     return size - loss, loss

@@ -12,7 +12,14 @@ from flint import fmpz, fmpz_poly
 from verify.algebra import Arithmetic, Series
 from verify.evaluation import PreparedProgram
 from verify.failure import IntegrationFailure
-from verify.gronwall import centre_and_norms, comparison_matrix, derivative_bounds, exponential_bound, norm_arithmetic
+from verify.gronwall import (
+    PARTS,
+    centre_and_norms,
+    comparison_matrices,
+    derivative_bounds,
+    exponential_bound,
+    norm_arithmetic,
+)
 from verify.norms import GradedNorm, inflate
 from verify.solution import solve
 
@@ -114,12 +121,14 @@ def _tube(
     tube = 16.0 * start + 2.0**-950
     for _ in range(_ATTEMPTS):
         inputs = [centre_and_norms(coarse, x, [float(t) for t in row]) for x, row in zip(solution, tube, strict=True)]
-        bounds, slopes = derivative_bounds(program, size, [*inputs, *constants])
-        matrix = comparison_matrix(bounds, slots) * _above(step)
-        bound = exponential_bound(matrix, start.reshape(-1)).reshape(size, slots)
-        if bool(np.all(bound < tube)) and bool(np.all(np.isfinite(tube))):
-            return [[float(value) for value in row] for row in bound], slopes
-        tube = 4.0 * bound
+        derivatives, slopes = derivative_bounds(program, size, [*inputs, *constants])
+        bound = start.reshape(-1)
+        for matrix in comparison_matrices(derivatives, slots):
+            bound = exponential_bound(matrix * (_above(step) / PARTS), bound)
+        errors = bound.reshape(size, slots)
+        if bool(np.all(errors < tube)) and bool(np.all(np.isfinite(tube))):
+            return [[float(value) for value in row] for row in errors], slopes
+        tube = 4.0 * errors
         if not bool(np.all(np.isfinite(tube))):
             break
     raise IntegrationFailure(
