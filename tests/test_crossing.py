@@ -188,6 +188,7 @@ HOPELESS: dict[str, Candidate] = {
     "an equilibrium": falkner_skan("453", "1"),
     "the other equilibrium": falkner_skan("453", "-1"),
     "a huge value": falkner_skan("453", "1e400"),
+    "a value whose square overflows": falkner_skan("453", "1e200"),
     "a huge parameter": falkner_skan("1e400", "0.5"),
 }
 
