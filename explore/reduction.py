@@ -169,17 +169,18 @@ def _implicit(equations: list[Jet], unknowns: range, arguments: list[Jet], conte
 
 
 def box_radii(
-    geometry: BranchGeometry, digits: int, accuracy: float, n: int, lost_bits: int = 0
+    geometry: BranchGeometry, digits: int, accuracy: float, n: int, k: int, lost_bits: int = 0
 ) -> tuple[Fraction, ...]:
     """Half-widths of P_0, P_1, P_2, powers of two, for a centre known to `accuracy` in the frame.
 
     They satisfy, with `SAFETY` to spare, p_1(P_0) in P_1, p_2(P_0 x P_1) in P_2 and p_0(P_1) in P_0.
-    Along an orbit that loses many bits (`lost_bits`, near a collision) the part of the map beyond
-    third order is amplified too, and the box is made smaller for it.
+    Along an orbit that loses many bits (`lost_bits`, near a collision) and over many returns the part
+    of the map beyond third order is amplified too, and the box is made smaller for it.
     """
+    amplified = max(0, lost_bits - EASY_LOSS_BITS) + 4 * max(0, k - 4)
     floor_ = 100 * accuracy
     d11, d01, d00 = geometry.across
-    r1 = max(10.0 ** (-digits / 2), 10.0 ** (-digits / 3) * 4.0 ** -max(0, lost_bits - EASY_LOSS_BITS))
+    r1 = max(10.0 ** (-digits / 2), 10.0 ** (-digits / 3) * 4.0**-amplified)
     if geometry.branch_curvature is not None:
         r1 = max(r1, floor_**0.5)
         r0 = max(SAFETY * abs(geometry.branch_curvature) / 2 * r1**2, r1**2, floor_)

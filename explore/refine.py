@@ -52,7 +52,7 @@ NEIGHBOURHOOD = 1e-3
 """Largest distance from the guess, relative where a coordinate exceeds 1."""
 
 SINGULAR = 1e-9
-"""Ratio of singular values below which an iterate P^i, i < k, counts as resonant itself."""
+"""Margin (see `RefinedPoint`) below which an iterate P^i, i < k, counts as resonant itself."""
 
 MAXIMAL_ITERATIONS = 14
 
@@ -73,8 +73,8 @@ class RefinedPoint:
         half_period: time from the centre to the next crossing of the section, nondimensional.
         first_integral: its value at the centre, or `None` if the system has none.
         geometry: slopes and curvatures of the two branches.
-        margins: for i = 1 .. k - 1 the ratio of the smallest to the largest singular value of
-            D_(p1,p2) pi_q P^i: how far the iterate is from being resonant.
+        margins: for i = 1 .. k - 1 how far D_(p1,p2) pi_q P^i is from singular: the smallest part of a column
+            that is orthogonal to the others, relative to the column if that is longer than 1.
     """
 
     system: ReversibleSystem
@@ -270,7 +270,7 @@ def _dressed(
     return RefinedPoint(
         system=system, parameters=problem.parameters, kind=kind, k=problem.k, symmetry=symmetry,
         centre=tuple(point), frame=_exact_rows(frame.columns), kernel_frame=_exact_rows(frame.rows),
-        radii=box_radii(geometry, digits, accuracy, len(system.kernel_coordinates), solution.lost_bits),
+        radii=box_radii(geometry, digits, accuracy, len(system.kernel_coordinates), problem.k, solution.lost_bits),
         residual=solution.residual, digits=digits, iterations=solution.iterations, half_period=at.half.time,
         first_integral=value, geometry=geometry, margins=margins,
     )  # fmt: skip
@@ -291,16 +291,31 @@ def _exact_rows(matrix: Any) -> tuple[tuple[Fraction, ...], ...]:
 
 
 def _checked_iterates(problem: Resonance, frame: Frame, iterates: LinearIterates) -> tuple[float, ...]:
-    """Singular values of D_(p1,p2) pi_q P^i: simple kernel for i = k, none for i < k."""
+    """Margins of D_(p1,p2) pi_q P^i for i < k, and a simple kernel for i = k."""
     margins = []
     for i, matrix in enumerate(iterates.matrices, start=1):
         local = frame.rows * matrix * frame.columns[:, 1:]
         entries = np.array([[float(local[a, b]) for b in range(local.cols)] for a in range(local.rows)])
-        values = np.linalg.svd(entries, compute_uv=False)
         if i < problem.k:
-            margins.append(float(values[-1] / max(values[0], 1.0)))
+            margins.append(_margin(entries))
             if not margins[-1] > SINGULAR:
                 raise RefinementFailure(f"the point is a bifurcation with k = {i} already, not with k = {problem.k}")
-        elif problem.k > 1 and len(values) > 1 and not values[-2] > SINGULAR * values[0]:
-            raise RefinementFailure("the kernel of D pi_q P^k is not simple")
+        elif problem.k > 1 and len(entries) > 1:
+            values = np.linalg.svd(entries, compute_uv=False)
+            if not values[-2] > SINGULAR * values[0]:
+                raise RefinementFailure("the kernel of D pi_q P^k is not simple")
     return tuple(margins)
+
+
+def _margin(matrix: Any) -> float:
+    """See `RefinedPoint.margins`. Near a collision the columns differ by orders of magnitude: no ratio of
+    singular values tells that from a kernel.
+    """
+    margins = []
+    for j, column in enumerate(matrix.T):
+        others = np.delete(matrix, j, axis=1)
+        lengths = np.linalg.norm(others, axis=0)
+        basis, _ = np.linalg.qr(others / np.where(lengths > 0, lengths, 1.0))
+        rest = column - basis @ (basis.T @ column)
+        margins.append(float(np.linalg.norm(rest)) / max(1.0, float(np.linalg.norm(column))))
+    return min(margins)

@@ -18,7 +18,10 @@ _BITS = 96
 
 
 class CrossingCounter:
-    """Number of proven crossings after the start, where y = 0 for the whole box."""
+    """Number of proven crossings after the start.
+
+    The caller guarantees that y = 0 exactly at the start for the whole box, as on Fix(R).
+    """
 
     def __init__(self) -> None:
         self.crossings = 0

@@ -161,7 +161,10 @@ def _bounds_on_parts(derivative: Series) -> Floats:
     if length == 0:
         return np.zeros(PARTS)
     scale = 2.0**-arithmetic.bits
-    coefficients = np.array([float(int(polynomial[n])) * scale for n in range(length)])
+    try:
+        coefficients = np.array([float(int(polynomial[n])) * scale for n in range(length)])
+    except OverflowError:
+        return np.full(PARTS, np.inf)
     recentred = np.abs(_recentring(length) @ coefficients).sum(axis=1)
     return np.asarray((recentred + 1e-13 * np.abs(coefficients).sum()) * _SLACK)
 

@@ -1,4 +1,4 @@
-"""Conditions at the bifurcation point: its type, the side, the normal form (docs/method.md, section 9)."""
+"""Conditions at the bifurcation point: its type, the side, the normal form (docs/method.md, sections 9 and 11)."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ def _side(second_derivative: arb) -> str:
 def check_family_of_maps(
     checklist: Checklist, problem: Problem, family: Family, reduction: BifurcationFunction, point: Point
 ) -> Nondegeneracy:
-    """Maps with a parameter: G_11 != 0 for k = 3; G_01 != 0 and G_111 != 0 for k even or 1.
+    """Maps with a parameter: G_11 != 0 for k = 3; G_01 != 0 and G_111 != 0 otherwise.
 
-    For k even or 1, G_11 = 0 at the point, hence nu'' = -G_111 / (3 G_01) along the branch.
+    For k != 3, G_11 = 0 at the point, hence nu'' = -G_111 / (3 G_01) along the branch.
     """
     jet = reduction.jet(point.where)
     alpha = point.crossing
@@ -63,7 +63,7 @@ def check_family_of_maps(
 def check_hamiltonian(
     checklist: Checklist, problem: Problem, family: Family, reduction: BifurcationFunction, point: Point
 ) -> Nondegeneracy:
-    """The level of H as parameter: dH/dp_0, h_fp', and h_b' (k = 3) or h_b'' (k even or 1) are not zero."""
+    """The level of H as parameter: dH/dp_0, h_fp', and h_b' (k = 3) or h_b'' (otherwise) are not zero."""
     integral = problem.first_integral
     if integral is None:
         raise ValueError("a Hamiltonian problem has a first integral")

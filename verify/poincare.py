@@ -238,9 +238,11 @@ class _Integration:
     def _error_bits(self) -> float:
         """Bits of the worst error of the state in grades 0 and 1, the latter per unit of the variable."""
         linear = min(
-            scale for scale, weight in zip(self.scales, self.arithmetic.grading.weights, strict=True) if weight == 1
+            _log2(scale)
+            for scale, weight in zip(self.scales, self.arithmetic.grading.weights, strict=True)
+            if weight == 1
         )
-        return -log2(max(max(x.errors[0], x.errors[1] / float(linear)) for x in self.state))
+        return -max(max(log2(x.errors[0]), log2(x.errors[1]) - linear) for x in self.state)
 
     def _check_accuracy(self, number: int) -> None:
         """Give up if the errors, growing as they did so far, would exceed what the last crossing needs."""
@@ -266,6 +268,10 @@ class _Integration:
         return result
 
 
+def _log2(value: Fraction) -> float:
+    return log2(value.numerator) - log2(value.denominator)
+
+
 def default_order(precision: int) -> int:
     """Degree of the time expansions that was found fast for a precision in bits."""
     return max(16, precision * 7 // 16)
@@ -277,10 +283,7 @@ def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tupl
     Scaled initial values of a variable of weight w are about 2^-(w s); with s - d further bits per
     grade, grade g keeps about bits - g d significant bits.
     """
-    logs = [
-        -(log2(scale.numerator) - log2(scale.denominator)) / weight
-        for scale, weight in zip(scales, grading.weights, strict=True)
-    ]
+    logs = [-_log2(scale) / weight for scale, weight in zip(scales, grading.weights, strict=True)]
     spare = bits // _LOSS_DIVISOR
     size = max(0, floor(max(logs)))
     loss = min(size, spare)

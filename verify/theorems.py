@@ -44,12 +44,9 @@ def theorem_of(candidate: Candidate) -> Theorem | Reason:
         return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
     if k == 3 and kind == "period_tupling":
         return Reason("theorem", "period tupling with k = 3 has no theorem here", "claim touch_and_go for k = 3")
-    if k > 3 and k % 2:
-        return Reason(
-            "theorem",
-            f"odd k = {k}: G_11 vanishes at the point, and no enclosure can show that; no theorem here covers it",
-            "even k, k = 1 and k = 3 can be proved",
-        )
+    if kind == "touch_and_go" and k > 3:
+        message = f"at odd k = {k} >= 5 the second derivative G_11 vanishes: touch-and-go cannot happen"
+        return Reason("theorem", message, "claim period_tupling for odd k >= 5 (docs/method.md, section 11)")
     return Theorem(_statement(candidate), _hypotheses(candidate))
 
 
@@ -79,11 +76,15 @@ def _statement(candidate: Candidate) -> str:
         else f"the R- and {candidate.symmetry}-symmetric period-two points of the Poincare map P of the {where} "
         "in the box are one regular curve"
     )
+    tupled = (
+        f"an R-symmetric orbit of period {k} of P^2 that meets Fix(R) twice near the point branches off"
+        if k % 2 == 0
+        else f"two R-symmetric orbits of period {k} of P^2, each of which meets Fix(R) once near the point, branch off"
+    )
     branch = {
         "symmetry_breaking": "a symmetry breaking bifurcation of P^2: a pair of R-symmetric period-two points, "
         f"exchanged by {candidate.symmetry}, branches off",
-        "period_tupling": f"a period-{k}-tupling bifurcation of P^2: an R-symmetric orbit of period {k} of P^2 that "
-        "meets Fix(R) twice near the point branches off",
+        "period_tupling": f"a period-{k}-tupling bifurcation of P^2: {tupled}",
         "touch_and_go": f"a touch-and-go bifurcation of P^2 of order {k}: a curve of R-symmetric points of period "
         f"{k} of P^2 crosses it",
     }[candidate.kind]
