@@ -27,8 +27,44 @@ FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
 MAX_MULTIPLICITY = 1000
 DIGITS = (15, 400)
 
+POINTS = ("one", "distinct", "all")
+"""Where an orbit's new orbits appear near both of its points on Fix(R): which of these become candidates."""
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named search: what it stands for on the command line.
+
+    Attributes:
+        system: name of the system.
+        masses, families: each mass with each family.
+        velocity_max: the largest |vy| of the first point, one for each mass.
+        multiplicities: unless -k says otherwise.
+        points: one of `POINTS`, unless --points says otherwise.
+        meaning: for the help text.
+    """
+
+    system: str
+    masses: tuple[str, ...]
+    families: tuple[str, ...]
+    velocity_max: tuple[float, ...]
+    multiplicities: tuple[int, ...]
+    points: str
+    meaning: str
+
+
+PRESETS: Mapping[str, Preset] = {
+    "tables": Preset(
+        "cr3bp", ("earth-moon", "sun-jupiter"), ("L1-halo", "L2-halo"), (20.5, 8.0), (1, 2, 3, 4), "distinct",
+        "the L1 halo loops and the L2 halo families of the Earth-Moon and the Sun-Jupiter system, as far as the paper "
+        "follows them",
+    ),
+}  # fmt: skip
+
 _EXAMPLES = """\
 examples:
+  python -m explore candidates --preset tables -o tables.json --family-output families.json
+  python -m explore candidates --preset tables -k 5 6 --from-family families.json --append -o tables.json
   python -m explore candidates --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.25 -o c.json
   python -m explore candidates --system falkner-skan -k 2 3 4 --append -o c.json
   python -m explore family --system cr3bp --mass 0.01 --family L2-halo --z-max 0.1 -o family.json
@@ -116,26 +152,23 @@ def parser() -> Parser:
     )  # fmt: skip
     _family_options(candidates)
     candidates.add_argument(
-        "-k", nargs="+", type=_multiplicity, default=[2, 3, 4], metavar="K",
-        help="multiplicities: 1 symmetry breaking, k > 1 the 1:k resonances (default: 2 3 4)",
+        "-k", nargs="+", type=_multiplicity, metavar="K",
+        help="multiplicities: 1 symmetry breaking, k > 1 the 1:k resonances (default: 2 3 4, or the preset's)",
     )  # fmt: skip
     candidates.add_argument(
         "--digits", type=_digits, default=50, metavar="N",
         help="decimal digits of the refined points (default: %(default)s)",
     )  # fmt: skip
     candidates.add_argument(
-        "--jobs", type=_jobs, default=os.cpu_count() or 1, metavar="N",
-        help="points that are refined at the same time (default: the number of processors, %(default)s)",
-    )  # fmt: skip
-    candidates.add_argument(
-        "--both-points", action="store_true",
-        help="where new orbits appear near both points of an orbit on Fix(R), a candidate for each; for even k >= 4 "
-        "these are different orbits (default: the first point)",
+        "--points", choices=POINTS,
+        help="an orbit meets Fix(R) in two points, and new orbits may appear near both. one: a candidate for the "
+        "first; distinct: for both where the new orbits differ (even k >= 4); all: always for both (default: one, "
+        "or the preset's)",
     )  # fmt: skip
     candidates.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="candidates file to write")
     candidates.add_argument(
         "--append", action="store_true",
-        help="keep what the output file already holds; candidates of the same id are replaced",
+        help="keep what the output file already holds; points refined there to as many digits are not refined again",
     )  # fmt: skip
     candidates.add_argument("--family-output", type=Path, metavar="FILE", help="write the traced families as JSON")
     family = commands.add_parser(
@@ -143,9 +176,7 @@ def parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
     )  # fmt: skip
     _family_options(family)
-    family.add_argument(
-        "-k", nargs="+", type=_multiplicity, default=[], metavar="K", help="locate these resonances as well"
-    )
+    family.add_argument("-k", nargs="+", type=_multiplicity, metavar="K", help="locate these resonances as well")
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="family file to write")
     return result
 
@@ -153,11 +184,16 @@ def parser() -> Parser:
 def _family_options(target: argparse.ArgumentParser) -> None:
     families = "; ".join(f"{system}: {', '.join(names)}" for system, names in FAMILY_NAMES.items())
     target.add_argument("--system", metavar="NAME", help=f"one of {', '.join(SYSTEMS)}")
-    target.add_argument("--mass", metavar="MU", help=_MASS_HELP)
+    target.add_argument("--mass", nargs="+", metavar="MU", help=_MASS_HELP)
+    meanings = "; ".join(f"{name}: {preset.meaning}" for name, preset in PRESETS.items())
+    target.add_argument(
+        "--preset", choices=tuple(PRESETS), help=f"in place of --system, --mass, --family and --vy-max: {meanings}"
+    )
     target.add_argument("--family", nargs="+", metavar="NAME", help=f"families to trace ({families})")
     target.add_argument(
         "--from-family", type=Path, metavar="FILE",
-        help="start from the families in a family file and continue them up to the limits, instead of from their birth",
+        help="start from the families in a family file and continue them up to the limits, instead of from their "
+        "birth; families that are asked for and not in the file are traced as well",
     )  # fmt: skip
     target.add_argument(
         "--mirror", action="store_true", help="halo families: the mirror image, z < 0 at the first point"
@@ -165,14 +201,41 @@ def _family_options(target: argparse.ArgumentParser) -> None:
     limits = target.add_argument_group("limits, each optional; a family ends with the first orbit beyond one")
     limits.add_argument("--max-orbits", type=_count, default=1000, metavar="N", help="default: %(default)s")
     limits.add_argument("--z-max", type=_positive, metavar="Z", help="CR3BP: largest |z| of the first point")
+    limits.add_argument(
+        "--vy-max", nargs="+", type=_positive, metavar="V",
+        help="CR3BP: largest |vy| of the first point, one value or one for each mass",
+    )  # fmt: skip
     limits.add_argument("--jacobi-min", type=_number, metavar="C", help="CR3BP: smallest Jacobi constant")
     limits.add_argument(
-        "--min-distance", type=_positive, default=1e-4, metavar="R",
+        "--min-distance", type=_positive, default=1e-5, metavar="R",
         help="CR3BP: smallest distance to a primary (default: %(default)s)",
     )  # fmt: skip
     limits.add_argument("--beta-min", type=_number, default=100.0, metavar="B", help="default: %(default)s")
     limits.add_argument("--beta-max", type=_number, default=1000.0, metavar="B", help="default: %(default)s")
+    target.add_argument(
+        "--jobs", type=_jobs, default=os.cpu_count() or 1, metavar="N",
+        help="processes: families traced and points refined at the same time (default: the number of processors, "
+        "%(default)s)",
+    )  # fmt: skip
     target.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+
+
+@dataclass(frozen=True)
+class FamilyRequest:
+    """A family to trace.
+
+    Attributes:
+        name: one of `FAMILY_NAMES`.
+        parameters: exact fixed parameters of the system.
+        label: the mass as the user gave it, or "".
+        velocity_max: largest |vy| of the first point, or `None`.
+    """
+
+    system: ReversibleSystem
+    name: str
+    parameters: Mapping[str, Fraction]
+    label: str
+    velocity_max: float | None = None
 
 
 @dataclass(frozen=True)
@@ -182,15 +245,17 @@ class Request:
     Attributes:
         command: "candidates" or "family".
         system: `None` only together with `from_family`.
-        label: the mass as the user gave it, or "".
+        families: what to trace; may be empty only together with `from_family`.
+        multiplicities: the k to look for, may be empty for "family".
+        points: one of `POINTS`.
         options: the parsed options.
     """
 
     command: str
     system: ReversibleSystem | None
-    parameters: Mapping[str, Fraction]
-    label: str
-    families: tuple[str, ...]
+    families: tuple[FamilyRequest, ...]
+    multiplicities: tuple[int, ...]
+    points: str
     options: Any
 
     @property
@@ -201,34 +266,75 @@ class Request:
 
 def check(options: argparse.Namespace) -> Request:
     """Check the options against each other; raises `InputError`."""
+    _check_paths(options)
+    if not options.beta_min < options.beta_max:
+        raise InputError("--beta-min: not below --beta-max; give an interval")
+    if options.beta_min <= 1:
+        raise InputError("--beta-min: the family exists for beta > 1; give a larger value")
+    preset = None if options.preset is None else PRESETS[options.preset]
+    if preset is not None:
+        for option, value in (
+            ("--system", options.system), ("--mass", options.mass), ("--family", options.family),
+            ("--vy-max", options.vy_max),
+        ):  # fmt: skip
+            if value is not None:
+                raise InputError(f"{option}: given by --preset {options.preset}; leave out one of the two")
+    multiplicities = options.k
+    if multiplicities is None:
+        multiplicities = preset.multiplicities if preset else ((2, 3, 4) if options.command == "candidates" else ())
+    points = getattr(options, "points", None) or (preset.points if preset else "one")
+    families = _families(options, preset)
+    system = families[0].system if families else None if options.system is None else _system(options.system)
+    if system is not None and 1 in multiplicities and not system.symmetries:
+        raise InputError(f"-k 1: {system.name} has no symmetry that could break; leave it out")
+    if system is not None and system.family_parameter is not None:
+        for option, value in (("--z-max", options.z_max), ("--vy-max", options.vy_max)):
+            if value is not None:
+                raise InputError(f"{option}: {system.name} has no such coordinate on Fix(R); leave it out")
+    return Request(options.command, system, families, tuple(dict.fromkeys(multiplicities)), points, options)
+
+
+def _check_paths(options: argparse.Namespace) -> None:
     outputs = [options.output] + ([options.family_output] if getattr(options, "family_output", None) else [])
     if len(outputs) == 2 and outputs[0].resolve() == outputs[1].resolve():
         raise InputError(f"--family-output {outputs[1]}: is the output file as well; choose another path")
     for path in outputs:
         check_writable(path)
-    if not options.beta_min < options.beta_max:
-        raise InputError("--beta-min: not below --beta-max; give an interval")
-    if options.beta_min <= 1:
-        raise InputError("--beta-min: the family exists for beta > 1; give a larger value")
-    if options.from_family is not None:
-        if options.family or options.mass or options.mirror:
-            raise InputError("--from-family: the file says which families; leave out --family, --mass and --mirror")
-        system = None if options.system is None else _system(options.system)
-        return Request(options.command, system, {}, "", (), options)
-    if options.system is None:
-        raise InputError(f"--system: missing; give one of {', '.join(SYSTEMS)}")
-    system = _system(options.system)
-    known = FAMILY_NAMES[system.name]
-    families = tuple(dict.fromkeys(options.family or (known if len(known) == 1 else ())))
-    if not families:
-        raise InputError(f"--family: missing; give one or more of {', '.join(known)}")
-    for name in families:
-        if name not in known:
-            raise InputError(f"--family {name}: unknown for {system.name}; give one or more of {', '.join(known)}")
-    if 1 in options.k and not system.symmetries:
-        raise InputError(f"-k 1: {system.name} has no symmetry that could break; leave it out")
-    parameters, label = _parameters(system, options.mass)
-    return Request(options.command, system, parameters, label, families, options)
+
+
+def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[FamilyRequest, ...]:
+    """The families asked for: each mass with each family name."""
+    if preset is not None:
+        names, masses, speeds = preset.families, preset.masses, preset.velocity_max
+        system = _system(preset.system)
+    else:
+        if options.from_family is not None and not options.family and not options.mass:
+            if options.mirror:
+                raise InputError("--mirror: --from-family says which families; leave it out")
+            if options.vy_max is not None and len(options.vy_max) > 1:
+                raise InputError("--vy-max: give one value; --from-family says which masses")
+            return ()
+        if options.system is None:
+            beside = " beside --from-family with --family or --mass" if options.from_family is not None else ""
+            raise InputError(f"--system: missing{beside}; give one of {', '.join(SYSTEMS)}")
+        system = _system(options.system)
+        known = FAMILY_NAMES[system.name]
+        names = tuple(dict.fromkeys(options.family or (known if len(known) == 1 else ())))
+        if not names:
+            raise InputError(f"--family: missing; give one or more of {', '.join(known)}")
+        for name in names:
+            if name not in known:
+                raise InputError(f"--family {name}: unknown for {system.name}; give one or more of {', '.join(known)}")
+        masses = tuple(dict.fromkeys(options.mass or (None,)))
+        speeds = tuple(options.vy_max or (None,))
+        if len(speeds) not in (1, len(masses)):
+            raise InputError(f"--vy-max: {len(speeds)} values for {len(masses)} masses; give one, or one for each mass")
+    result: list[FamilyRequest] = []
+    for index, mass in enumerate(masses):
+        parameters, label = _parameters(system, mass)
+        speed = speeds[index if len(speeds) > 1 else 0]
+        result += [FamilyRequest(system, name, parameters, label, speed) for name in names]
+    return tuple(result)
 
 
 def _system(name: str) -> ReversibleSystem:

@@ -18,7 +18,8 @@ from explore.continuation import Family, Start, Stop, describe, trace
 from explore.flow import FlowFailure, Matrix, Vector
 from explore.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from explore.stability import Side, resonant_values, tupling_sides
-from explore.zeros import Samples, find_zeros, resolve
+from explore.stability_curve import Extremum, StabilityCurve
+from explore.zeros import Samples, find_zeros
 
 BREAKS = "the symmetry breaks"
 
@@ -59,43 +60,20 @@ class Detection:
         resonances: by arclength.
         undecided: one line for each place where a stability curve comes so near to a resonant value
             that float64 cannot tell whether it reaches it, or where an orbit could not be computed.
+        samples: orbits along the family, between which no resonance can hide; see `explore.stability_curve`.
+            Empty if only symmetry breakings were asked for.
+        extrema: of the stability parameters, the places where two further resonances might have been missed.
     """
 
     resonances: tuple[LocatedResonance, ...]
     undecided: tuple[str, ...]
+    samples: tuple[SymmetricOrbit, ...] = ()
+    extrema: tuple[Extremum, ...] = ()
 
 
 def kind_of(k: int) -> str:
     """The generic bifurcation of symmetric orbits at a 1:k resonance."""
     return {1: "symmetry_breaking", 3: "touch_and_go"}.get(k, "period_tupling")
-
-
-class _Curve:
-    """The family's orbits as a function of arclength, each computed once."""
-
-    def __init__(self, family: Family) -> None:
-        self.family = family
-        self.failures: list[str] = []
-        self._orbits = {orbit.arclength: orbit for orbit in family.orbits}
-
-    def orbit(self, arclength: float) -> SymmetricOrbit:
-        orbit = self._orbits.get(arclength)
-        if orbit is None:
-            orbit = self._orbits[arclength] = self.family.orbit_at(arclength)
-        return orbit
-
-    def coefficients(self, arclength: float) -> Vector:
-        """Characteristic coefficients of Sigma without the leading 1; interpolated where Newton fails."""
-        try:
-            return self.orbit(arclength).coefficients[1:]
-        except (CorrectionFailure, ZeroDivisionError) as error:
-            self.failures.append(f"stability unknown at arclength {arclength:.6g}: {error}")
-            places = self.family.arclengths
-            rows = np.array([orbit.coefficients[1:] for orbit in self.family.orbits])
-            return np.array([np.interp(arclength, places, column) for column in rows.T])
-
-    def resonance(self, value: float) -> Callable[[float], float]:
-        return lambda arclength: _resonance_function(self.coefficients(arclength), value)
 
 
 def _resonance_function(coefficients: Vector, value: float) -> float:
@@ -117,22 +95,31 @@ def detect(
     undecided: list[str] = []
     if 1 in wanted:
         found += symmetry_breakings(family)
+    orbits: tuple[SymmetricOrbit, ...] = ()
+    extrema: list[Extremum] = []
     if any(k > 1 for k in wanted) and len(family.orbits) > 1:
-        curve = _Curve(family)
-        samples = resolve(curve.coefficients, family.arclengths, progress=progress)
+        curve = StabilityCurve(family)
+        samples = curve.samples(progress)
         for k in wanted:
             for value in resonant_values(k) if k > 1 else ():
                 more, unclear = _tuplings(curve, samples, k, value)
                 found += more
                 undecided += unclear
+        extrema = curve.extrema(samples, wanted)
+        orbits = curve.orbits(samples)
         undecided += curve.failures
     found.sort(key=lambda resonance: resonance.orbit.arclength)
-    return Detection(tuple(found), tuple(undecided))
+    return Detection(tuple(found), tuple(undecided), orbits, tuple(extrema))
 
 
-def _tuplings(curve: _Curve, samples: Samples, k: int, value: float) -> tuple[list[LocatedResonance], list[str]]:
+def _tuplings(
+    curve: StabilityCurve, samples: Samples, k: int, value: float
+) -> tuple[list[LocatedResonance], list[str]]:
     family = curve.family
-    function = curve.resonance(value)
+
+    def function(arclength: float) -> float:
+        return _resonance_function(curve.coefficients(arclength), value)
+
     zeros = find_zeros(function, samples.places, [_resonance_function(row, value) for row in samples.values])
     found: list[LocatedResonance] = []
     for place in zeros.zeros:

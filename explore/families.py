@@ -34,6 +34,9 @@ AMPLITUDE = 1e-3
 BETA_START = 100.0
 PLANAR_ORBITS = 2000
 
+TYPICAL_ORBITS = 150
+"""For the progress display only: of this order is the number of orbits of a family that no limit cuts short."""
+
 
 class FamilyFailure(Exception):
     """The family's first orbit could not be found; one line says why."""
@@ -56,7 +59,7 @@ class Limits:
     parameter_min: float = BETA_START
     parameter_max: float = 1000.0
     integral_min: float | None = None
-    min_distance: float = 1e-4
+    min_distance: float = 1e-5
 
     def reached(self, problem: ShootingProblem, orbit: SymmetricOrbit, states: Matrix) -> str | None:
         """Which limit the orbit lies beyond, in words, or `None`."""
@@ -79,7 +82,7 @@ class Limits:
         """How much of the way to the nearest limit is done, roughly, 0 to 1."""
         system = problem.system
         names = system.centre_coordinates
-        parts = [count / self.max_orbits]
+        parts = [max(count / self.max_orbits, count / (count + TYPICAL_ORBITS))]
         parts += [abs(orbit.unknowns[names.index(name)]) / bound for name, bound in self.coordinate_max.items()]
         if system.family_parameter is not None:
             parts.append((orbit.unknowns[0] - self.parameter_min) / (self.parameter_max - self.parameter_min))

@@ -8,8 +8,8 @@ parameters are exact strings as in a candidates file. Reading it needs neither J
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from fractions import Fraction
 from math import isfinite
 from pathlib import Path
@@ -66,6 +66,36 @@ class ResonanceRecord:
 
 
 @dataclass(frozen=True)
+class CurveRecord:
+    """A family sampled finely enough for its list of resonances, N orbits; see `explore.stability_curve`.
+
+    Attributes:
+        arclength, half_periods: shape (N,), as in `OrbitRecord`; arclength increases.
+        points, second_points: shape (N, 1 + n).
+        first_integrals: shape (N,), or `None`.
+        coefficients: shape (N, n + 1).
+    """
+
+    arclength: Array
+    points: Array
+    second_points: Array
+    half_periods: Array
+    first_integrals: Array | None
+    coefficients: Array
+
+
+@dataclass(frozen=True)
+class ExtremumRecord:
+    """A local extremum of a stability parameter, and the resonance 1:k whose value (level) is nearest."""
+
+    arclength: float
+    first_integral: float | None
+    stability_parameter: float
+    k: int
+    level: float
+
+
+@dataclass(frozen=True)
 class FamilyRecord:
     """A traced family as it stands in a file; see the schema for the meaning of the fields."""
 
@@ -79,6 +109,8 @@ class FamilyRecord:
     reason: str
     orbits: tuple[OrbitRecord, ...]
     resonances: tuple[ResonanceRecord, ...]
+    curve: CurveRecord | None = None
+    extrema: tuple[ExtremumRecord, ...] = ()
 
 
 def exact_text(value: Fraction) -> str:
@@ -101,7 +133,7 @@ def write_families(path: Path, families: Sequence[FamilyRecord]) -> None:
 
 
 def _to_json(family: FamilyRecord) -> dict[str, Any]:
-    return {
+    result = {
         "name": family.name,
         "label": family.label,
         "system": family.system.name,
@@ -138,6 +170,11 @@ def _to_json(family: FamilyRecord) -> dict[str, Any]:
             for resonance in family.resonances
         ],
     }
+    if family.curve is not None:
+        curve = {field.name: getattr(family.curve, field.name) for field in fields(CurveRecord)}
+        result["curve"] = {name: None if value is None else value.tolist() for name, value in curve.items()}
+        result["extrema"] = [asdict(extremum) for extremum in family.extrema]
+    return result
 
 
 def read_families(path: Path) -> list[FamilyRecord]:
@@ -210,8 +247,42 @@ def _family(entry: Mapping[str, Any], source: str) -> FamilyRecord:
         finite(f"resonances[{index}]", *resonance["point"], resonance["arclength"], resonance["first_integral"] or 0.0)
         fields = {**resonance, "point": np.array(resonance["point"], dtype=float)}
         resonances.append(ResonanceRecord(**fields))
+    extrema = tuple(ExtremumRecord(**extremum) for extremum in entry.get("extrema", ()))
+    for index, extremum in enumerate(extrema):
+        finite(f"extrema[{index}]", extremum.arclength, extremum.first_integral or 0.0, extremum.stability_parameter)
     return FamilyRecord(
         name=entry["name"], label=entry.get("label", ""), system=system, parameters=parameters,
         symmetry=entry["symmetry"], scale=tuple(float(scale) for scale in entry["scale"]),
         outcome=entry["outcome"], reason=entry["reason"], orbits=tuple(orbits), resonances=tuple(resonances),
+        curve=_curve(entry.get("curve"), system, refuse), extrema=extrema,
     )  # fmt: skip
+
+
+def _curve(
+    entry: Mapping[str, Any] | None, system: ReversibleSystem, refuse: Callable[[str, str, str], NoReturn]
+) -> CurveRecord | None:
+    if entry is None:
+        return None
+    size, count = len(system.centre_coordinates), len(entry["arclength"])
+    shapes = {
+        "arclength": (count,), "points": (count, size), "second_points": (count, size), "half_periods": (count,),
+        "coefficients": (count, len(system.kernel_coordinates) + 1),
+    }  # fmt: skip
+    if system.first_integral is not None:
+        shapes["first_integrals"] = (count,)
+    elif entry["first_integrals"] is not None:
+        refuse("curve.first_integrals", "does not fit the system", "write the file again")
+    arrays: dict[str, Array | None] = {"first_integrals": None}
+    for name, shape in shapes.items():
+        try:
+            array = np.array(entry[name], dtype=float)
+        except (TypeError, ValueError):
+            refuse(f"curve.{name}", "rows of different lengths, or none", "write the file again")
+        if array.shape != shape:
+            refuse(f"curve.{name}", f"shape {array.shape}", f"{system.name} needs {shape}")
+        if not np.all(np.isfinite(array)):
+            refuse(f"curve.{name}", "a number is too large for a double", "write the file again")
+        arrays[name] = array
+    if not np.all(np.diff(arrays["arclength"]) > 0):
+        refuse("curve.arclength", "does not increase", "list the orbits along the family")
+    return CurveRecord(**arrays)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from explore.processes import Job, Lost, Progress, run_all
 from explore.refine import RefinementFailure, refine
 from shared.formats import Candidate
 from shared.systems import SYSTEMS
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -65,45 +62,31 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
         reason = f"the arithmetic broke down ({type(error).__name__}: {error})"
         return Refined(task, None, None, reason, time.monotonic() - started)
     level = point.first_integral if point.first_integral is not None else point.centre[0]
-    return Refined(task, point.to_candidate(task.id, task.provenance), level, None, time.monotonic() - started)
+    candidate = point.to_candidate(task.id, {**task.provenance, "level": decimal(level, task.digits)})
+    return Refined(task, candidate, level, None, time.monotonic() - started)
 
 
-def _work(index: int, task: Task) -> tuple[int, Refined]:
-    return index, refine_task(task)
+def decimal(value: Fraction, digits: int) -> str:
+    """A number in decimal notation, rounded to `digits` places."""
+    scaled = round(value * 10**digits)
+    whole, part = divmod(abs(scaled), 10**digits)
+    return f"{'-' if scaled < 0 else ''}{whole}.{part:0{digits}d}"
 
 
-def _leave_interrupts_to_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _name(task: Task) -> str:
+    return task.id
 
 
 def refine_tasks(tasks: Sequence[Task], jobs: int, progress: Progress) -> Iterator[tuple[int, Refined]]:
     """Refine all tasks with `jobs` processes; yields (index, result) in the order of completion.
 
-    `progress` is called with a message and the fraction of all tasks done. Closing the iterator,
-    or an exception in its consumer, ends the processes.
+    `progress` is called with a message and the fraction of all tasks done.
     """
-    total = len(tasks)
-    if jobs <= 1 or total <= 1:
-        for index, task in enumerate(tasks):
-            result = refine_task(
-                task,
-                lambda message, part, index=index, id=task.id: progress(f"{id}, {message}", (index + part) / total),
-            )
-            yield index, result
-        return
-    # Started afresh, not forked: JAX runs threads.
-    with multiprocessing.get_context("spawn").Pool(min(jobs, total), _leave_interrupts_to_parent) as pool:
-        pending = [pool.apply_async(_work, (index, task)) for index, task in enumerate(tasks)]
-        progress(f"0 of {total}", 0.0)
-        while pending:
-            ready = [job for job in pending if job.ready()]
-            pending = [job for job in pending if job not in ready]
-            for job in ready:
-                index, result = job.get()
-                progress(f"{total - len(pending)} of {total}", (total - len(pending)) / total)
-                yield index, _with_own_system(result)
-            if pending and not ready:
-                pending[0].wait(0.1)
+    for index, result in run_all(Job(refine_task, _name), tasks, jobs, progress):
+        if isinstance(result, Lost):
+            yield index, Refined(tasks[index], None, None, result.reason, 0.0)
+        else:
+            yield index, _with_own_system(result)
 
 
 def _with_own_system(result: Refined) -> Refined:

@@ -93,6 +93,33 @@ def resolve(
     return Samples(tuple(places), tuple(values))
 
 
+def subdivide(
+    function: Callable[[float], Vector],
+    samples: Samples,
+    close: Callable[[Vector, Vector], bool],
+    *,
+    depth: int = 12,
+) -> Samples:
+    """Samples with middles added until neighbouring values are `close`; an interval is halved at most `depth` times."""
+    places, values = [samples.places[0]], [samples.values[0]]
+
+    def fill(low: float, first: Vector, high: float, last: Vector, left: int) -> None:
+        if left > 0 and not close(first, last):
+            middle = 0.5 * (low + high)
+            value = np.atleast_1d(np.asarray(function(middle), dtype=float))
+            fill(low, first, middle, value, left - 1)
+            fill(middle, value, high, last, left - 1)
+            return
+        places.append(high)
+        values.append(last)
+
+    for index in range(len(samples.places) - 1):
+        fill(
+            samples.places[index], samples.values[index], samples.places[index + 1], samples.values[index + 1], depth
+        )  # fmt: skip
+    return Samples(tuple(places), tuple(values))
+
+
 def _interpolate(samples: Samples, place: float) -> Vector:
     """Lagrange interpolation through the (up to) four samples nearest to `place`."""
     order = np.argsort(np.abs(np.asarray(samples.places) - place))[:4]
@@ -208,7 +235,14 @@ def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, fl
     return m - slope / (2 * curvature), fm - slope * slope / (4 * curvature)
 
 
-def _minimum(function: Scalar, places: Sequence[float], values: Sequence[float], noise: float) -> tuple[float, float]:
+def refine_minimum(function: Scalar, places: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
+    """Place and value of a minimum, from three samples of which the middle one is the lowest."""
+    return _minimum(function, places, values, np.inf, 1e-4)
+
+
+def _minimum(
+    function: Scalar, places: Sequence[float], values: Sequence[float], noise: float, narrow: float = 1e-6
+) -> tuple[float, float]:
     """The minimum in a bracketing triple of samples, or an earlier place where f < -noise.
 
     Parabolic steps, with golden section steps when they do not shrink the bracket.
@@ -216,7 +250,7 @@ def _minimum(function: Scalar, places: Sequence[float], values: Sequence[float],
     (a, m, b), (fa, fm, fb) = places, values
     width = b - a
     for iteration in range(80):
-        if fm < -noise or b - a < 1e-6 * width:
+        if fm < -noise or b - a < narrow * width:
             break
         vertex, _ = _vertex((a, m, b), (fa, fm, fb))
         margin = 0.01 * (b - a)

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 
 import explore.search
+import explore.tracing
 from explore.__main__ import main
 from explore.families import Limits, trace_family
 from explore.family_file import exact_text, read_families, write_families
+from explore.records import family_of, family_record
 from explore.refining import Refined, Task, refine_tasks
-from explore.search import TracedFamily, family_of
+from explore.tracing import TracedFamily
 from shared.formats import InputError, read_candidates
 from shared.numbers import parse_exact
 from shared.systems import FALKNER_SKAN, MASS_PARAMETERS
@@ -110,7 +112,7 @@ def test_interrupt_keeps_what_was_found(
 def test_interrupt_while_tracing_writes_the_part_that_can_be_resumed(
     tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plain = explore.search.trace_family
+    plain = explore.tracing.trace_family
 
     def stopped(*arguments: Any, progress: Any, **options: Any) -> Any:
         def interrupt(message: str, fraction: float) -> None:
@@ -119,7 +121,7 @@ def test_interrupt_while_tracing_writes_the_part_that_can_be_resumed(
 
         return plain(*arguments, progress=interrupt, **options)
 
-    monkeypatch.setattr(explore.search, "trace_family", stopped)
+    monkeypatch.setattr(explore.tracing, "trace_family", stopped)
     output, family = tmp_path / "candidates.json", tmp_path / "family.json"
     arguments = ["-k", "2", "-o", str(output), "--family-output", str(family), "--quiet"]
     assert main(["candidates", "--system", "falkner-skan", *arguments]) == 130
@@ -133,7 +135,7 @@ def test_interrupt_while_tracing_writes_the_part_that_can_be_resumed(
 def test_family_file_reads_back_what_was_written(tmp_path: Path) -> None:
     family = trace_family(FALKNER_SKAN, "odd", {}, Limits(parameter_max=150.0))
     path = tmp_path / "family.json"
-    write_families(path, [explore.search._record(TracedFamily("odd", "", family))])
+    write_families(path, [family_record(TracedFamily("odd", "", family))])
     (record,) = read_families(path)
     again = family_of(record)
     assert again.reason == family.reason
@@ -188,6 +190,13 @@ def test_damaged_orbit_in_a_family_file_is_refused(family_path: Path, tmp_path: 
         (["--system", "falkner-skan", "--beta-min", "500", "--beta-max", "400"], "--beta-min"),
         (["--system", "falkner-skan", "--beta-min", "0.5"], "--beta-min"),
         (["--system", "falkner-skan", "--z-max", "-1"], "--z-max"),
+        (["--system", "falkner-skan", "--z-max", "1"], "--z-max"),
+        (["--system", "falkner-skan", "--vy-max", "1"], "--vy-max"),
+        (["--preset", "tables", "--mass", "0.1"], "--mass"),
+        (["--preset", "tables", "--vy-max", "3"], "--vy-max"),
+        (["--preset", "figures"], "--preset"),
+        (["--system", "cr3bp", "--family", "L1-halo", "--mass", "0.1", "0.2", "--vy-max", "1", "2", "3"], "--vy-max"),
+        (["--system", "cr3bp", "--family", "L1-halo", "--mass", "0.1", "2"], "--mass 2"),
         (["--system", "falkner-skan", "--jobs", "0"], "--jobs"),
         (["--system", "cr3bp", "--mass", "0x1p-2000", "--family", "L1-halo"], "--mass"),
         ([], "--system"),
