@@ -10,9 +10,10 @@ from typing import NoReturn
 
 from shared.formats import Candidate, InputError, check_writable, read_candidates
 from verify.certificate import Certificate, is_proof_of, read_certificates, write_certificates
-from verify.certify import LEAST_PRECISION, Limits
-from verify.report import Display, verdict_table
-from verify.workers import certify_all
+from verify.certify import GREATEST_PRECISION, LEAST_PRECISION, Limits
+from verify.recheck import Recheck
+from verify.report import Display, recheck_table, verdict_table
+from verify.workers import certify_all, recheck_all
 
 _EXAMPLES = """\
 examples:
@@ -22,12 +23,15 @@ examples:
       the same on two cores, certificates in a file; if interrupted, the same command goes on
   python -m verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
       one row again, with more bits
+  python -m verify --recheck certificates.json
+      check that every certificate follows from the enclosures that it carries, without integrating
+  python -m verify --recheck --integrate certificates.json --jobs 2
+      and integrate again, at another precision and order
 
 exit codes: 0 everything proved, 1 something not proved or interrupted, 2 bad input
+with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input
 "not proved" never means "shown to be false"
 """
-
-_MOST_BITS = 65536
 
 
 class _Parser(argparse.ArgumentParser):
@@ -43,7 +47,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("candidates", type=Path, help="candidates file (JSON)")
+    parser.add_argument("file", type=Path, help="candidates file (JSON); with --recheck, certificates file")
     parser.add_argument("-o", "--output", type=Path, help="certificates file; rows are saved as they finish")
     parser.add_argument(
         "--max-precision", type=_precision, default=Limits.max_precision, metavar="BITS",
@@ -57,6 +61,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--jobs", type=_positive_integer, default=1, metavar="N", help="processes (default: 1)")
     parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
     parser.add_argument("--fresh", action="store_true", help="verify again what an earlier run proved")
+    parser.add_argument("--recheck", action="store_true", help="check the certificates of a file again")
+    parser.add_argument("--integrate", action="store_true", help="with --recheck: integrate again, in another way")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
     return parser
 
@@ -69,8 +75,8 @@ def _positive_integer(text: str) -> int:
 
 def _precision(text: str) -> int:
     bits = _positive_integer(text)
-    if not LEAST_PRECISION <= bits <= _MOST_BITS:
-        raise argparse.ArgumentTypeError(f"{text} bits: give {LEAST_PRECISION} to {_MOST_BITS}")
+    if not LEAST_PRECISION <= bits <= GREATEST_PRECISION:
+        raise argparse.ArgumentTypeError(f"{text} bits: give {LEAST_PRECISION} to {GREATEST_PRECISION}")
     return bits
 
 
@@ -88,15 +94,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     options = _parser().parse_args(arguments)
     try:
-        return _run(options)
+        return _recheck(options) if options.recheck else _run(options)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
 
 
 def _run(options: argparse.Namespace) -> int:
-    everything = read_candidates(options.candidates)
-    selected = _select(everything, options.only, options.candidates)
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    everything = read_candidates(options.file)
+    selected = _select(everything, options.only, options.file)
     earlier: dict[str, Certificate] = {}
     if options.output is not None:
         check_writable(options.output)
@@ -108,7 +116,8 @@ def _run(options: argparse.Namespace) -> int:
     kept = frozenset(c.id for c in reusable if is_proof_of(earlier[c.id], c))
     pending = [candidate for candidate in selected if candidate.id not in kept]
     fresh: set[str] = set()
-    display = Display(pending, options.quiet)
+    # A crossing more is an integration more, so k is a fair measure of the work.
+    display = Display({candidate.id: float(candidate.k) for candidate in pending}, options.quiet)
     if kept:
         display.message(f"{len(kept)} of {len(selected)} proved already, kept (--fresh verifies again)")
 
@@ -118,7 +127,8 @@ def _run(options: argparse.Namespace) -> int:
         if options.output is not None:
             in_order = [certificates[c.id] for c in everything if c.id in certificates]
             write_certificates(options.output, in_order)
-        display.finish(certificate)
+        seconds = certificate["computation"]["seconds"]
+        display.finish(certificate["id"], f"{certificate['verdict']}, {seconds:.1f} s")
 
     limits = Limits(options.max_precision, options.digits, options.row_timeout)
     interrupted = False
@@ -134,6 +144,43 @@ def _run(options: argparse.Namespace) -> int:
         print(f"interrupted: {len(done)} of {len(selected)} candidates finished{saved}", file=sys.stderr)
         return 1
     return 0 if all(done[candidate.id]["verdict"] == "proved" for candidate in selected) else 1
+
+
+def _recheck(options: argparse.Namespace) -> int:
+    for name in ("output", "fresh"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: --recheck writes no file; leave it out")
+    stored = read_certificates(options.file)
+    for name in options.only or ():
+        if name not in stored:
+            raise InputError(f"{options.file}: --only: no certificate {name!r}; its ids are: {', '.join(stored)}")
+    selected = [entry for name, entry in stored.items() if options.only is None or name in options.only]
+    display = Display({entry["id"]: _work(entry, options.integrate) for entry in selected}, options.quiet)
+    done: dict[str, Recheck] = {}
+
+    def finished(result: Recheck) -> None:
+        done[result.id] = result
+        display.finish(result.id, "stands" if result.stands else "does not stand")
+
+    interrupted = False
+    try:
+        with display.shown():
+            recheck_all(selected, options.integrate, options.jobs, display.advance, finished)
+    except KeyboardInterrupt:
+        interrupted = True
+    print(recheck_table([entry["id"] for entry in selected], done), flush=True)
+    if interrupted:
+        print(f"interrupted: {len(done)} of {len(selected)} certificates checked", file=sys.stderr)
+        return 1
+    failed = [result for result in done.values() if not result.stands]
+    for result in failed:
+        print(f"FAILED {result.id}: {result.findings[0].place}: {result.findings[0].message}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _work(certificate: Certificate, integrate: bool) -> float:
+    """A measure of the work that checking again takes: the time of the first integration."""
+    return float(certificate["computation"]["seconds"]) + 0.1 if integrate else 1.0
 
 
 def _select(candidates: Sequence[Candidate], names: Sequence[str] | None, path: Path) -> list[Candidate]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
@@ -16,6 +17,8 @@ from flint import arb
 from shared.formats import Candidate, InputError, read_document, write_document
 from verify.ball_text import ball_to_json
 from verify.outcome import Hypothesis, Outcome, Proved, Theorem
+from verify.poincare import Enclosures
+from verify.table_text import tables_to_json
 from verify.theorems import theorem_of
 
 Certificate = dict[str, Any]
@@ -61,17 +64,23 @@ def statement(candidate: Candidate) -> dict[str, Any]:
     }
 
 
-def make_certificate(candidate: Candidate, outcome: Outcome, computation: Mapping[str, Any]) -> Certificate:
-    """The certificate of one candidate; `computation` is the object of that name in the schema."""
+def make_certificate(
+    candidate: Candidate, outcome: Outcome, computation: Mapping[str, Any], enclosures: Enclosures | None = None
+) -> Certificate:
+    """The certificate of one candidate; `computation` is the object of that name in the schema.
+
+    `enclosures` are what the conditions were evaluated from, if it came to that.
+    """
     claim = statement(candidate)
+    hypotheses = [_hypothesis(hypothesis) for hypothesis in outcome.hypotheses]
+    verdict: dict[str, Any]
     if isinstance(outcome, Proved):
         results = outcome.results
-        return {
-            "id": candidate.id,
+        verdict = {
             "statement": {**claim, "theorem": outcome.theorem.statement},
             "verdict": "proved",
             "reason": None,
-            "hypotheses": [_hypothesis(hypothesis) for hypothesis in outcome.hypotheses],
+            "hypotheses": hypotheses,
             "results": {
                 "point": _balls(results.point),
                 "parameter_name": results.parameter_name,
@@ -79,20 +88,31 @@ def make_certificate(candidate: Candidate, outcome: Outcome, computation: Mappin
                 "side": results.side,
                 "normal_form": _balls(results.normal_form),
             },
-            "computation": dict(computation),
-            "software": software(),
         }
-    reason = outcome.reason
-    return {
+    else:
+        reason = outcome.reason
+        verdict = {
+            "statement": claim,
+            "verdict": "not proved",
+            "reason": {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
+            "hypotheses": hypotheses,
+            "results": None,
+        }
+    certificate = {
         "id": candidate.id,
-        "statement": claim,
-        "verdict": "not proved",
-        "reason": {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
-        "hypotheses": [_hypothesis(hypothesis) for hypothesis in outcome.hypotheses],
-        "results": None,
+        **verdict,
+        "enclosures": None if enclosures is None else tables_to_json(enclosures),
         "computation": dict(computation),
         "software": software(),
     }
+    return {**certificate, "digest": digest(certificate)}
+
+
+def digest(certificate: Mapping[str, Any]) -> str:
+    """SHA-256 of the canonical JSON (sorted keys, no spaces, ASCII) of a certificate without its digest."""
+    content = {key: value for key, value in certificate.items() if key != "digest"}
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"
 
 
 def _hypothesis(hypothesis: Hypothesis) -> dict[str, Any]:
@@ -115,6 +135,7 @@ def is_proof_of(certificate: Mapping[str, Any], candidate: Candidate) -> bool:
     return (
         isinstance(theorem, Theorem)
         and certificate["verdict"] == "proved"
+        and certificate.get("digest") == digest(certificate)
         and certificate["statement"] == {**statement(candidate), "theorem": theorem.statement}
         and certificate.get("software") == software()
         and tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"]) == theorem.hypotheses

@@ -28,6 +28,7 @@ Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | 
 Progress = Callable[[float, str], None]
 
 LEAST_PRECISION = 64
+GREATEST_PRECISION = 65536
 GUARD_BITS = 64
 """Bits that the conditions are evaluated with beyond those of the integration."""
 
@@ -64,6 +65,7 @@ class _Attempt:
     precision: int
     order: int
     steps: int
+    enclosures: Enclosures | None = None
 
 
 def first_precision(candidate: Candidate, digits: int) -> int:
@@ -136,7 +138,7 @@ def certify(
         "attempts": attempts,
         "seconds": round(time.monotonic() - start, 3),
     }
-    return make_certificate(candidate, best.outcome, computation)
+    return make_certificate(candidate, best.outcome, computation, best.enclosures)
 
 
 def _better(old: _Attempt | None, new: _Attempt) -> _Attempt:
@@ -219,8 +221,7 @@ def _attempt(
         return refused(theorem)
     with ctx.workprec(precision + GUARD_BITS):
         try:
-            _symmetries(checklist, candidate)
-            prepare(candidate, checklist)
+            check_exactly(checklist, candidate)
             # Bounds that overflow are infinite, and what is infinite proves nothing.
             with np.errstate(all="ignore"):
                 enclosures = integrate(candidate, IntegratorSettings(precision, accuracy=accuracy), report)
@@ -232,11 +233,17 @@ def _attempt(
             message = f"the integration broke off: {type(error).__name__}: {error}"
             return refused(Reason("integration", message, "smaller radii or another centre"))
         outcome = prove(candidate, checklist, enclosures.iterates, enclosures.first_integral, enclosures.return_times)
-        return _Attempt(outcome, precision, enclosures.order, enclosures.steps)
+        return _Attempt(outcome, precision, enclosures.order, enclosures.steps, enclosures)
 
 
 def _reason(failure: IntegrationFailure) -> Reason:
     return Reason(failure.condition, failure.message, failure.remedy, failure.needs_precision, failure.enough_precision)
+
+
+def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
+    """The hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
+    _symmetries(checklist, candidate)
+    prepare(candidate, checklist)
 
 
 def _symmetries(checklist: Checklist, candidate: Candidate) -> None:

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from shared.formats import Candidate
 from verify.ball_text import ball_from_json, certain_digits
 from verify.certificate import Certificate
+from verify.recheck import Recheck
 
 _SHOWN_DIGITS = 34
 _HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
@@ -20,9 +21,9 @@ _HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
 class Display:
     """Progress of a run, on stderr: a bar on a terminal, a line for each finished row elsewhere."""
 
-    def __init__(self, candidates: Sequence[Candidate], quiet: bool) -> None:
-        # A crossing more is an integration more, so k is a fair measure of the work.
-        self._weights = {candidate.id: float(candidate.k) for candidate in candidates}
+    def __init__(self, work: Mapping[str, float], quiet: bool) -> None:
+        """`work` is a measure of the work for each row, by its name."""
+        self._weights = dict(work)
         self._fractions = dict.fromkeys(self._weights, 0.0)
         self._done = 0
         self._start = time.monotonic()
@@ -57,13 +58,11 @@ class Display:
         self._fractions[name] = min(max(fraction, 0.0), 1.0)
         self._refresh(f"{name} ({label})")
 
-    def finish(self, certificate: Certificate) -> None:
-        """A row is finished."""
-        name = certificate["id"]
+    def finish(self, name: str, word: str) -> None:
+        """A row is finished, with this outcome."""
         self._fractions[name] = 1.0
         self._done += 1
-        seconds = certificate["computation"]["seconds"]
-        line = f"[{self._done}/{len(self._weights)}] {name}: {certificate['verdict']}, {seconds:.1f} s"
+        line = f"[{self._done}/{len(self._weights)}] {name}: {word}"
         if self._bar is None and self._done < len(self._weights):
             line += f"; about {self._remaining():.0f} s left"
         self._console.print(line, markup=False)
@@ -113,6 +112,30 @@ def verdict_table(
             reasons.append(
                 f"{candidate.id}: not proved, {reason['condition']}: {reason['message']}; {reason['remedy']}"
             )
-    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEADERS))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    return "\n".join([*lines, *([""] if reasons else []), *reasons])
+    return "\n".join([*_aligned(rows), *([""] if reasons else []), *reasons])
+
+
+def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
+    """What checking certificates again has shown, as plain text; then every finding, or the first ones."""
+    rows = [("certificate", "verdict", "check", "hypotheses", "integrated again")]
+    findings = []
+    for name in names:
+        result = rechecks.get(name)
+        if result is None:
+            rows.append((name, "", "not finished", "", ""))
+            continue
+        integrated = f"{result.precision} bits" if result.precision else "no"
+        word = "stands" if result.stands else "DOES NOT STAND"
+        rows.append((name, result.verdict, word, str(result.hypotheses), integrated))
+        findings += [f"{name}: {entry.place}: {entry.message}" for entry in result.findings[:_SHOWN_FINDINGS]]
+        further = len(result.findings) - _SHOWN_FINDINGS
+        findings += [f"{name}: and {further} more"] if further > 0 else []
+    return "\n".join([*_aligned(rows), *([""] if findings else []), *findings])
+
+
+_SHOWN_FINDINGS = 5
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -12,8 +12,11 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -22,6 +25,7 @@ from shared.formats import Candidate, candidate_from_json
 from verify.certificate import Certificate, make_certificate
 from verify.certify import Limits, certify
 from verify.outcome import NotProved, Reason
+from verify.recheck import Finding, Recheck, recheck
 
 _REPORT_SECONDS = 0.25
 _PATIENCE_SECONDS = 2.0
@@ -41,6 +45,40 @@ def certify_all(
         return
     for candidate in candidates:
         finished(certify(candidate, limits, _for_row(progress, candidate.id)))
+
+
+def recheck_all(
+    certificates: Sequence[Certificate],
+    integrate: bool,
+    jobs: int,
+    progress: Progress,
+    finished: Callable[[Recheck], None],
+) -> None:
+    """Check every certificate again and hand each `Recheck` to `finished`, as they are done."""
+    jobs = min(jobs, len(certificates))
+    if jobs <= 1:
+        for entry in certificates:
+            report = _for_row(progress, entry["id"])
+            finished(recheck(entry, integrate, partial(_labelled, report)))
+        return
+    context = multiprocessing.get_context("spawn")
+    # Ctrl-C reaches every process of the terminal; it ends those of the pool at once.
+    with ProcessPoolExecutor(jobs, context, signal.signal, (signal.SIGINT, signal.SIG_DFL)) as pool:
+        tasks = {pool.submit(recheck, entry, integrate): entry for entry in certificates}
+        try:
+            for task in as_completed(tasks):
+                entry = tasks[task]
+                try:
+                    finished(task.result())
+                except BrokenProcessPool:
+                    finding = Finding("process", "a process that checked certificates ended; give fewer --jobs")
+                    finished(Recheck(entry["id"], entry["verdict"], 0, (finding,)))
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _labelled(report: Callable[[float, str], None], fraction: float) -> None:
+    report(fraction, "integrating again")
 
 
 def _for_row(progress: Progress, name: str) -> Callable[[float, str], None]:
