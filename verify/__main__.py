@@ -132,13 +132,18 @@ def _run(options: argparse.Namespace) -> int:
 
     limits = Limits(options.max_precision, options.digits, options.row_timeout)
     interrupted = False
+    unsaved: InputError | None = None
     try:
         with display.shown():
             certify_all(pending, limits, options.jobs, display.advance, finished)
     except KeyboardInterrupt:
         interrupted = True
+    except InputError as error:
+        unsaved = error
     done = {name: certificate for name, certificate in certificates.items() if name in fresh | kept}
     print(verdict_table(selected, done, kept), flush=True)
+    if unsaved is not None:
+        raise unsaved
     if interrupted:
         saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
         print(f"interrupted: {len(done)} of {len(selected)} candidates finished{saved}", file=sys.stderr)

@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from functools import partial
 from multiprocessing.connection import Connection, wait
@@ -29,6 +29,7 @@ from verify.recheck import Finding, Recheck, recheck
 
 _REPORT_SECONDS = 0.25
 _PATIENCE_SECONDS = 2.0
+_START_SECONDS = 3.0
 
 Progress = Callable[[str, float, str], None]
 """Called with a candidate's id, the fraction of its current attempt, and a word on it."""
@@ -38,9 +39,12 @@ Finished = Callable[[Certificate], None]
 def certify_all(
     candidates: Sequence[Candidate], limits: Limits, jobs: int, progress: Progress, finished: Finished
 ) -> None:
-    """Certify every candidate and hand each certificate to `finished`, in the order in which they are done."""
+    """Certify every candidate and hand each certificate to `finished`, in the order in which they are done.
+
+    A time limit is kept from outside: only another process can end an integration step that takes too long.
+    """
     jobs = min(jobs, len(candidates))
-    if jobs > 1:
+    if jobs > 1 or (jobs == 1 and limits.timeout is not None):
         _in_processes(candidates, limits, jobs, progress, finished)
         return
     for candidate in candidates:
@@ -90,6 +94,7 @@ class _Worker:
     process: BaseProcess
     connection: Connection
     candidate: Candidate
+    started: float
 
 
 def _in_processes(
@@ -101,28 +106,52 @@ def _in_processes(
         for _ in range(jobs):
             _start(workers, waiting.popleft(), limits)
         while workers:
-            for connection in wait([worker.connection for worker in workers.values()]):
+            for connection in wait([worker.connection for worker in workers.values()], _REPORT_SECONDS):
                 number, worker = next((n, w) for n, w in workers.items() if w.connection is connection)
                 try:
                     message: Mapping[str, Any] = json.loads(worker.connection.recv())
                 except (EOFError, OSError):
                     worker.process.join(_PATIENCE_SECONDS)
-                    del workers[number]
-                    finished(_lost(worker))
-                    if waiting:
-                        _start(workers, waiting.popleft(), limits)
+                    _replace(workers, number, waiting, limits, finished, _lost(worker))
                     continue
                 if "certificate" not in message:
                     progress(worker.candidate.id, message["fraction"], message["label"])
                     continue
-                finished(message["certificate"])
                 if waiting:
-                    worker.candidate = waiting.popleft()
-                    worker.connection.send(_task(worker.candidate, limits))
+                    worker.candidate, worker.started = waiting.popleft(), time.monotonic()
+                    # If the process has died meanwhile, the next look at the connection says so.
+                    with suppress(OSError):
+                        worker.connection.send(_task(worker.candidate, limits))
                 else:
                     del workers[number]
                     worker.connection.close()
                     worker.process.join(_PATIENCE_SECONDS)
+                finished(message["certificate"])
+            for number, worker in list(workers.items()):
+                if limits.timeout is not None and time.monotonic() - worker.started > _longest(limits.timeout):
+                    worker.process.kill()
+                    worker.process.join(_PATIENCE_SECONDS)
+                    _replace(workers, number, waiting, limits, finished, _too_slow(worker, limits.timeout))
+
+
+def _replace(
+    workers: dict[int, _Worker],
+    number: int,
+    waiting: deque[Candidate],
+    limits: Limits,
+    finished: Finished,
+    certificate: Certificate,
+) -> None:
+    """Put a new process in the place of one that is gone, and hand over what became of its row."""
+    del workers[number]
+    if waiting:
+        _start(workers, waiting.popleft(), limits)
+    finished(certificate)
+
+
+def _longest(timeout: float) -> float:
+    """Seconds after which a process is ended that has not kept the time limit by itself; it takes some to start."""
+    return timeout + max(_PATIENCE_SECONDS + _START_SECONDS, timeout / 10)
 
 
 def _start(workers: dict[int, _Worker], candidate: Candidate, limits: Limits) -> None:
@@ -131,8 +160,9 @@ def _start(workers: dict[int, _Worker], candidate: Candidate, limits: Limits) ->
     process = context.Process(target=_serve, args=(there,), daemon=True)
     process.start()
     there.close()
-    here.send(_task(candidate, limits))
-    workers[max(workers, default=0) + 1] = _Worker(process, here, candidate)
+    with suppress(OSError):
+        here.send(_task(candidate, limits))
+    workers[max(workers, default=0) + 1] = _Worker(process, here, candidate, time.monotonic())
 
 
 @contextmanager
@@ -154,8 +184,17 @@ def _task(candidate: Candidate, limits: Limits) -> str:
 def _lost(worker: _Worker) -> Certificate:
     code = worker.process.exitcode
     message = f"the process that checked it ended before it was done (exit code {code})"
-    reason = Reason("process", message, "free memory or give fewer --jobs")
-    computation = {"precision": 0, "order": 0, "steps": 0, "attempts": 1, "seconds": 0.0}
+    return _not_proved(worker, Reason("process", message, "free memory or give fewer --jobs"))
+
+
+def _too_slow(worker: _Worker, timeout: float) -> Certificate:
+    message = f"the time limit of {timeout:g} s passed within one step; the process was ended"
+    return _not_proved(worker, Reason("time", message, "give --row-timeout more seconds or --max-precision less"))
+
+
+def _not_proved(worker: _Worker, reason: Reason) -> Certificate:
+    seconds = round(time.monotonic() - worker.started, 3)
+    computation = {"precision": 0, "order": 0, "steps": 0, "attempts": 1, "seconds": seconds}
     return make_certificate(worker.candidate, NotProved(reason), computation)
 
 
