@@ -106,7 +106,7 @@ def detect(
                 found += more
                 undecided += unclear
         extrema = curve.extrema(samples, wanted)
-        orbits = curve.orbits(samples)
+        orbits = curve.orbits(samples, extrema)
         undecided += curve.failures
     found.sort(key=lambda resonance: resonance.orbit.arclength)
     return Detection(tuple(found), tuple(undecided), orbits, tuple(extrema))

@@ -109,7 +109,8 @@ def resonant_values(k: int) -> tuple[float, ...]:
         raise ValueError("a multiplicity is at least 1")
     if k == 1:
         return (1.0,)
-    return tuple(cos(2 * pi * j / k) for j in range(1, k // 2 + 1) if gcd(j, k) == 1)
+    # Rounded where cos is off in the last digit, so that 1:4 is 0 and 1:3 is -1/2.
+    return tuple(round(cos(2 * pi * j / k), 15) for j in range(1, k // 2 + 1) if gcd(j, k) == 1)
 
 
 def tupling_sides(derivative: HalfReturn, k: int) -> tuple[Side, ...]:

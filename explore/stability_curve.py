@@ -23,6 +23,12 @@ from explore.zeros import Samples, refine_minimum, resolve, subdivide
 BAND = 1.1
 """Magnitude of a stability parameter up to which its changes and extrema are followed."""
 
+CLOSE = 0.02
+"""Distance of an extremum from a resonant value below which the curve is sampled more finely around it."""
+
+AROUND = 17
+"""Samples around such an extremum."""
+
 MAX_CHANGE = 0.05
 """Largest change of a stability parameter in the band between neighbouring samples."""
 
@@ -78,9 +84,32 @@ class StabilityCurve:
         coarse = resolve(self.coefficients, self.family.arclengths, progress=progress)
         return subdivide(self.coefficients, coarse, lambda low, high: largest_change(low, high) <= MAX_CHANGE)
 
-    def orbits(self, samples: Samples) -> tuple[SymmetricOrbit, ...]:
-        """The orbits at the samples, without those that could not be computed."""
-        return tuple(self._orbits[place] for place in samples.places if place in self._orbits)
+    def orbits(self, samples: Samples, extrema: Sequence[Extremum]) -> tuple[SymmetricOrbit, ...]:
+        """The orbits at the samples, at the extrema and around those close to a resonance, by arclength.
+
+        Without those that could not be computed.
+        """
+        places = set(samples.places)
+        for extremum in extrema:
+            places.add(extremum.orbit.arclength)
+            if extremum.distance < CLOSE:
+                places |= set(self._around(extremum))
+        return tuple(self._orbits[place] for place in sorted(places) if place in self._orbits)
+
+    def _around(self, extremum: Extremum) -> list[float]:
+        """Places around an extremum, as far as the curve is about three times as far from the resonance."""
+        centre, step = extremum.orbit.arclength, 1e-3
+        ends = self.family.arclengths[0], self.family.arclengths[-1]
+        if not ends[0] < centre - step < centre + step < ends[1]:
+            return []
+        sides = [_roots(self.coefficients(centre + sign * step)) for sign in (-1, 1)]
+        bend = max(float(np.min(np.abs(side - extremum.value))) for side in sides)
+        width = step * float(np.sqrt(extremum.distance / max(bend, 1e-12)))
+        offsets = np.linspace(-2.0, 2.0, AROUND) * width
+        places = [centre + float(offset) for offset in offsets if ends[0] < centre + offset < ends[1]]
+        for place in places:
+            self.coefficients(place)
+        return places
 
     def extrema(self, samples: Samples, multiplicities: Iterable[int]) -> list[Extremum]:
         """The extrema of real stability parameters in the band, by arclength."""

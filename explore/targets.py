@@ -107,6 +107,8 @@ def merged(kept: Sequence[Candidate], new: Sequence[Candidate]) -> list[Candidat
     return [candidate for group in groups.values() for candidate in sorted(group, key=_place)]
 
 
-def _place(candidate: Candidate) -> float:
+def _place(candidate: Candidate) -> tuple[float, bool]:
     place = candidate.provenance.get("arclength")
-    return float(place) if isinstance(place, (int, float)) else -inf
+    # Rounded, so that both points of one orbit stay together also if they were found in different runs.
+    second = candidate.provenance.get("point_on_fix_r") == "second"
+    return round(place, 5) if isinstance(place, float) else -inf, second

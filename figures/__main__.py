@@ -18,12 +18,24 @@ examples:
   python -m figures family candidates.json certificates.json -o figures-out/
   python -m figures family candidates.json certificates.json --family halo-family.json -o figures-out/
   python -m figures family candidates.json -o figures-out/        (no certificates: all points hollow)
+  python -m figures resonances families.json --candidates candidates.json -o figures-out/
   python -m figures tables certificates.json -o tables-out/
 
 A marker is filled if the certificate of its candidate says "proved", and hollow otherwise. Family files
 are written by explore, with its option --family-output.
 Exit codes: 0 pictures or tables written, 1 (tables only) a row is not proved, lies outside its published
 enclosure or is missing, 2 bad input.
+"""
+
+_RESONANCES_EXAMPLES = """\
+examples:
+  python -m explore candidates --preset tables -o candidates.json --family-output families.json
+  python -m figures resonances families.json -o figures-out/
+  python -m figures resonances families.json --candidates candidates.json --certificates certificates.json -o out/
+
+For each family: a picture (PDF and PNG), the samples (stability-*.csv) and the resonances and extrema of the
+stability parameters, with their distance from the nearest resonant value (resonances-*.csv).
+Exit codes: 0 written, 2 bad input.
 """
 
 _TABLES_EXAMPLES = """\
@@ -64,6 +76,17 @@ def argument_parser() -> argparse.ArgumentParser:
     family.add_argument("--family", type=Path, nargs="+", default=[], metavar="FILE", help="traced families (JSON)")
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     family.add_argument("--quiet", action="store_true", help="no messages on standard error")
+    resonances = commands.add_parser(
+        "resonances", help="stability along families, finely sampled, as picture and CSV", epilog=_RESONANCES_EXAMPLES,
+        formatter_class=raw,
+    )  # fmt: skip
+    resonances.add_argument("families", type=Path, nargs="+", help="family files (JSON), searched for resonances")
+    resonances.add_argument(
+        "--candidates", type=Path, metavar="FILE", help="candidates file, to mark what is certified"
+    )
+    resonances.add_argument("--certificates", type=Path, metavar="FILE", help="certificates of these candidates")
+    resonances.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder to write into")
+    resonances.add_argument("--quiet", action="store_true", help="no messages on standard error")
     tables = commands.add_parser(
         "tables", help="the certified rows beside the published ones", epilog=_TABLES_EXAMPLES, formatter_class=raw
     )
@@ -96,7 +119,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         if arguments.command == "tables":
             return tabulate(arguments)
-        for path in draw(arguments):
+        for path in draw_stability(arguments) if arguments.command == "resonances" else draw(arguments):
             print(path)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -142,6 +165,45 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
             figure = draw_marks(members)
             written += save(figure, arguments.output / _name(f"points-{system}", names))
             close(figure)
+    return written
+
+
+def draw_stability(arguments: argparse.Namespace) -> list[Path]:
+    """Read everything, then write pictures and CSV files; returns their paths. Raises `InputError`."""
+    from figures.family import assign, mark_candidates
+    from figures.stability import BAND, events_csv, places_on, read_curves, samples_csv
+
+    if arguments.certificates is not None and arguments.candidates is None:
+        raise InputError("--certificates: need their candidates; add --candidates")
+    curves = [curve for path in arguments.families for curve in read_curves(path)]
+    marks = []
+    if arguments.candidates is not None:
+        candidates = read_candidates(arguments.candidates)
+        marks = mark_candidates(candidates, arguments.certificates, arguments.candidates)
+    members, alone = assign([curve.family for curve in curves], marks)
+    if alone and not arguments.quiet:
+        print(f"{len(alone)} candidates lie on none of the families", file=sys.stderr)
+
+    from figures.resonances import draw_resonances
+    from figures.style import close, save, use_style
+
+    check_folder(arguments.output)
+    written: list[Path] = []
+    names: set[str] = set()
+    csv_names: set[str] = set()
+    with use_style():
+        for curve, own in zip(curves, members, strict=True):
+            places = places_on(curve, own)
+            name = f"{curve.family.system.name}-{curve.family.name}"
+            figure = draw_resonances(curve, places)
+            written += save(figure, arguments.output / _name(f"resonances-{name}", names))
+            close(figure)
+            for stem, text in (("stability", samples_csv(curve)), ("resonances", events_csv(curve, places))):
+                path = arguments.output / f"{_name(f'{stem}-{name}', csv_names)}.csv"
+                write_text(path, text)
+                written.append(path)
+            if not arguments.quiet:
+                print(f"{name}: {curve.summary(BAND)}", file=sys.stderr)
     return written
 
 

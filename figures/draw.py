@@ -20,11 +20,10 @@ from figures.style import (
     SECOND_CURVE,
     draw_mark,
     label_of,
-    legend_handles,
+    legend_below,
     level_label,
     marker_of,
     resonances,
-    verdict_handles,
 )
 
 _ORBITS_SHOWN = 6
@@ -123,16 +122,9 @@ def _title(axes: Axes, letter: str, text: str) -> None:
 
 
 def _legend(figure: Figure, placements: Sequence[Placement]) -> None:
-    marks = legend_handles((p.mark.k, p.mark.candidate.kind) for p in placements)
-    verdicts = verdict_handles([p.mark.certified for p in placements])
-    # Below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean.
-    line = 0.2 / figure.get_figheight()
-    for row, handles in enumerate((verdicts, marks)):
-        if handles:
-            figure.legend(
-                handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.0,
-                bbox_to_anchor=(0.5, 0.05 / figure.get_figheight() + row * line),
-            )  # fmt: skip
+    legend_below(
+        figure, ((p.mark.k, p.mark.candidate.kind) for p in placements), [p.mark.certified for p in placements]
+    )
 
 
 def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:

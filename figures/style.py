@@ -89,6 +89,19 @@ def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:
     ]
 
 
+def legend_below(figure: Figure, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> None:
+    """Legend below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean."""
+    line = 0.2 / figure.get_figheight()
+    handles = legend_handles(claims)
+    half = len(handles) if len(handles) <= 4 else (len(handles) + 1) // 2
+    rows = [row for row in (verdict_handles(certified), handles[half:], handles[:half]) if row]
+    for number, row in enumerate(rows):
+        figure.legend(
+            handles=row, loc="lower center", ncols=len(row), borderaxespad=0.0,
+            bbox_to_anchor=(0.5, 0.05 / figure.get_figheight() + number * line),
+        )  # fmt: skip
+
+
 def label_of(name: str, unit: bool = True) -> str:
     """Axis label of a state coordinate or parameter; all are nondimensional."""
     text = f"${_TEX.get(name, name)}$"
