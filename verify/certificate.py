@@ -16,6 +16,7 @@ from flint import arb
 
 from shared.formats import Candidate, InputError, read_document, write_document
 from verify.ball_text import ball_to_json
+from verify.level import level_program, quadratic_coefficient
 from verify.outcome import Hypothesis, Outcome, Proved, Theorem
 from verify.poincare import Enclosures
 from verify.table_text import tables_to_json
@@ -54,7 +55,7 @@ def statement(candidate: Candidate) -> dict[str, Any]:
     """The claim in full: the candidate without provenance, and the system that it is about."""
     system = candidate.system
     integral = system.first_integral_program
-    return {
+    claim: dict[str, Any] = {
         "candidate": candidate.to_json(provenance=False),
         "vector_field": system.program.text(),
         "first_integral": None if integral is None else integral.text(),
@@ -62,6 +63,9 @@ def statement(candidate: Candidate) -> dict[str, Any]:
         "symmetry": None if candidate.symmetry is None else list(system.symmetries[candidate.symmetry]),
         "section": system.section,
     }
+    if candidate.level_sign is not None and quadratic_coefficient(system):
+        claim["level_coordinate"] = level_program(system, candidate.level_sign).text()
+    return claim
 
 
 def make_certificate(

@@ -75,14 +75,21 @@ def first_precision(candidate: Candidate, digits: int) -> int:
     bifurcation value; the error of p_2^H has to stay below R_2. Both grow with every return, and the
     first grade of a series is known to 5/6 of its bits.
     """
-    wanted = accuracy_bits(candidate, digits) + _RESERVE + _RESERVE_PER_RETURN * candidate.k
+    value, slope = accuracy_bits(candidate, digits)
+    # A box much smaller than the digits ask for was made for an orbit along which errors grow.
+    wanted = max(value, slope) + _RESERVE + _RESERVE_PER_RETURN * candidate.k
+    wanted += max(0, value - ceil(digits * _BITS_PER_DIGIT)) // 3
     return max(LEAST_PRECISION, -(-wanted * 6 // 40) * 8)
 
 
-def accuracy_bits(candidate: Candidate, digits: int) -> int:
-    """Bits that the errors of the last return should have; found by trial, it only saves attempts."""
+def accuracy_bits(candidate: Candidate, digits: int) -> tuple[int, int]:
+    """Bits that the errors of the last return and of its derivative should have.
+
+    The first decide p_2^H, the second G_1, hence p_0 and the parameter. A guess that saves attempts.
+    """
     radii = [_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii]
-    return max(radii[0], *radii[2:], ceil(digits * _BITS_PER_DIGIT)) - _SPARE
+    slope = max(radii[0], ceil(digits * _BITS_PER_DIGIT)) - _SPARE
+    return max(slope, *radii[2:]) if radii[2:] else slope, slope
 
 
 def _bits_below_one(numerator: int, denominator: int) -> int:
@@ -209,7 +216,11 @@ def _at_the_limit(attempt: _Attempt, limits: Limits) -> _Attempt:
 
 
 def _attempt(
-    candidate: Candidate, precision: int, accuracy: int, report: Callable[[float], None], integrate: Integrator
+    candidate: Candidate,
+    precision: int,
+    accuracy: tuple[int, int],
+    report: Callable[[float], None],
+    integrate: Integrator,
 ) -> _Attempt:
     checklist = Checklist()
 

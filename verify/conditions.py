@@ -89,7 +89,7 @@ def check_enclosures(
             "an iterate or a component is missing",
         )
         evidence.require(
-            (first_integral is None) == (candidate.system.first_integral is None),
+            (first_integral is None) == candidate.is_family_of_maps,
             "the first integral is missing, or there is one too many",
         )
         tables = [table for components in iterates for table in components]

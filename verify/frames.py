@@ -36,11 +36,11 @@ def check_frames(checklist: Checklist, candidate: Candidate) -> None:
     ) as evidence:
         evidence.require(determinant(candidate.frame) != 0, "the determinant of frame is 0")
         evidence.require(determinant(candidate.kernel_frame) != 0, "the determinant of kernel_frame is 0")
-        if candidate.system.family_parameter is not None:
+        if candidate.is_family_of_maps:
             row = candidate.frame[0]
             evidence.require(
                 row[0] == 1 and not any(row[1:]),
-                f"row 0 of frame has to be (1, 0, .., 0), so that p_0 is {candidate.system.family_parameter}",
+                f"row 0 of frame has to be (1, 0, .., 0), so that p_0 is {candidate.coordinates[0]}",
             )
 
 
@@ -53,8 +53,14 @@ def check_adapted_frames(checklist: Checklist, candidate: Candidate) -> None:
         if candidate.symmetry is None:
             return
         signs = system.symmetries[candidate.symmetry]
-        lead = () if system.family_parameter is None else (1,)
-        p_signs = (*lead, *(signs[i] for i in system.fixed_coordinates))
+        p_signs = tuple(
+            signs[system.state.index(name)] if name in system.state else 1 for name in candidate.coordinates
+        )
+        if candidate.level_sign is not None and system.level_coordinate is not None:
+            evidence.require(
+                signs[system.state.index(system.level_coordinate)] == 1,
+                f"S does not fix {system.level_coordinate}, the coordinate that follows from the first integral",
+            )
         q_signs = tuple(signs[i] for i in system.kernel_coordinates)
         evidence.require(
             all(value == 0 for value, sign in zip(candidate.centre, p_signs, strict=True) if sign == -1),

@@ -14,6 +14,7 @@ from math import ceil, floor, isfinite, log2
 from flint import arb, arb_poly, ctx
 
 from shared.formats import Candidate
+from shared.program import Program
 from verify.algebra import Arithmetic, Series
 from verify.centre import fixed_coefficients, float_coefficients, step_size
 from verify.crossing import CrossingCounter
@@ -21,6 +22,7 @@ from verify.derivatives import DerivativeTable, derivative_table, rational_ball
 from verify.evaluation import Evaluation, integer_part, prepare
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
+from verify.level import level_program, quadratic_coefficient
 from verify.norms import total
 from verify.section import build_section_program, onto_section
 from verify.step import advance
@@ -42,13 +44,14 @@ class IntegratorSettings:
     Attributes:
         precision: fractional bits of the fixed-point format.
         order: degree of the time expansions; `None` chooses it from the precision.
-        accuracy: bits that the errors at the last crossing should have; if the first returns show that
-            they will not, the integration is given up early. `None` goes on in any case.
+        accuracy: bits that the errors of the last crossing and of its derivative should have; if the
+            first returns show that they will not, the integration is given up early. `None` goes on
+            in any case.
     """
 
     precision: int
     order: int | None = None
-    accuracy: int | None = None
+    accuracy: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -99,6 +102,16 @@ def enclose_iterates(
         ctx.prec = previous
 
 
+def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
+    """Derivatives of the first integral on the candidate's box in Fix(R), without integrating."""
+    previous = ctx.prec
+    ctx.prec = precision + 64
+    try:
+        return _Integration(candidate, IntegratorSettings(precision, 1), None).first_integral
+    finally:
+        ctx.prec = previous
+
+
 class _Integration:
     def __init__(
         self, candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None
@@ -122,9 +135,11 @@ class _Integration:
             point[name] if name in point else self.arithmetic.constant(candidate.parameters[name])
             for name in system.parameters
         ]
+        if candidate.level_sign is not None:
+            self._complete(candidate.level_sign, point[candidate.coordinates[0]])
         self.first_integral = self._first_integral()
         self.accuracy = settings.accuracy
-        self.first_error_bits = 0.0
+        self.first_error_bits = (0.0, 0.0)
         self.tolerance = float(-bits)
         self.counter = CrossingCounter()
         self.time = arb(0)
@@ -140,7 +155,7 @@ class _Integration:
         variables = len(self.scales)
         result = {}
         for name, middle, row in zip(
-            self.system.centre_coordinates, self.candidate.centre, self.candidate.frame, strict=True
+            self.candidate.coordinates, self.candidate.centre, self.candidate.frame, strict=True
         ):
             terms = {(0,) * variables: middle}
             for j, (direction, scale) in enumerate(zip(row, self.scales, strict=True)):
@@ -148,18 +163,31 @@ class _Integration:
             result[name] = self.arithmetic.polynomial(terms)
         return result
 
+    def _complete(self, sign: int, level: Series) -> None:
+        """Set the coordinate that follows from the level of the first integral."""
+        name = self.system.level_coordinate
+        if name is None or not quadratic_coefficient(self.system):
+            raise IntegrationFailure(
+                "level", f"no coordinate of {self.system.name} follows from the first integral", "leave parameter out"
+            )
+        value = self._evaluate(level_program(self.system, sign), (*self.state, *self.parameters, level))
+        self.state[self.system.state.index(name)] = Series(self.arithmetic, value.coefs, value.errors)
+
     def _first_integral(self) -> DerivativeTable | None:
         program = self.system.first_integral_program
-        if program is None:
+        if program is None or self.candidate.level_sign is not None:
             return None
-        # Fix(R) is a set of initial values, not a flow: no dependence on time, so degree 0 does.
+        return derivative_table(self._evaluate(program, (*self.state, *self.parameters)), self.scales, BOX_RATIO)
+
+    def _evaluate(self, program: Program, arguments: Sequence[Series]) -> Series:
+        """The value of a program on Fix(R): initial values do not depend on time, so degree 0 does."""
         flat = Arithmetic(self.arithmetic.grading, self.arithmetic.bits, self.arithmetic.grade_bits, 0)
-        inputs = [Series(flat, x.coefs, x.errors) for x in (*self.state, *self.parameters)]
+        inputs = [Series(flat, x.coefs, x.errors) for x in arguments]
         evaluation = Evaluation(prepare(program), flat)
         for position in range(len(flat.grading.monomials)):
             evaluation.fill(position, [x.coefs[position] for x in inputs])
         (value,) = evaluation.enclose(inputs)
-        return derivative_table(value, self.scales, BOX_RATIO)
+        return value
 
     def run(self) -> Enclosures:
         k = self.candidate.k
@@ -235,30 +263,35 @@ class _Integration:
             derivative_table(self._combine(image, row), self.scales, BOX_RATIO) for row in self.candidate.kernel_frame
         )
 
-    def _error_bits(self) -> float:
-        """Bits of the worst error of the state in grades 0 and 1, the latter per unit of the variable."""
+    def _error_bits(self) -> tuple[float, float]:
+        """Bits of the worst error of the state and of its derivative in the variable of weight 1."""
         linear = min(
             _log2(scale)
             for scale, weight in zip(self.scales, self.arithmetic.grading.weights, strict=True)
             if weight == 1
         )
-        return -max(max(log2(x.errors[0]), log2(x.errors[1]) - linear) for x in self.state)
+        value = max(log2(x.errors[0]) for x in self.state)
+        return -value, -max(value, max(log2(x.errors[1]) for x in self.state) - linear)
 
     def _check_accuracy(self, number: int) -> None:
-        """Give up if the errors, growing as they did so far, would exceed what the last crossing needs."""
-        if self.accuracy is None:
+        """Give up if the errors, growing as they did so far, would exceed what the last crossing needs.
+
+        Errors differ between the two ends of a half return; after two returns they compare best.
+        """
+        k = self.candidate.k
+        if self.accuracy is None or number != min(2, k - 1):
             return
-        expected = self.first_error_bits - (self.first_error_bits - self._error_bits()) * self.candidate.k / number
-        missing = ceil(self.accuracy - expected)
+        missing = 0
+        for begin, now, wanted in zip(self.first_error_bits, self._error_bits(), self.accuracy, strict=True):
+            missing = max(missing, ceil(wanted - begin + (begin - now) * k / number))
         if missing > 0:
             failure = IntegrationFailure(
                 "precision",
-                f"{self.arithmetic.bits} bits are too few: {expected:.0f} would be left at the last crossing, "
-                f"and {self.accuracy} are needed",
+                f"{self.arithmetic.bits} bits are too few: at the last crossing {missing} would be missing",
                 "give --max-precision more",
                 needs_precision=True,
             )
-            failure.enough_precision = self.arithmetic.bits + 20 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1)
+            failure.enough_precision = self.arithmetic.bits + 8 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1)
             raise failure
 
     def _combine(self, image: Sequence[Series], row: Sequence[Fraction]) -> Series:

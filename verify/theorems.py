@@ -21,6 +21,7 @@ from verify.conditions import (
 )
 from verify.derivatives import DerivativeTable
 from verify.frames import check_adapted_frames, check_frames
+from verify.level import check_level, point_on_fixed_set
 from verify.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
 from verify.outcome import (
     BifurcationResults,
@@ -51,9 +52,10 @@ def theorem_of(candidate: Candidate) -> Theorem | Reason:
 
 
 def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
-    k, hamiltonian = candidate.k, candidate.system.family_parameter is None
+    k, hamiltonian = candidate.k, not candidate.is_family_of_maps
     prefix = "H" if hamiltonian else ""
     names = ["symmetries", "frames"]
+    names += ["level"] if candidate.level_sign is not None else []
     names += ["adapted-frames"] if k == 1 else []
     names += ["poincare-map"]
     names += ["family", *(f"regular-{i}" for i in range(1, k))] if k > 1 else []
@@ -91,6 +93,11 @@ def _statement(candidate: Candidate) -> str:
     others = f"In the box there is no further R-symmetric point x with P^{2 * k}(x) = x" + (
         f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
     )
+    if candidate.level_sign is not None:
+        sign = ">" if candidate.level_sign > 0 else "<"
+        others += (
+            f" Coordinates of the box: {', '.join(candidate.coordinates)}, with {system.level_coordinate} {sign} 0."
+        )
     return (
         f"{origin}; at exactly one point of it, the bifurcation point, the parameter being the {parameter}, it "
         f"undergoes {branch}. {others}"
@@ -134,6 +141,8 @@ def prove(
 def prepare(candidate: Candidate, checklist: Checklist) -> None:
     """The exact hypotheses about coordinates, which need no integration."""
     check_frames(checklist, candidate)
+    if candidate.level_sign is not None:
+        check_level(checklist, candidate)
     if candidate.k == 1:
         check_adapted_frames(checklist, candidate)
 
@@ -164,7 +173,9 @@ def _results(candidate: Candidate, problem: Problem, point: Point, conclusion: N
         enclose(origin) + dot([enclose(value) for value in row], point.where)
         for origin, row in zip(candidate.centre, candidate.frame, strict=True)
     ]
-    named = dict(zip(candidate.system.centre_coordinates, coordinates, strict=True))
+    named = dict(zip(candidate.coordinates, coordinates, strict=True))
+    if candidate.level_sign is not None:
+        named = point_on_fixed_set(candidate, named)
     parameter = coordinates[0] if problem.first_integral is None else problem.first_integral.value(point.where)
     normal_form = {name: ball for name, ball in conclusion.normal_form.items() if ball.is_finite()}
     return BifurcationResults(named, parameter_name(candidate), parameter, conclusion.side, normal_form)
