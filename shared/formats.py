@@ -43,11 +43,13 @@ class Candidate:
         kind: one of `KINDS`.
         k: multiplicity; 1 exactly for symmetry breaking.
         symmetry: name of the symmetry that breaks, for symmetry breaking.
-        centre: shape (1 + n,), in the order of `ReversibleSystem.centre_coordinates`.
+        centre: shape (1 + n,), in the order of `coordinates`.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
         kernel_frame: shape (n, n), rows; q_i is row i times the kernel coordinates.
         radii: shape (1 + n,), half-widths of P_0, P_1, P_2, all positive.
         provenance: free-form, ignored by the verifier.
+        level_sign: `None`, or, if the first integral is the first coordinate, the sign of the system's
+            level coordinate, which follows from it on Fix(R).
     """
 
     id: str
@@ -61,6 +63,17 @@ class Candidate:
     radii: tuple[Fraction, ...]
     symmetry: str | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    level_sign: int | None = None
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates of the centre, 1 + n of them."""
+        return self.system.centre_coordinates if self.level_sign is None else self.system.level_coordinates
+
+    @property
+    def is_family_of_maps(self) -> bool:
+        """Whether the first coordinate is the bifurcation parameter: a family parameter or the level of H."""
+        return self.system.family_parameter is not None or self.level_sign is not None
 
     def to_json(self, provenance: bool = True) -> dict[str, Any]:
         """The JSON object of the candidate. All numbers must be dyadic or decimal fractions."""
@@ -76,6 +89,8 @@ class Candidate:
             "kernel_frame": [[_text(value) for value in row] for row in self.kernel_frame],
             "radii": [_text(value) for value in self.radii],
         }
+        if self.level_sign is not None:
+            result |= {"parameter": "first integral", "level_sign": self.level_sign}
         if provenance:
             result["provenance"] = dict(self.provenance)
         return result
@@ -231,13 +246,19 @@ def candidate_from_json(entry: Mapping[str, Any], source: str) -> Candidate:
     if symmetry is not None and symmetry not in system.symmetries:
         known = ", ".join(system.symmetries) or "none"
         refuse("symmetry", f"{system.name} has no symmetry {symmetry!r}", f"known: {known}")
-    size = len(system.centre_coordinates)
+    level_sign = entry.get("level_sign")
+    if (entry.get("parameter") is None) != (level_sign is None):
+        refuse("parameter", "parameter and level_sign belong together", "give both or none")
+    if level_sign is not None and system.level_coordinate is None:
+        refuse("parameter", f"{system.name} has no coordinate that follows from its first integral", "leave it out")
+    names = system.centre_coordinates if level_sign is None else system.level_coordinates
+    size = len(names)
     kernel = len(system.kernel_coordinates)
     vector = tuple(parse_exact(text) for text in entry["centre"])
     radii = tuple(parse_exact(text) for text in entry["radii"])
     for name, values in (("centre", vector), ("radii", radii)):
         if len(values) != size:
-            wanted = ", ".join(system.centre_coordinates)
+            wanted = ", ".join(names)
             refuse(name, f"{len(values)} numbers", f"{system.name} needs {size}: {wanted}")
     for position, radius in enumerate(radii):
         if radius <= 0:
@@ -251,6 +272,7 @@ def candidate_from_json(entry: Mapping[str, Any], source: str) -> Candidate:
     return Candidate(
         id=entry["id"], system=system, parameters=parameters, kind=kind, k=k, symmetry=symmetry, centre=vector,
         frame=frame, kernel_frame=kernel_frame, radii=radii, provenance=entry.get("provenance", {}),
+        level_sign=level_sign,
     )  # fmt: skip
 
 

@@ -55,6 +55,9 @@ class ReversibleSystem:
             or `None` when the level of `first_integral` is the bifurcation parameter (HC2-HC4).
         first_integral: plain arithmetic like the vector field, returns one value; `None` if absent.
         first_integral_name: what people call it.
+        level_coordinate: a state coordinate w, fixed by R, in which the first integral is quadratic:
+            H = A + b w^2, with A independent of w and a constant b. On Fix(R) it then follows from the level
+            of H and the other coordinates up to its sign. `None` if there is no such coordinate.
     """
 
     name: str
@@ -68,6 +71,7 @@ class ReversibleSystem:
     family_parameter: str | None = None
     first_integral: VectorField | None = None
     first_integral_name: str | None = None
+    level_coordinate: str | None = None
 
     def __post_init__(self) -> None:
         m = len(self.state)
@@ -82,6 +86,10 @@ class ReversibleSystem:
             raise ValueError(f"{self.name}: give a family parameter or a first integral, not both")
         if self.family_parameter is not None and self.family_parameter not in self.parameters:
             raise ValueError(f"{self.name}: unknown family parameter {self.family_parameter!r}")
+        if self.level_coordinate is not None and (
+            self.first_integral is None or self.level_coordinate not in [self.state[i] for i in self.fixed_coordinates]
+        ):
+            raise ValueError(f"{self.name}: a level coordinate needs a first integral and is fixed by R")
         dimension = len(self.kernel_coordinates)
         if len(self.fixed_coordinates) != dimension + (self.family_parameter is None):
             raise ValueError(f"{self.name}: Fix(R) has the wrong dimension in the section")
@@ -114,6 +122,12 @@ class ReversibleSystem:
         """
         lead = () if self.family_parameter is None else (self.family_parameter,)
         return lead + tuple(self.state[i] for i in self.fixed_coordinates)
+
+    @cached_property
+    def level_coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates of a centre whose first one is the level of the first integral."""
+        kept = [self.state[i] for i in self.fixed_coordinates if self.state[i] != self.level_coordinate]
+        return (self.first_integral_name or "first integral", *kept)
 
     @cached_property
     def program(self) -> Program:
@@ -174,6 +188,7 @@ CR3BP = ReversibleSystem(
     section="y",
     first_integral=_jacobi_constant,
     first_integral_name="Jacobi constant",
+    level_coordinate="vy",
 )
 
 FALKNER_SKAN = ReversibleSystem(

@@ -20,7 +20,6 @@ from verify.level import quadratic_coefficient
 from verify.poincare import enclose_first_integral
 
 _SPARE_BITS = 64
-_MARGIN = 2
 
 
 def level_form(candidate: Candidate) -> Candidate | None:
@@ -81,9 +80,9 @@ def _derivative(table: DerivativeTable, size: int, *positions: int) -> Fraction:
 def _radii(
     radii: Sequence[Fraction], slopes: Sequence[Fraction], table: DerivativeTable, tilt: Sequence[Fraction] | None
 ) -> tuple[Fraction, ...] | None:
-    """Half-widths that contain the old box, to second order, and a margin; powers of two.
+    """Half-widths for the levels and across, up to the next power of two; to second order they contain the old box.
 
-    p_1, p_2 change by `tilt` times what h differs from its linear part.
+    p_2 changes by its part of `tilt` times what h differs from its linear part; so does p_1, which is wide.
     """
     if tilt is None:
         return None
@@ -93,9 +92,8 @@ def _radii(
         Fraction(0),
     )
     linear = sum((abs(slope) * radius for slope, radius in zip(slopes, radii, strict=True)), Fraction(0))
-    wide = [linear + curved, *(radius + abs(t) * curved for radius, t in zip(radii[1:], tilt, strict=True))]
-    factors = [_MARGIN, 1, *(_MARGIN for _ in wide[2:])]
-    return tuple(_power_of_two_above(factor * value) for factor, value in zip(factors, wide, strict=True))
+    across = [radius + abs(t) * curved for radius, t in zip(radii[2:], tilt[1:], strict=True)]
+    return (_power_of_two_above(linear + curved), radii[1], *(_power_of_two_above(width) for width in across))
 
 
 def _power_of_two_above(value: Fraction) -> Fraction:
