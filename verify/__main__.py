@@ -57,6 +57,11 @@ def _parser() -> argparse.ArgumentParser:
         "--digits", type=_positive_integer, default=Limits.digits, metavar="N",
         help="certain digits of the parameter to aim for (default: %(default)s)",
     )  # fmt: skip
+    parser.add_argument(
+        "--level", choices=("auto", "integral", "coordinates"), default=Limits.level,
+        help="parameter of Hamiltonian rows: the level of the first integral, a coordinate of Fix(R) following from it "
+        "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)",
+    )  # fmt: skip
     parser.add_argument("--row-timeout", type=_seconds, metavar="SECONDS", help="give a candidate up after this time")
     parser.add_argument("--jobs", type=_positive_integer, default=1, metavar="N", help="processes (default: 1)")
     parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
@@ -130,7 +135,7 @@ def _run(options: argparse.Namespace) -> int:
         seconds = certificate["computation"]["seconds"]
         display.finish(certificate["id"], f"{certificate['verdict']}, {seconds:.1f} s")
 
-    limits = Limits(options.max_precision, options.digits, options.row_timeout)
+    limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
     interrupted = False
     unsaved: InputError | None = None
     try:

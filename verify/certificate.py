@@ -17,6 +17,7 @@ from flint import arb
 from shared.formats import Candidate, InputError, read_document, write_document
 from verify.ball_text import ball_to_json
 from verify.level import level_program, quadratic_coefficient
+from verify.level_form import level_form
 from verify.outcome import Hypothesis, Outcome, Proved, Theorem
 from verify.poincare import Enclosures
 from verify.table_text import tables_to_json
@@ -51,8 +52,12 @@ def _source_digest() -> str:
     return f"sha256:{digest.hexdigest()}"
 
 
-def statement(candidate: Candidate) -> dict[str, Any]:
-    """The claim in full: the candidate without provenance, and the system that it is about."""
+def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, Any]:
+    """The claim in full: the candidate without provenance, and the system that it is about.
+
+    `form` is the candidate rewritten with the level of the first integral as parameter, if its box and
+    coordinates are those that the hypotheses are about.
+    """
     system = candidate.system
     integral = system.first_integral_program
     claim: dict[str, Any] = {
@@ -63,19 +68,26 @@ def statement(candidate: Candidate) -> dict[str, Any]:
         "symmetry": None if candidate.symmetry is None else list(system.symmetries[candidate.symmetry]),
         "section": system.section,
     }
-    if candidate.level_sign is not None and quadratic_coefficient(system):
-        claim["level_coordinate"] = level_program(system, candidate.level_sign).text()
+    if form is not None:
+        claim["level_form"] = form.to_json(provenance=False)
+    sign = (form or candidate).level_sign
+    if sign is not None and quadratic_coefficient(system):
+        claim["level_coordinate"] = level_program(system, sign).text()
     return claim
 
 
 def make_certificate(
-    candidate: Candidate, outcome: Outcome, computation: Mapping[str, Any], enclosures: Enclosures | None = None
+    candidate: Candidate,
+    outcome: Outcome,
+    computation: Mapping[str, Any],
+    enclosures: Enclosures | None = None,
+    form: Candidate | None = None,
 ) -> Certificate:
     """The certificate of one candidate; `computation` is the object of that name in the schema.
 
-    `enclosures` are what the conditions were evaluated from, if it came to that.
+    `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `statement`.
     """
-    claim = statement(candidate)
+    claim = statement(candidate, form)
     hypotheses = [_hypothesis(hypothesis) for hypothesis in outcome.hypotheses]
     verdict: dict[str, Any]
     if isinstance(outcome, Proved):
@@ -135,12 +147,13 @@ def _balls(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
 
 def is_proof_of(certificate: Mapping[str, Any], candidate: Candidate) -> bool:
     """Whether a stored certificate proves exactly this candidate, by exactly this software."""
-    theorem = theorem_of(candidate)
+    form = level_form(candidate) if "level_form" in certificate["statement"] else None
+    theorem = theorem_of(form or candidate)
     return (
         isinstance(theorem, Theorem)
         and certificate["verdict"] == "proved"
         and certificate.get("digest") == digest(certificate)
-        and certificate["statement"] == {**statement(candidate), "theorem": theorem.statement}
+        and certificate["statement"] == {**statement(candidate, form), "theorem": theorem.statement}
         and certificate.get("software") == software()
         and tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"]) == theorem.hypotheses
         and all(hypothesis["holds"] is True for hypothesis in certificate["hypotheses"])

@@ -19,6 +19,7 @@ from verify.ball_text import count_certain_digits
 from verify.balls import is_below
 from verify.certificate import Certificate, make_certificate
 from verify.failure import IntegrationFailure
+from verify.level_form import level_form, level_spread
 from verify.outcome import Checklist, NotEstablishedError, NotProved, Outcome, Proved, Reason
 from verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 from verify.symmetry import check_symmetries
@@ -39,6 +40,14 @@ _RESERVE_PER_RETURN = 6
 
 _BITS_PER_DIGIT = 3.33
 
+_MOST_SPREAD = 8
+"""The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
+
+_AT_THE_PARAMETER = frozenset(
+    ["HC2", "HC3", "HC4", "C2", "C3", "C4", "point", "dH/dp_0", "h_fp'", "h_b'", "h_b''", "G_11", "G_01", "G_111"]
+)
+"""Hypotheses that depend on what the bifurcation parameter is; the others fail in both forms."""
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -48,11 +57,14 @@ class Limits:
         max_precision: bits that are never exceeded.
         digits: certain digits of the parameter to aim for; a proof with fewer stands all the same.
         timeout: seconds, or `None`; looked at between integration steps.
+        level: "coordinates" for candidates as they are, "integral" for the level of the first integral as
+            parameter where there is such a form, "auto" for the better conditioned of both, then the other.
     """
 
     max_precision: int = 1024
     digits: int = 30
     timeout: float | None = None
+    level: str = "auto"
 
 
 class _OutOfTime(Exception):
@@ -108,6 +120,39 @@ def certify(
     """
     limits = Limits() if limits is None else limits
     start = time.monotonic()
+    tried: list[tuple[Candidate | None, _Attempt]] = []
+    attempts = 0
+    for form in _forms(candidate, limits.level):
+        best, more = _escalate(form or candidate, limits, start, progress, integrate)
+        attempts += more
+        tried.append((form, best))
+        if isinstance(best.outcome, Proved) or best.outcome.reason.condition not in _AT_THE_PARAMETER:
+            break
+    form, best = tried[-1] if isinstance(tried[-1][1].outcome, Proved) else tried[0]
+    computation = {
+        "precision": best.precision,
+        "order": best.order,
+        "steps": best.steps,
+        "attempts": attempts,
+        "seconds": round(time.monotonic() - start, 3),
+    }
+    return make_certificate(candidate, best.outcome, computation, best.enclosures, form)
+
+
+def _forms(candidate: Candidate, level: str) -> list[Candidate | None]:
+    """What to try, in this order: level forms of the candidate, or `None` for the candidate as it is."""
+    form = None if level == "coordinates" else level_form(candidate)
+    if form is None:
+        return [None]
+    if level == "integral":
+        return [form]
+    return [form, None] if level_spread(candidate, form) <= _MOST_SPREAD else [None, form]
+
+
+def _escalate(
+    candidate: Candidate, limits: Limits, start: float, progress: Progress | None, integrate: Integrator
+) -> tuple[_Attempt, int]:
+    """The best attempt, with more precision as long as that helps, and the number of attempts."""
     deadline = None if limits.timeout is None else start + limits.timeout
     attempts = 0
     best: _Attempt | None = None
@@ -138,14 +183,7 @@ def certify(
             break
         precision = more
     assert best is not None
-    computation = {
-        "precision": best.precision,
-        "order": best.order,
-        "steps": best.steps,
-        "attempts": attempts,
-        "seconds": round(time.monotonic() - start, 3),
-    }
-    return make_certificate(candidate, best.outcome, computation, best.enclosures)
+    return best, attempts
 
 
 def _better(old: _Attempt | None, new: _Attempt) -> _Attempt:

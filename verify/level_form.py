@@ -28,7 +28,7 @@ def level_form(candidate: Candidate) -> Candidate | None:
     `None` if the system has no level coordinate, or if the family does not cross the levels at the centre.
     """
     system = candidate.system
-    if candidate.is_family_of_maps or not quadratic_coefficient(system) or system.level_coordinate is None:
+    if candidate.is_family_of_maps or system.level_coordinate is None or not quadratic_coefficient(system):
         return None
     kept = [i for i, name in enumerate(candidate.coordinates) if name != system.level_coordinate]
     dropped = candidate.coordinates.index(system.level_coordinate)
@@ -41,7 +41,7 @@ def level_form(candidate: Candidate) -> Candidate | None:
         return None
     size = len(candidate.radii)
     slopes = [_derivative(table, size, i) for i in range(size)]
-    if not slopes[0]:
+    if not slopes[0] or not any(candidate.frame[i][0] for i in kept):
         return None
 
     along = [candidate.frame[i][0] / slopes[0] for i in kept]
@@ -66,6 +66,18 @@ def level_form(candidate: Candidate) -> Candidate | None:
         radii=radii,
         level_sign=1 if candidate.centre[dropped] > 0 else -1,
     )
+
+
+def level_spread(candidate: Candidate, form: Candidate) -> Fraction:
+    """How many times longer P_0 is in the level form than the old P_0, measured along the family.
+
+    Large where the family is nearly tangent to the levels of H compared with the box.
+    """
+    # Column 0 of the new frame is column 0 of the old one divided by dH a_0.
+    kept = [i for i, name in enumerate(candidate.coordinates) if name in form.coordinates]
+    old = sum((abs(candidate.frame[i][0]) for i in kept), Fraction(0)) * candidate.radii[0]
+    new = sum((abs(row[0]) for row in form.frame[1:]), Fraction(0)) * form.radii[0]
+    return new / old
 
 
 def _bits_below_one(value: Fraction) -> int:

@@ -21,6 +21,7 @@ from verify.certificate import Certificate, digest, make_certificate, software
 from verify.certify import GREATEST_PRECISION, GUARD_BITS, LEAST_PRECISION, check_exactly
 from verify.derivatives import DerivativeTable
 from verify.failure import IntegrationFailure
+from verify.level_form import level_form
 from verify.outcome import Checklist, NotEstablishedError, NotProved, Outcome, Proved
 from verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 from verify.table_text import derivative_name, tables_from_json
@@ -74,6 +75,7 @@ def recheck(
     findings = list(_digest_findings(certificate))
     try:
         candidate = candidate_from_json(_stored_candidate(certificate), "statement.candidate")
+        form = level_form(candidate) if "level_form" in certificate["statement"] else None
         stored = _stored_enclosures(certificate, candidate)
     except (InputError, ValueError) as error:
         return Recheck(name, verdict, 0, (*findings, Finding("the certificate", str(error))))
@@ -81,8 +83,9 @@ def recheck(
         findings.append(Finding("enclosures", "there are none, so nothing shows that the claim is proved"))
         return Recheck(name, verdict, 0, tuple(findings))
     precision = certificate["computation"]["precision"]
-    outcome = _conclude(candidate, precision if stored else LEAST_PRECISION, stored)
-    again = make_certificate(candidate, outcome, certificate["computation"], stored)
+    claim = form or candidate
+    outcome = _conclude(claim, precision if stored else LEAST_PRECISION, stored)
+    again = make_certificate(candidate, outcome, certificate["computation"], stored, form)
     differences = list(_compare(certificate, again, stored is not None))
     findings += [*differences, *_other_software(certificate)] if differences else []
     if not integrate or stored is None or findings:
@@ -91,7 +94,7 @@ def recheck(
         precision + max(_LEAST_MORE_PRECISION, precision // _MORE_PRECISION),
         stored.order + max(1, stored.order // _MORE_ORDER),
     )
-    findings += _integrate_again(certificate, candidate, stored, settings, progress)
+    findings += _integrate_again(certificate, claim, stored, settings, progress)
     return Recheck(name, verdict, len(outcome.hypotheses), tuple(findings), settings.precision)
 
 

@@ -95,9 +95,8 @@ def _statement(candidate: Candidate) -> str:
     )
     if candidate.level_sign is not None:
         sign = ">" if candidate.level_sign > 0 else "<"
-        others += (
-            f" Coordinates of the box: {', '.join(candidate.coordinates)}, with {system.level_coordinate} {sign} 0."
-        )
+        names = ", ".join(candidate.coordinates)
+        others += f" The box is in the coordinates {names}, with {system.level_coordinate} {sign} 0."
     return (
         f"{origin}; at exactly one point of it, the bifurcation point, the parameter being the {parameter}, it "
         f"undergoes {branch}. {others}"
