@@ -19,7 +19,7 @@ from verify.ball_text import count_certain_digits
 from verify.balls import is_below
 from verify.certificate import Certificate, make_certificate
 from verify.failure import IntegrationFailure
-from verify.level_form import level_form, level_spread
+from verify.level_form import in_box, level_form, level_spread
 from verify.outcome import Checklist, NotEstablishedError, NotProved, Outcome, Proved, Reason
 from verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 from verify.symmetry import check_symmetries
@@ -43,8 +43,9 @@ _BITS_PER_DIGIT = 3.33
 _MOST_SPREAD = 8
 """The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
 
-_AT_THE_PARAMETER = frozenset(
-    ["HC2", "HC3", "HC4", "C2", "C3", "C4", "point", "dH/dp_0", "h_fp'", "h_b'", "h_b''", "G_11", "G_01", "G_111"]
+_AT_THE_PARAMETER = (
+    *("candidate-box", "C2", "C3", "C4", "HC2", "HC3", "HC4", "point"),
+    *("dH/dp_0", "h_fp'", "h_b'", "h_b''", "G_11", "G_01", "G_111"),
 )
 """Hypotheses that depend on what the bifurcation parameter is; the others fail in both forms."""
 
@@ -123,7 +124,7 @@ def certify(
     tried: list[tuple[Candidate | None, _Attempt]] = []
     attempts = 0
     for form in _forms(candidate, limits.level):
-        best, more = _escalate(form or candidate, limits, start, progress, integrate)
+        best, more = _escalate(candidate, form, limits, start, progress, integrate)
         attempts += more
         tried.append((form, best))
         if isinstance(best.outcome, Proved) or best.outcome.reason.condition not in _AT_THE_PARAMETER:
@@ -150,9 +151,15 @@ def _forms(candidate: Candidate, level: str) -> list[Candidate | None]:
 
 
 def _escalate(
-    candidate: Candidate, limits: Limits, start: float, progress: Progress | None, integrate: Integrator
+    origin: Candidate,
+    form: Candidate | None,
+    limits: Limits,
+    start: float,
+    progress: Progress | None,
+    integrate: Integrator,
 ) -> tuple[_Attempt, int]:
     """The best attempt, with more precision as long as that helps, and the number of attempts."""
+    candidate = form or origin
     deadline = None if limits.timeout is None else start + limits.timeout
     attempts = 0
     best: _Attempt | None = None
@@ -171,6 +178,8 @@ def _escalate(
         try:
             report(0.0)
             attempt = _attempt(candidate, precision, accuracy, report, integrate)
+            if form is not None:
+                attempt = replace(attempt, outcome=for_origin(origin, attempt.outcome, precision))
         except _OutOfTime:
             best = _stopped(best, precision, limits)
             break
@@ -287,6 +296,15 @@ def _attempt(
 
 def _reason(failure: IntegrationFailure) -> Reason:
     return Reason(failure.condition, failure.message, failure.remedy, failure.needs_precision, failure.enough_precision)
+
+
+def for_origin(origin: Candidate, outcome: Outcome, precision: int) -> Outcome:
+    """The outcome for a candidate whose level form was checked: the point has to lie in its own box too."""
+    with ctx.workprec(precision + GUARD_BITS):
+        if isinstance(outcome, NotProved) or in_box(origin, outcome.results.point):
+            return outcome
+    message = "the bifurcation is in the box of the level form, but was not shown to be in the candidate's own box"
+    return NotProved(Reason("candidate-box", message, "move the centre to the bifurcation point"), outcome.hypotheses)
 
 
 def check_exactly(checklist: Checklist, candidate: Candidate) -> None:

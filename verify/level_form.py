@@ -1,31 +1,37 @@
 """A candidate in the coordinates of Fix(R), rewritten with the level of H as parameter (docs/method-level.md).
 
-The result is a claim of its own, checked like any other; nothing here carries proof. Let a_0, a_1, a_2 be
-the columns of the frame and c_i = dH a_i. With h the level, p = (p_0, p_1, p_2) satisfies to first order
-h - h_c = c_0 p_0 + c_1 p_1 + c_2 p_2, and p_1, p_2 are kept.
+The result is a claim of its own, checked like any other; that its box contains the old one is proved here.
+Let a_0, a_1, a_2 be the columns of the frame and c_i = dH a_i. With h the level, p = (p_0, p_1, p_2)
+satisfies h - h_c = c_0 p_0 + c_1 p_1 + c_2 p_2 to first order, and p_1, p_2 are kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+
+from flint import arb, ctx
 
 from shared.formats import Candidate
 from shared.numbers import round_dyadic
 from verify.ball_text import exact_value
+from verify.balls import dot, enclose, is_inside, symmetric
 from verify.derivatives import DerivativeTable
 from verify.failure import IntegrationFailure
 from verify.level import quadratic_coefficient
 from verify.poincare import enclose_first_integral
 
 _SPARE_BITS = 64
+_MARGIN = Fraction(33, 32)
+_RADIUS_BITS = 12
 
 
 def level_form(candidate: Candidate) -> Candidate | None:
-    """The same bifurcation, claimed with the level of the first integral as parameter.
+    """The same bifurcation, with the level of the first integral as parameter, in a box that contains the old one.
 
-    `None` if the system has no level coordinate, or if the family does not cross the levels at the centre.
+    `None` if there is no level coordinate, if the family does not cross the levels at the centre, or if
+    the new box was not shown to contain the old one.
     """
     system = candidate.system
     if candidate.is_family_of_maps or system.level_coordinate is None or not quadratic_coefficient(system):
@@ -37,7 +43,7 @@ def level_form(candidate: Candidate) -> Candidate | None:
         table = enclose_first_integral(candidate, bits)
     except (IntegrationFailure, ArithmeticError, ValueError):
         return None
-    if table is None or not all(ball.is_finite() for ball in table.centre.values()) or not candidate.centre[dropped]:
+    if table is None or not _is_finite(table) or not candidate.centre[dropped]:
         return None
     size = len(candidate.radii)
     slopes = [_derivative(table, size, i) for i in range(size)]
@@ -55,17 +61,26 @@ def level_form(candidate: Candidate) -> Candidate | None:
             tuple(value if (j == 1) == is_odd else Fraction(0) for j, value in enumerate(row))
             for row, is_odd in zip(frame, odd, strict=True)
         )
-    radii = _radii(candidate.radii, slopes, table, _solve(across, along))
-    if radii is None:
+    tilt = _solve(across, along)
+    if tilt is None:
         return None
     level = round_dyadic(exact_value(table.centre[(0,) * size].mid()), 2 * bits)
-    return replace(
+    form = replace(
         candidate,
         centre=(level, *(candidate.centre[i] for i in kept)),
         frame=frame,
-        radii=radii,
+        radii=_radii(candidate.radii, slopes, table, tilt),
         level_sign=1 if candidate.centre[dropped] > 0 else -1,
     )
+    with ctx.workprec(bits + _SPARE_BITS):
+        contained = _contains(form, candidate, table, kept) and _keeps_sign(candidate, dropped)
+    return form if contained else None
+
+
+def _keeps_sign(candidate: Candidate, dropped: int) -> bool:
+    """Whether the level coordinate has the sign of its centre on the whole box."""
+    widths = (abs(a) * radius for a, radius in zip(candidate.frame[dropped], candidate.radii, strict=True))
+    return sum(widths, Fraction(0)) < abs(candidate.centre[dropped])
 
 
 def level_spread(candidate: Candidate, form: Candidate) -> Fraction:
@@ -80,6 +95,10 @@ def level_spread(candidate: Candidate, form: Candidate) -> Fraction:
     return new / old
 
 
+def _is_finite(table: DerivativeTable) -> bool:
+    return all(ball.is_finite() for part in (table.centre, table.box) for ball in part.values())
+
+
 def _bits_below_one(value: Fraction) -> int:
     return max(0, value.denominator.bit_length() - value.numerator.bit_length())
 
@@ -90,31 +109,66 @@ def _derivative(table: DerivativeTable, size: int, *positions: int) -> Fraction:
 
 
 def _radii(
-    radii: Sequence[Fraction], slopes: Sequence[Fraction], table: DerivativeTable, tilt: Sequence[Fraction] | None
-) -> tuple[Fraction, ...] | None:
-    """Half-widths for the levels and across, up to the next power of two; to second order they contain the old box.
+    radii: Sequence[Fraction], slopes: Sequence[Fraction], table: DerivativeTable, tilt: Sequence[Fraction]
+) -> tuple[Fraction, ...]:
+    """Half-widths that contain the old box to second order, and a little more.
 
-    p_2 changes by its part of `tilt` times what h differs from its linear part; so does p_1, which is wide.
+    p_1, p_2 change by `tilt` times what h differs from its linear part.
     """
-    if tilt is None:
-        return None
     size = len(radii)
     curved = sum(
         (abs(_derivative(table, size, i, j)) * radii[i] * radii[j] / 2 for i in range(size) for j in range(size)),
         Fraction(0),
     )
     linear = sum((abs(slope) * radius for slope, radius in zip(slopes, radii, strict=True)), Fraction(0))
-    across = [radius + abs(t) * curved for radius, t in zip(radii[2:], tilt[1:], strict=True)]
-    return (_power_of_two_above(linear + curved), radii[1], *(_power_of_two_above(width) for width in across))
+    wide = [linear + curved, *(radius + abs(t) * curved for radius, t in zip(radii[1:], tilt, strict=True))]
+    return tuple(round_dyadic(value * _MARGIN, _RADIUS_BITS) for value in wide)
 
 
-def _power_of_two_above(value: Fraction) -> Fraction:
-    exponent = value.numerator.bit_length() - value.denominator.bit_length()
-    while Fraction(2) ** exponent < value:
-        exponent += 1
-    while Fraction(2) ** (exponent - 1) >= value:
-        exponent -= 1
-    return Fraction(2) ** exponent
+def _contains(form: Candidate, candidate: Candidate, table: DerivativeTable, kept: Sequence[int]) -> bool:
+    """Whether the box of `form` contains that of `candidate`; `table` are derivatives of H on the latter.
+
+    With h = H(0) + sum s_j p_j + Q, Q in the second-order remainder, and T the inverse of the new frame,
+    p_i' = T_i0 (H(0) - h_c + Q) + sum_j (T_i0 s_j + L_ij) p_j, where L is T times the kept rows of the old frame.
+    """
+    size = len(form.radii)
+    columns = [[row[j] for row in form.frame] for j in range(size)]
+    inverse = [_solve(columns, [Fraction(int(i == j)) for i in range(size)]) for j in range(size)]
+    sides = [symmetric(radius) for radius in candidate.radii]
+    remainder = arb(0)
+    for i in range(size):
+        for j in range(size):
+            index = tuple((i == n) + (j == n) for n in range(size))
+            remainder = remainder + table.box[index] * sides[i] * sides[j] / 2
+    offset = table.centre[(0,) * size] - enclose(form.centre[0]) + remainder
+    for i, radius in enumerate(form.radii):
+        rows = [column[i] if column is not None else None for column in inverse]
+        first, *others = rows
+        if first is None or any(value is None for value in others):
+            return False
+        value = enclose(first) * offset
+        for j, side in enumerate(sides):
+            direct = sum(
+                (t * candidate.frame[n][j] for t, n in zip(others, kept, strict=True) if t is not None), Fraction(0)
+            )
+            unit = tuple(int(j == n) for n in range(size))
+            value = value + (enclose(first) * table.centre[unit] + enclose(direct)) * side
+        if not is_inside(value, radius):
+            return False
+    return True
+
+
+def in_box(candidate: Candidate, point: Mapping[str, arb]) -> bool:
+    """Whether a point of Fix(R), given by its coordinates, certainly lies inside the candidate's box."""
+    size = len(candidate.radii)
+    columns = [[row[j] for row in candidate.frame] for j in range(size)]
+    inverse = [_solve(columns, [Fraction(int(i == j)) for i in range(size)]) for j in range(size)]
+    distance = [point[name] - enclose(c) for name, c in zip(candidate.coordinates, candidate.centre, strict=True)]
+    for i, radius in enumerate(candidate.radii):
+        row = [column[i] for column in inverse if column is not None]
+        if len(row) < size or not is_inside(dot([enclose(value) for value in row], distance), radius):
+            return False
+    return True
 
 
 def _solve(columns: Sequence[Sequence[Fraction]], right: Sequence[Fraction]) -> list[Fraction] | None:

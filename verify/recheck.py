@@ -18,7 +18,7 @@ from flint import arb, ctx
 from shared.formats import Candidate, InputError, candidate_from_json, validate_document
 from verify.ball_text import ball_from_json, decimal_interval
 from verify.certificate import Certificate, digest, make_certificate, software
-from verify.certify import GREATEST_PRECISION, GUARD_BITS, LEAST_PRECISION, check_exactly
+from verify.certify import GREATEST_PRECISION, GUARD_BITS, LEAST_PRECISION, check_exactly, for_origin
 from verify.derivatives import DerivativeTable
 from verify.failure import IntegrationFailure
 from verify.level_form import level_form
@@ -85,6 +85,8 @@ def recheck(
     precision = certificate["computation"]["precision"]
     claim = form or candidate
     outcome = _conclude(claim, precision if stored else LEAST_PRECISION, stored)
+    if form is not None:
+        outcome = for_origin(candidate, outcome, precision)
     again = make_certificate(candidate, outcome, certificate["computation"], stored, form)
     differences = list(_compare(certificate, again, stored is not None))
     findings += [*differences, *_other_software(certificate)] if differences else []
