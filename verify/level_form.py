@@ -19,6 +19,7 @@ from verify.ball_text import exact_value
 from verify.balls import dot, enclose, is_inside, symmetric
 from verify.derivatives import DerivativeTable
 from verify.failure import IntegrationFailure
+from verify.frames import determinant
 from verify.level import quadratic_coefficient
 from verify.poincare import enclose_first_integral
 
@@ -30,11 +31,13 @@ _RADIUS_BITS = 12
 def level_form(candidate: Candidate) -> Candidate | None:
     """The same bifurcation, with the level of the first integral as parameter, in a box that contains the old one.
 
-    `None` if there is no level coordinate, if the family does not cross the levels at the centre, or if
-    the new box was not shown to contain the old one.
+    `None` if there is no level coordinate, if the frame is singular, if the family does not cross the levels
+    at the centre, or if the new box was not shown to contain the old one.
     """
     system = candidate.system
     if candidate.is_family_of_maps or system.level_coordinate is None or not quadratic_coefficient(system):
+        return None
+    if not determinant(candidate.frame):
         return None
     kept = [i for i, name in enumerate(candidate.coordinates) if name != system.level_coordinate]
     dropped = candidate.coordinates.index(system.level_coordinate)
