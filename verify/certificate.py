@@ -9,12 +9,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import metadata, resources
 from pathlib import Path
+from textwrap import indent
 from typing import Any
 
 import flint
 from flint import arb
 
-from shared.formats import Candidate, InputError, read_document, write_document
+from shared.formats import Candidate, InputError, read_document, validate_document, write_text
 from verify.ball_text import ball_to_json
 from verify.level import level_program, quadratic_coefficient
 from verify.level_form import level_form
@@ -171,10 +172,27 @@ def read_certificates(path: Path) -> dict[str, Certificate]:
 
 def write_certificates(path: Path, certificates: Iterable[Certificate]) -> None:
     """Write a certificates file, whole or not at all. Raises `InputError` if it cannot be written."""
-    document = {
+    head = json.dumps(_document([]), indent=1).removesuffix("[]\n}")
+    entries = ",\n".join(_text(certificate) for certificate in certificates)
+    write_text(path, f"{head}[\n{entries}\n ]\n}}\n" if entries else f"{head}[]\n}}\n")
+
+
+def _document(certificates: Sequence[Certificate]) -> dict[str, Any]:
+    return {
         "format": "orbitproof-certificates",
         "version": 1,
         "software": software(),
         "certificates": list(certificates),
     }
-    write_document(path, document, "certificates")
+
+
+_texts: dict[str, str] = {}
+"""What was validated and written before, by content: a run writes its file again for every row."""
+
+
+def _text(certificate: Certificate) -> str:
+    key = f"{digest(certificate)} {certificate.get('digest')}"
+    if key not in _texts:
+        validate_document(_document([certificate]), "certificates", "certificates to be written")
+        _texts[key] = indent(json.dumps(certificate, indent=1, allow_nan=False), "  ")
+    return _texts[key]
