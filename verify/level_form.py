@@ -24,6 +24,8 @@ from verify.level import quadratic_coefficient
 from verify.poincare import enclose_first_integral
 
 _SPARE_BITS = 64
+_MOST_BITS = 1 << 17
+"""Boxes that would need more are too small for any proof."""
 _MARGIN = Fraction(33, 32)
 _RADIUS_BITS = 12
 
@@ -42,6 +44,8 @@ def level_form(candidate: Candidate) -> Candidate | None:
     kept = [i for i, name in enumerate(candidate.coordinates) if name != system.level_coordinate]
     dropped = candidate.coordinates.index(system.level_coordinate)
     bits = _SPARE_BITS + 2 * max(_bits_below_one(radius) for radius in candidate.radii)
+    if bits > _MOST_BITS:
+        return None
     try:
         table = enclose_first_integral(candidate, bits)
     except (IntegrationFailure, ArithmeticError, ValueError):
