@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,6 +17,7 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from importlib import resources
+from math import ceil, log2
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -101,10 +103,9 @@ def _text(value: Fraction) -> str:
     if denominator & (denominator - 1) == 0:
         return format_dyadic(value)
     twos = (denominator & -denominator).bit_length() - 1
-    rest, fives = denominator >> twos, 0
-    while rest % 5 == 0:
-        rest, fives = rest // 5, fives + 1
-    if rest != 1:
+    rest = denominator >> twos
+    fives = ceil((rest.bit_length() - 1) / log2(5))
+    if rest != 5**fives:
         raise ValueError(f"{value} is neither dyadic nor decimal")
     digits = max(twos, fives)
     # Decimal writes integers of any length; int refuses beyond some thousand digits.
@@ -238,7 +239,13 @@ def candidate_from_json(entry: Mapping[str, Any], source: str) -> Candidate:
     for name, value in parameters.items():
         interval = system.parameters[name]
         if not interval.contains(value):
-            refuse(f"parameters.{name}", f"{float(value):.6g} lies outside {interval}", "choose a value inside")
+            refuse(
+                f"parameters.{name}",
+                f"{_short(entry['parameters'][name])} lies outside {interval}",
+                "choose a value inside",
+            )
+    if not entry["id"].isprintable():
+        refuse("id", f"{entry['id']!r} has characters that cannot be printed", "use letters, digits and signs")
     kind, k = entry["kind"], entry["k"]
     symmetry = entry.get("symmetry")
     if (kind == "symmetry_breaking") != (k == 1):
@@ -269,11 +276,21 @@ def candidate_from_json(entry: Mapping[str, Any], source: str) -> Candidate:
         refuse("frame", "wrong shape", f"give {size} rows of {size} numbers")
     if kernel_frame is None:
         refuse("kernel_frame", "wrong shape", f"give {kernel} rows of {kernel} numbers")
+    numbers = {"centre": [vector], "frame": frame, "kernel_frame": kernel_frame, "radii": [radii]}
+    for name, rows in {"parameters": [tuple(parameters.values())], **numbers}.items():
+        if not all(_can_be_written(value) for row in rows for value in row):
+            refuse(name, "a number is too long to be written exactly", "give fewer digits or an exponent closer to 0")
     return Candidate(
         id=entry["id"], system=system, parameters=parameters, kind=kind, k=k, symmetry=symmetry, centre=vector,
         frame=frame, kernel_frame=kernel_frame, radii=radii, provenance=entry.get("provenance", {}),
         level_sign=level_sign,
     )  # fmt: skip
+
+
+def _can_be_written(value: Fraction) -> bool:
+    """Whether the text of a number, as `Candidate.to_json` writes it, fits the schema again."""
+    schema: Any = _validator("candidates").schema
+    return re.fullmatch(schema["$defs"]["number"]["pattern"], _text(value)) is not None
 
 
 def _matrix(rows: Sequence[Sequence[str]], size: int) -> tuple[tuple[Fraction, ...], ...] | None:
