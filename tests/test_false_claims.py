@@ -90,7 +90,7 @@ def test_wrong_multiplicity_is_not_proved(name: str, k: int, radii: str, conditi
     ],
 )
 def test_further_wrong_multiplicities_are_not_proved(name: str, k: int, radii: str, condition: str) -> None:
-    test_wrong_multiplicity_is_not_proved(name, k, radii, condition)
+    assert refusal(claimed(name, k, radii=radii)) == condition
 
 
 @pytest.mark.parametrize(
@@ -114,10 +114,10 @@ def test_period_tupling_claimed_for_three_has_no_theorem(name: str) -> None:
 @pytest.mark.parametrize(
     "name, k, kind, condition",
     [
-        ("em4", 2, "period_tupling", "HC3"),
+        ("em4", 2, "period_tupling", "HC2"),
         ("em2", 4, "period_tupling", "regular-2"),
         ("em2", 3, "touch_and_go", "regular-2"),
-        ("em3", 2, "period_tupling", "HC3"),
+        ("em3", 2, "period_tupling", "HC2"),
         ("em1", 2, "period_tupling", "family"),
     ],
 )
@@ -151,7 +151,7 @@ def test_a_box_off_the_symmetry_breaking_is_not_proved(shift: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shift", [-2, 3])
+@pytest.mark.parametrize("shift", [-2, 2])
 @pytest.mark.parametrize("name, conditions", [(name, ("HC3", "family", "family")) for name in ("em2", "em3", "em4")])
 def test_a_box_off_the_point_in_the_three_body_problem_is_not_proved(
     name: str, conditions: Sequence[str], shift: int
