@@ -204,6 +204,7 @@ class _Solution:
 
 def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Callable[[str, float], None]) -> _Solution:
     goal = ceil((digits + MARGIN_DIGITS) * log2(10))
+    enough = ceil((digits + MARGIN_DIGITS / 2) * log2(10))
     point = [Fraction(float(x)) for x in guess]
     if problem.parity is not None:
         if abs(point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
@@ -215,6 +216,7 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
     first = _first_step(problem, point)
     guard = GUARD_BITS + first.lost_bits
     target, slope, correction = first.bits - guard, first.slope, first.correction
+    slope_bits = FIRST_BITS
     previous, expected = inf, inf
     while True:
         size = _relative_size(correction, point)
@@ -225,16 +227,17 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
             raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
         # Quadratic convergence, with the constant seen in the last two steps.
         size = max(size, 2.0**-target)
-        known = min(float(target), -2 * log2(size) - max(0.0, log2(size) - log2(expected)))
+        loss = max(0.0, log2(size) - log2(expected))
+        known = min(float(target), -2 * log2(size) - loss)
         previous, expected = size, max(size**2, 2.0**-target)
-        if known >= goal - 1:
+        if known >= enough + 4:
             report("checking", 0.75)
             # At the same precision the evaluation would repeat its own rounding errors and see none of them.
             at = linearise(problem, point, goal + guard + CHECK_BITS)
             frame = problem.frame(point, at.iterates, at.context, problem.tangential)
             local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
             residual = float(max(abs(x) for x in local))
-            if residual < 10.0 ** -(digits + MARGIN_DIGITS / 2):
+            if residual < 2.0**-enough:
                 return _Solution(point, at, frame, residual, tuple(iterations), first.lost_bits)
             # The flow loses more digits than the guard bits allow for: carry more and go on.
             known = -log2(residual)
@@ -244,7 +247,10 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
         target = min(goal, max(FIRST_BITS, int(2 * known)))
         report(f"Newton step {len(iterations) + 1} with {target + guard} bits", min(0.7, 0.7 * known / goal))
         at = linearise(problem, point, target + guard)
-        slope = resonance_slope(problem, point, at, max(FIRST_BITS, target // 2 + 8) + guard)
+        # A slope as wrong as the last point leaves an error of third order: mostly the last step needs no new one.
+        if known + min(-log2(size) - loss, slope_bits) < enough + 4:
+            slope_bits = max(FIRST_BITS, target // 2 + 8)
+            slope = resonance_slope(problem, point, at, slope_bits + guard)
         correction = newton_correction(problem, at, slope)
 
 

@@ -60,6 +60,23 @@ def main() -> None:
             lambda family=family: explore.detection.detect(family, [1, 2, 3, 4]),
         )
         print(f"  found: {', '.join(f'k = {resonance.k}' for resonance in found.resonances)}")
+    for label, name, speed in (
+        ("earth-moon", "L1-halo", None), ("sun-jupiter", "L1-halo", None),
+        ("earth-moon", "L2-halo", 20.5), ("sun-jupiter", "L2-halo", 8.0),
+    ):  # fmt: skip
+        parameters = {"mu": MASS_PARAMETERS[label]}
+        limits = explore.families.Limits(coordinate_max={} if speed is None else {"vy": speed})
+        family = timed(
+            f"{label} {name} as far as the paper's tables go",
+            lambda name=name, parameters=parameters, limits=limits: explore.families.trace_family(
+                CR3BP, name, parameters, limits
+            ),
+        )
+        found = timed(
+            f"  its resonances k = 1, 2, 3, 4 ({len(family.orbits)} orbits)",
+            lambda family=family: explore.detection.detect(family, [1, 2, 3, 4]),
+        )
+        print(f"  found: {len(found.resonances)} resonances, {len(found.samples)} samples")
     odd = timed(
         "Falkner-Skan family, beta 100 to 1000, with compiling",
         lambda: explore.families.trace_family(FALKNER_SKAN, "odd", {}, explore.families.Limits()),
