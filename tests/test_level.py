@@ -16,7 +16,7 @@ import pytest
 from claims import known, moved
 from flint import arb, ctx
 
-from shared.formats import Candidate, InputError, candidate_from_json, write_candidates
+from shared.formats import Candidate, InputError, candidate_from_json, read_candidates, write_candidates
 from shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 from verify.__main__ import main
 from verify.ball_text import ball_from_json, bounds
@@ -150,7 +150,10 @@ def test_derivatives_in_both_forms_obey_the_chain_rule(name: str) -> None:
 
 
 def _same(name: str) -> None:
-    one, two = certificate(name, "coordinates"), certificate(name, "integral")
+    _compare(certificate(name, "coordinates"), certificate(name, "integral"))
+
+
+def _compare(one: Certificate, two: Certificate) -> None:
     assert (one["verdict"], two["verdict"]) == ("proved", "proved")
     assert "level_form" not in one["statement"]
     assert "level_form" in two["statement"]
@@ -183,6 +186,16 @@ def test_both_forms_prove_the_same_bifurcation(name: str) -> None:
 @pytest.mark.slow
 def test_both_forms_prove_the_same_period_quadrupling() -> None:
     _same("em4")
+
+
+FURTHER = Path(__file__).parent / "data" / "figures-candidates.json"
+SMALL_BOXES = {c.id: c for c in read_candidates(FURTHER) if c.system is CR3BP}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SMALL_BOXES)
+def test_both_forms_prove_the_same_bifurcation_in_small_boxes(name: str) -> None:
+    _compare(*(certify(SMALL_BOXES[name], Limits(level=level)) for level in ("coordinates", "integral")))
 
 
 def test_false_claims_in_level_form_are_not_proved() -> None:
