@@ -101,12 +101,15 @@ class ShootingProblem:
         parameters: exact values of its fixed parameters, by name.
         symmetry: name of a symmetry S of the system: only orbits in Fix(S); `None`: all.
         scale: shape (2 + n,), typical sizes of the unknowns; arclength is measured in units of them.
+        tolerance: length of the last Newton step in scaled unknowns at which an orbit counts as found;
+            a longer one that no further step makes shorter also counts, up to `NEWTON_ACCEPTED`.
     """
 
     system: ReversibleSystem
     parameters: Mapping[str, Fraction]
     symmetry: str | None = None
     scale: tuple[float, ...] | None = None
+    tolerance: float = NEWTON_TOLERANCE
 
     @cached_property
     def size(self) -> int:
@@ -185,8 +188,8 @@ class ShootingProblem:
             except np.linalg.LinAlgError:
                 raise CorrectionFailure("the shooting equations are singular") from None
             size = float(np.linalg.norm(step / self.scales[free]))
-            floor = NEWTON_ACCEPTED * (1.0 + float(np.linalg.norm(unknowns / self.scales)))
-            if size < NEWTON_TOLERANCE or (size < floor and size > 0.25 * last):
+            floor = max(NEWTON_ACCEPTED, self.tolerance) * (1.0 + float(np.linalg.norm(unknowns / self.scales)))
+            if size < self.tolerance or (size < floor and size > 0.25 * last):
                 return Correction(unknowns, jacobian, flow, iteration)
             if not np.isfinite(size) or (iteration > 0 and size > 2 * last and size > floor):
                 break
