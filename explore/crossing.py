@@ -49,17 +49,20 @@ def section_crossings(
     parameter_jet: Jet | None,
     context: mpmath.MPContext,
     progress: Callable[[float], None] | None = None,
+    order: int | None = None,
+    tolerance_bits: int | None = None,
 ) -> Iterator[Crossing]:
     """Crossings of the section by the solution through `start`, one after another.
 
     `start` holds a jet of mpmath numbers for each state coordinate, zero in the section coordinate;
     `parameter_jet` is that of the family parameter, if the system has one. The working precision is
-    that of `context`. Raises `IntegrationFailure` if the orbit does not return or meets a singularity.
+    that of `context`; `order` and `tolerance_bits` are those of `JetStepper`. Raises `IntegrationFailure` if
+    the orbit does not return or meets a singularity.
     """
     bits = context.prec
     basis = start[0].basis
     tape = Tape(system.program, parameters)
-    stepper = JetStepper(tape, len(system.state), basis, bits)
+    stepper = JetStepper(tape, len(system.state), basis, bits, order, tolerance_bits)
     jets = list(start)
     exponent, time, steps = -3, 0.0, 0
     while True:

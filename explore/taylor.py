@@ -67,16 +67,26 @@ class JetStepper:
     """Taylor steps for jets in a given basis, with given precision and order.
 
     `states` counts the coordinates that move; further inputs of the tape are parameters, whose jets
-    do not depend on time.
+    do not depend on time. A step may leave out 2 ** -tolerance_bits of the largest coordinate, by default
+    what the working precision cannot hold.
     """
 
-    def __init__(self, tape: Tape, states: int, basis: JetBasis, bits: int, order: int | None = None) -> None:
+    def __init__(
+        self,
+        tape: Tape,
+        states: int,
+        basis: JetBasis,
+        bits: int,
+        order: int | None = None,
+        tolerance_bits: int | None = None,
+    ) -> None:
         self.tape = tape
         self.states = states
         self.basis = basis
         self.bits = bits
         # The cost per unit of time, order^2 exp(L / order) with L = -log(tolerance), is least at L / 2.
         self.order = order if order is not None else max(12, round(0.4 * bits))
+        self._tolerance_bits = bits - _SLACK if tolerance_bits is None else tolerance_bits
         self._unit = 1 << bits
         self._constants = [round(operation.value * self._unit) for operation in tape.operations]
         self._needed = self._multiplied()
@@ -112,7 +122,7 @@ class JetStepper:
         return StepResult(series, exponent, min(length, 1.0), proposal)
 
     def _length(self, orbit: Sequence[Series]) -> float:
-        tolerance = max(abs(s[0]) for s in orbit).bit_length() - 2 * self.bits + _SLACK
+        tolerance = max(abs(s[0]) for s in orbit).bit_length() - self.bits - self._tolerance_bits
         bits_per_order = []
         for n in range(self.order - 2, self.order + 1):
             largest = max(abs(s[n]) for s in orbit).bit_length() - self.bits
