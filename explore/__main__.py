@@ -17,6 +17,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = parser().parse_args(arguments)
     try:
+        # Commands in a module of their own bring their `run` along; the others share the search.
+        if hasattr(options, "run"):
+            return int(options.run(options))
         request = check(options)
         from explore.search import run
 

@@ -14,6 +14,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NoReturn
 
+from explore import portraits_command
 from shared.formats import InputError, check_writable
 from shared.numbers import parse_exact
 from shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
@@ -145,7 +146,7 @@ def parser() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    commands = result.add_subparsers(dest="command", required=True, metavar="{candidates,family}", parser_class=Parser)
+    commands = result.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
     candidates = commands.add_parser(
         "candidates", help="find and refine bifurcations, write candidate boxes", epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
@@ -178,6 +179,8 @@ def parser() -> Parser:
     _family_options(family)
     family.add_argument("-k", nargs="+", type=_multiplicity, metavar="K", help="locate these resonances as well")
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="family file to write")
+    for command in (portraits_command,):
+        command.add_parser(commands)
     return result
 
 
