@@ -2,16 +2,13 @@
 
 The flow map over a given time and its derivative in the initial state and in the family parameter
 come from one call. Parameters and times are traced arguments, so that every mass parameter and
-every orbit shares the compiled code; compiled code is kept on disk between runs.
+every orbit shares the compiled code.
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import diffrax
@@ -20,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
+from explore.compilation import compiled, configure_jax
 from shared.systems import ReversibleSystem
 
 Vector = NDArray[np.float64]
@@ -28,32 +26,6 @@ Matrix = NDArray[np.float64]
 RELATIVE_TOLERANCE = 1e-13
 ABSOLUTE_TOLERANCE = 1e-14
 MAX_STEPS = 4000
-
-
-def cache_folder() -> Path:
-    """Where compiled code is kept: ``$XDG_CACHE_HOME/orbitproof/jax``, by default below ``~/.cache``."""
-    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    return Path(base) / "orbitproof" / "jax"
-
-
-@cache
-def configure_jax() -> None:
-    """Double precision and, where the folder can be written, a cache of compiled code."""
-    jax.config.update("jax_enable_x64", True)
-    if "JAX_PLATFORMS" not in os.environ:
-        # Small systems of equations, one at a time: nothing for an accelerator.
-        jax.config.update("jax_platforms", "cpu")
-    if jax.config.jax_compilation_cache_dir is not None:
-        return
-    folder = cache_folder()
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return
-    if os.access(folder, os.W_OK):
-        jax.config.update("jax_compilation_cache_dir", str(folder))
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
-        jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
 
 class FlowFailure(Exception):
@@ -174,4 +146,4 @@ def _compile(system: ReversibleSystem) -> Flow:
         solution = solve(initial, time, parameters, diffrax.SaveAt(t0=True, steps=True))
         return solution.ys, 1 + solution.stats["num_accepted_steps"], solution.result == diffrax.RESULTS.successful
 
-    return Flow(system, jax.jit(derivative), jax.jit(samples))
+    return Flow(system, compiled(derivative), compiled(samples))

@@ -1,0 +1,109 @@
+"""How JAX compiles here: double precision, one kernel for a small loop, compiled code kept between runs.
+
+Compiled code is kept in ``$ORBITPROOF_CACHE``, by default ``$XDG_CACHE_HOME/orbitproof/jax`` or
+``~/.cache/orbitproof/jax``, in a folder of its own for each kind of processor: code for one may not run on another.
+``ORBITPROOF_CACHE=off`` keeps nothing, and so does a folder that cannot be written. JAX's own settings
+(``JAX_COMPILATION_CACHE_DIR``, ``XLA_FLAGS``) come first where they are set. What is kept is the code that
+would be compiled again, so that it changes no result.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jax
+
+KERNEL_BYTES = 4_000_000
+"""Loops that touch less memory become one kernel. XLA otherwise calls a kernel for every few operations, which
+costs several times the arithmetic of a single orbit."""
+
+_OPTION = "--xla_backend_extra_options"
+_CORRUPT = "Error reading persistent compilation cache"
+
+
+def cache_folder() -> Path | None:
+    """Where compiled code is kept, or `None`: nowhere."""
+    chosen = os.environ.get("ORBITPROOF_CACHE")
+    if chosen is not None and chosen.strip().lower() in ("", "off"):
+        return None
+    try:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "orbitproof" / "jax"
+        return (Path(chosen).expanduser() if chosen else base) / _processor()
+    except RuntimeError:  # no home folder
+        return None
+
+
+def _processor() -> str:
+    """A short name for the processor's kind and instruction set."""
+    lines: set[str] = set()
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text("utf-8", "replace").splitlines():
+            if line.split("\t")[0].strip() in ("model name", "flags", "Features", "CPU part"):
+                lines.add(line)
+    text = "\n".join((platform.machine(), platform.processor(), *sorted(lines)))
+    return f"{platform.machine()}-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
+
+
+@cache
+def configure_jax() -> None:
+    """Double precision, small loops in one kernel and, where a folder can be written, a cache of compiled code."""
+    jax.config.update("jax_enable_x64", True)
+    flags = os.environ.get("XLA_FLAGS", "")
+    if _OPTION not in flags:
+        option = f"{_OPTION}=xla_cpu_small_while_loop_byte_threshold={KERNEL_BYTES}"
+        os.environ["XLA_FLAGS"] = f"{flags} {option}".strip()
+    if jax.config.jax_compilation_cache_dir is not None:
+        return
+    folder = cache_folder()
+    if folder is None:
+        return
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return
+    if os.access(folder, os.W_OK | os.X_OK):
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
+        jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+
+@contextmanager
+def compiling() -> Iterator[None]:
+    """Around code that may compile: a cache that cannot be read or written only costs the time to compile.
+
+    An entry that cannot be read, cut short by an interrupt, is removed; JAX would keep it for ever.
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    folder = cache_folder()
+    for warning in caught:
+        message = str(warning.message)
+        if not message.startswith(("Error reading persistent", "Error writing persistent")):
+            warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
+        elif message.startswith(_CORRUPT) and folder is not None:
+            name = message.split("'")[1]
+            for entry in folder.glob(f"{name}-*"):
+                with suppress(OSError):
+                    entry.unlink()
+
+
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """`function`, compiled at its first call for the shapes of the arguments of this call."""
+    holder: list[Callable[..., Any]] = []
+
+    def call(*arguments: Any) -> Any:
+        if not holder:
+            with compiling():
+                holder.append(jax.jit(function).lower(*arguments).compile())
+        return holder[0](*arguments)
+
+    return call
