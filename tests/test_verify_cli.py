@@ -13,13 +13,13 @@ from typing import Any
 import pytest
 from flint import ctx
 
-import verify.workers
+import verify.__main__
 from shared.formats import candidate_from_json
 from verify.__main__ import main
 from verify.ball_text import ball_from_json, count_certain_digits
 from verify.certificate import Certificate
-from verify.certify import Limits
-from verify.outcome import NotProved, Reason
+from verify.certify import Limits, certify, not_proved
+from verify.outcome import Reason
 from verify.workers import certify_all
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -73,13 +73,12 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the candidates that are certified; what is certified is not proved, at once."""
     names: list[str] = []
 
-    def stub(candidate: Any, limits: Limits, progress: Any) -> Certificate:
-        names.append(candidate.id)
-        outcome = NotProved(Reason("stub", "message", "remedy"))
-        computation = {"precision": 64, "order": 16, "steps": 0, "attempts": 1, "seconds": 0.0}
-        return verify.workers.make_certificate(candidate, outcome, computation)
+    def stub(candidates: Any, limits: Limits, jobs: int, progress: Any, finished: Any) -> None:
+        for candidate in candidates:
+            names.append(candidate.id)
+            finished(not_proved(candidate, Reason("stub", "message", "remedy"), 0.0))
 
-    monkeypatch.setattr(verify.workers, "certify", stub)
+    monkeypatch.setattr(verify.__main__, "certify_all", stub)
     return names
 
 
@@ -179,14 +178,12 @@ def test_a_file_that_holds_no_certificates_is_not_overwritten(
 
 def test_finished_rows_survive_an_interrupt(tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     source, target = tmp_path / "candidates.json", tmp_path / "certificates.json"
-    certify = verify.workers.certify
 
-    def interrupted(candidate: Any, limits: Limits, progress: Any) -> Certificate:
-        if candidate.id == TRUE["id"]:
-            raise KeyboardInterrupt
-        return certify(candidate, limits, progress)
+    def interrupted(candidates: Any, limits: Limits, jobs: int, progress: Any, finished: Any) -> None:
+        finished(certify(candidates[0], limits))
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr(verify.workers, "certify", interrupted)
+    monkeypatch.setattr(verify.__main__, "certify_all", interrupted)
     assert main([write(source, HOPELESS, TRUE, FALSE), "-o", str(target), "--quiet"]) == 1
     output, errors = capsys.readouterr()
     assert list(read(target)) == [HOPELESS["id"]]

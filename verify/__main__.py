@@ -10,10 +10,10 @@ from typing import NoReturn
 
 from shared.formats import Candidate, InputError, check_writable, read_candidates
 from verify.certificate import Certificate, is_proof_of, read_certificates, write_certificates
-from verify.certify import GREATEST_PRECISION, LEAST_PRECISION, Limits
+from verify.certify import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from verify.recheck import Recheck
 from verify.report import Display, recheck_table, verdict_table
-from verify.workers import certify_all, recheck_all
+from verify.workers import GRACE_SECONDS, certify_all, recheck_all
 
 _EXAMPLES = """\
 examples:
@@ -58,12 +58,18 @@ def _parser() -> argparse.ArgumentParser:
         help="certain digits of the parameter to aim for (default: %(default)s)",
     )  # fmt: skip
     parser.add_argument(
-        "--level", choices=("auto", "integral", "coordinates"), default=Limits.level,
+        "--level", choices=LEVELS, default=Limits.level,
         help="parameter of Hamiltonian rows: the level of the first integral, a coordinate of Fix(R) following from it "
         "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)",
     )  # fmt: skip
-    parser.add_argument("--row-timeout", type=_seconds, metavar="SECONDS", help="give a candidate up after this time")
-    parser.add_argument("--jobs", type=_positive_integer, default=1, metavar="N", help="processes (default: 1)")
+    parser.add_argument(
+        "--row-timeout", type=_seconds, metavar="SECONDS",
+        help=f"give a candidate up after this time; its process is ended {GRACE_SECONDS:g} s later",
+    )  # fmt: skip
+    parser.add_argument(
+        "--jobs", type=_positive_integer, default=1, metavar="N",
+        help="candidates side by side, each in a process of its own (default: 1)",
+    )  # fmt: skip
     parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
     parser.add_argument("--fresh", action="store_true", help="verify again what an earlier run proved")
     parser.add_argument("--recheck", action="store_true", help="check the certificates of a file again")

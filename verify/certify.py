@@ -1,7 +1,7 @@
 """Certification of one candidate: symmetries, frames, integration, conditions; more precision if it helps.
 
 The first precision follows from the radii; whatever fails for want of precision is tried again with
-more, up to a limit. Nothing that a well-formed candidate can contain raises an exception here.
+more, up to a limit. No exception leaves `certify`: what breaks off proves nothing, for whatever reason.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, isfinite
 
 import numpy as np
 from flint import arb, ctx
@@ -30,6 +30,7 @@ Progress = Callable[[float, str], None]
 
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
+LEVELS = ("auto", "integral", "coordinates")
 GUARD_BITS = 64
 """Bits that the conditions are evaluated with beyond those of the integration."""
 
@@ -52,7 +53,7 @@ _AT_THE_PARAMETER = (
 
 @dataclass(frozen=True)
 class Limits:
-    """How far to go for one candidate.
+    """How far to go for one candidate. Raises `ValueError` if a limit makes no sense.
 
     Attributes:
         max_precision: bits that are never exceeded.
@@ -66,6 +67,16 @@ class Limits:
     digits: int = 30
     timeout: float | None = None
     level: str = "auto"
+
+    def __post_init__(self) -> None:
+        if not LEAST_PRECISION <= self.max_precision <= GREATEST_PRECISION:
+            raise ValueError(f"max_precision: {self.max_precision} bits are too few or too many")
+        if self.digits < 1:
+            raise ValueError(f"digits: {self.digits} is not positive")
+        if self.timeout is not None and not (isfinite(self.timeout) and self.timeout > 0):
+            raise ValueError(f"timeout: {self.timeout} is not a positive number of seconds")
+        if self.level not in LEVELS:
+            raise ValueError(f"level: {self.level!r} is none of {', '.join(LEVELS)}")
 
 
 class _OutOfTime(Exception):
@@ -118,9 +129,37 @@ def certify(
     """The certificate of a candidate, proved or not.
 
     `progress` is called with the fraction of the current attempt and a word on what is being done.
+    An exception of any kind, a defect of this program included, gives "not proved" with that reason.
     """
     limits = Limits() if limits is None else limits
     start = time.monotonic()
+    try:
+        return _certify(candidate, limits, start, progress, integrate)
+    except Exception as error:
+        return not_proved(candidate, broken_off("verification", error), time.monotonic() - start)
+
+
+def not_proved(candidate: Candidate, reason: Reason, seconds: float) -> Certificate:
+    """The certificate of a candidate of which nothing but a reason is known."""
+    computation = {"precision": 0, "order": 0, "steps": 0, "attempts": 1, "seconds": round(seconds, 3)}
+    return make_certificate(candidate, NotProved(reason), computation)
+
+
+def broken_off(stage: str, error: Exception) -> Reason:
+    """The reason of a stage that ended with an exception that no hypothesis accounts for."""
+    message = " ".join(f"the {stage} broke off: {type(error).__name__}: {error}".split()).removesuffix(":")
+    if isinstance(error, MemoryError):
+        remedy = "free memory, or give fewer --jobs or --max-precision less"
+    elif isinstance(error, (ArithmeticError, ValueError)):
+        remedy = "smaller radii or another centre"
+    else:
+        remedy = "report it together with the candidate: this is a defect of the verifier"
+    return Reason(stage, message, remedy)
+
+
+def _certify(
+    candidate: Candidate, limits: Limits, start: float, progress: Progress | None, integrate: Integrator
+) -> Certificate:
     tried: list[tuple[Candidate | None, _Attempt]] = []
     attempts = 0
     for form in _forms(candidate, limits.level):
@@ -271,27 +310,31 @@ def _attempt(
 ) -> _Attempt:
     checklist = Checklist()
 
-    def refused(reason: Reason, order: int = 0, steps: int = 0) -> _Attempt:
-        return _Attempt(NotProved(reason, tuple(checklist.hypotheses)), precision, order, steps)
+    def refused(reason: Reason) -> _Attempt:
+        return _Attempt(NotProved(reason, tuple(checklist.hypotheses)), precision, 0, 0)
 
     theorem = theorem_of(candidate)
     if isinstance(theorem, Reason):
         return refused(theorem)
+    stage = "exact checks"
     with ctx.workprec(precision + GUARD_BITS):
         try:
             check_exactly(checklist, candidate)
+            stage = "integration"
             # Bounds that overflow are infinite, and what is infinite proves nothing.
             with np.errstate(all="ignore"):
-                enclosures = integrate(candidate, IntegratorSettings(precision, accuracy=accuracy), report)
+                found = integrate(candidate, IntegratorSettings(precision, accuracy=accuracy), report)
+            stage = "evaluation"
+            outcome = prove(candidate, checklist, found.iterates, found.first_integral, found.return_times)
+        except _OutOfTime:
+            raise
         except NotEstablishedError as error:
             return refused(error.reason)
         except IntegrationFailure as error:
             return refused(_reason(error))
-        except (ArithmeticError, ValueError) as error:
-            message = f"the integration broke off: {type(error).__name__}: {error}"
-            return refused(Reason("integration", message, "smaller radii or another centre"))
-        outcome = prove(candidate, checklist, enclosures.iterates, enclosures.first_integral, enclosures.return_times)
-        return _Attempt(outcome, precision, enclosures.order, enclosures.steps, enclosures)
+        except Exception as error:
+            return refused(broken_off(stage, error))
+        return _Attempt(outcome, precision, found.order, found.steps, found)
 
 
 def _reason(failure: IntegrationFailure) -> Reason:

@@ -18,7 +18,7 @@ from flint import arb, ctx
 from shared.formats import Candidate, InputError, candidate_from_json, validate_document
 from verify.ball_text import ball_from_json, decimal_interval
 from verify.certificate import Certificate, digest, make_certificate, software
-from verify.certify import GREATEST_PRECISION, GUARD_BITS, LEAST_PRECISION, check_exactly, for_origin
+from verify.certify import GREATEST_PRECISION, GUARD_BITS, LEAST_PRECISION, broken_off, check_exactly, for_origin
 from verify.derivatives import DerivativeTable
 from verify.failure import IntegrationFailure
 from verify.level_form import level_form
@@ -70,7 +70,18 @@ class Recheck:
 def recheck(
     certificate: Certificate, integrate: bool = False, progress: Callable[[float], None] | None = None
 ) -> Recheck:
-    """Check a certificate that fits the schema again; with `integrate`, the second level too."""
+    """Check a certificate that fits the schema again; with `integrate`, the second level too.
+
+    An exception of any kind is a finding: what could not be checked does not stand.
+    """
+    try:
+        return _recheck(certificate, integrate, progress)
+    except Exception as error:
+        finding = Finding("the check", broken_off("check", error).message)
+        return Recheck(str(certificate["id"]), str(certificate["verdict"]), 0, (finding,))
+
+
+def _recheck(certificate: Certificate, integrate: bool, progress: Callable[[float], None] | None) -> Recheck:
     name, verdict = str(certificate["id"]), str(certificate["verdict"])
     findings = list(_digest_findings(certificate))
     try:
@@ -227,8 +238,8 @@ def _integrate_again(
     except IntegrationFailure as error:
         yield Finding(place, error.message)
         return
-    except (ArithmeticError, ValueError) as error:
-        yield Finding(place, f"broke off: {type(error).__name__}: {error}")
+    except Exception as error:
+        yield Finding(place, broken_off("integration", error).message)
         return
     tables = list(_pairs(stored, fresh))
     if len(tables) != sum(len(components) for components in stored.iterates) + (stored.first_integral is not None):

@@ -1,7 +1,8 @@
-"""Certification of several candidates, in this process or in worker processes.
+"""Certification of several candidates in worker processes.
 
-The precision of Arb is global to a process, so rows run side by side only in processes of their own.
-These are started afresh (no fork) and get and return JSON text.
+The precision of Arb is global to a process, so rows run side by side only in processes of their own. Even
+one row at a time has a process: FLINT ends the process if memory is short, and a step that takes too long
+can only be ended with it. Processes are started afresh (no fork) and get and return JSON text.
 """
 
 from __future__ import annotations
@@ -22,14 +23,16 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from shared.formats import Candidate, candidate_from_json
-from verify.certificate import Certificate, make_certificate
-from verify.certify import Limits, certify
-from verify.outcome import NotProved, Reason
+from verify.certificate import Certificate
+from verify.certify import Limits, broken_off, certify, not_proved
+from verify.outcome import Reason
 from verify.recheck import Finding, Recheck, recheck
 
 _REPORT_SECONDS = 0.25
 _PATIENCE_SECONDS = 2.0
-_START_SECONDS = 3.0
+_START_SECONDS = 20.0
+GRACE_SECONDS = 2.0
+"""A row that has come to its time limit may take so long to hand over what it has; then its process is ended."""
 
 Progress = Callable[[str, float, str], None]
 """Called with a candidate's id, the fraction of its current attempt, and a word on it."""
@@ -41,14 +44,41 @@ def certify_all(
 ) -> None:
     """Certify every candidate and hand each certificate to `finished`, in the order in which they are done.
 
-    A time limit is kept from outside: only another process can end an integration step that takes too long.
+    A row takes at most the time limit and `GRACE_SECONDS`; what became of a process that was ended, or that
+    ended by itself, is the reason of its row.
     """
-    jobs = min(jobs, len(candidates))
-    if jobs > 1 or (jobs == 1 and limits.timeout is not None):
-        _in_processes(candidates, limits, jobs, progress, finished)
-        return
-    for candidate in candidates:
-        finished(certify(candidate, limits, _for_row(progress, candidate.id)))
+    waiting = deque(candidates)
+    workers: dict[int, _Worker] = {}
+    with _stopping(workers):
+        for _ in range(min(jobs, len(candidates))):
+            _start(workers, waiting.popleft(), limits)
+        while workers:
+            for connection in wait([worker.connection for worker in workers.values()], _REPORT_SECONDS):
+                number, worker = next((n, w) for n, w in workers.items() if w.connection is connection)
+                try:
+                    message: Mapping[str, Any] = json.loads(worker.connection.recv())
+                except (EOFError, OSError):
+                    worker.process.join(_PATIENCE_SECONDS)
+                    _replace(workers, number, waiting, limits, finished, _lost(worker))
+                    continue
+                if "begun" in message:
+                    worker.begin(limits)
+                elif "fraction" in message:
+                    progress(worker.candidate.id, message["fraction"], message["label"])
+                else:
+                    certificate = _certificate(worker, message)
+                    if waiting:
+                        worker.give(waiting.popleft(), limits)
+                    else:
+                        del workers[number]
+                        worker.connection.close()
+                        worker.process.join(_PATIENCE_SECONDS)
+                    finished(certificate)
+            for number, worker in list(workers.items()):
+                if worker.deadline is not None and time.monotonic() > worker.deadline:
+                    worker.process.kill()
+                    worker.process.join(_PATIENCE_SECONDS)
+                    _replace(workers, number, waiting, limits, finished, _too_slow(worker, limits))
 
 
 def recheck_all(
@@ -91,47 +121,28 @@ def _for_row(progress: Progress, name: str) -> Callable[[float, str], None]:
 
 @dataclass
 class _Worker:
+    """A process and the candidate that it checks; the deadline counts from when it says that it has begun."""
+
     process: BaseProcess
     connection: Connection
     candidate: Candidate
-    started: float
+    started: float = 0.0
+    deadline: float | None = None
 
+    def give(self, candidate: Candidate, limits: Limits) -> None:
+        """Send a task."""
+        self.candidate = candidate
+        self.begin(limits, _START_SECONDS)
+        # If the process has died meanwhile, the next look at the connection says so.
+        task = {"candidate": candidate.to_json(provenance=False), "limits": asdict(limits)}
+        with suppress(OSError):
+            self.connection.send(json.dumps(task))
 
-def _in_processes(
-    candidates: Sequence[Candidate], limits: Limits, jobs: int, progress: Progress, finished: Finished
-) -> None:
-    waiting = deque(candidates)
-    workers: dict[int, _Worker] = {}
-    with _stopping(workers):
-        for _ in range(jobs):
-            _start(workers, waiting.popleft(), limits)
-        while workers:
-            for connection in wait([worker.connection for worker in workers.values()], _REPORT_SECONDS):
-                number, worker = next((n, w) for n, w in workers.items() if w.connection is connection)
-                try:
-                    message: Mapping[str, Any] = json.loads(worker.connection.recv())
-                except (EOFError, OSError):
-                    worker.process.join(_PATIENCE_SECONDS)
-                    _replace(workers, number, waiting, limits, finished, _lost(worker))
-                    continue
-                if "certificate" not in message:
-                    progress(worker.candidate.id, message["fraction"], message["label"])
-                    continue
-                if waiting:
-                    worker.candidate, worker.started = waiting.popleft(), time.monotonic()
-                    # If the process has died meanwhile, the next look at the connection says so.
-                    with suppress(OSError):
-                        worker.connection.send(_task(worker.candidate, limits))
-                else:
-                    del workers[number]
-                    worker.connection.close()
-                    worker.process.join(_PATIENCE_SECONDS)
-                finished(message["certificate"])
-            for number, worker in list(workers.items()):
-                if limits.timeout is not None and time.monotonic() - worker.started > _longest(limits.timeout):
-                    worker.process.kill()
-                    worker.process.join(_PATIENCE_SECONDS)
-                    _replace(workers, number, waiting, limits, finished, _too_slow(worker, limits.timeout))
+    def begin(self, limits: Limits, delay: float = 0.0) -> None:
+        """Start the clock, `delay` seconds from now."""
+        self.started = time.monotonic()
+        if limits.timeout is not None:
+            self.deadline = self.started + delay + limits.timeout + GRACE_SECONDS
 
 
 def _replace(
@@ -149,20 +160,29 @@ def _replace(
     finished(certificate)
 
 
-def _longest(timeout: float) -> float:
-    """Seconds after which a process is ended that has not kept the time limit by itself; it takes some to start."""
-    return timeout + max(_PATIENCE_SECONDS + _START_SECONDS, timeout / 10)
-
-
 def _start(workers: dict[int, _Worker], candidate: Candidate, limits: Limits) -> None:
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     process = context.Process(target=_serve, args=(there,), daemon=True)
-    process.start()
+    with _holding_interrupts():
+        process.start()
     there.close()
-    with suppress(OSError):
-        here.send(_task(candidate, limits))
-    workers[max(workers, default=0) + 1] = _Worker(process, here, candidate, time.monotonic())
+    worker = _Worker(process, here, candidate)
+    worker.give(candidate, limits)
+    workers[max(workers, default=0) + 1] = worker
+
+
+@contextmanager
+def _holding_interrupts() -> Iterator[None]:
+    """Keep Ctrl-C back; a process that is started meanwhile never sees it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -177,25 +197,26 @@ def _stopping(workers: Mapping[int, _Worker]) -> Iterator[None]:
             worker.process.join(_PATIENCE_SECONDS)
 
 
-def _task(candidate: Candidate, limits: Limits) -> str:
-    return json.dumps({"candidate": candidate.to_json(provenance=False), "limits": asdict(limits)})
+def _certificate(worker: _Worker, message: Mapping[str, Any]) -> Certificate:
+    if "certificate" in message:
+        certificate: Certificate = message["certificate"]
+        return certificate
+    return _not_proved(worker, Reason(**message["reason"]))
 
 
 def _lost(worker: _Worker) -> Certificate:
     code = worker.process.exitcode
     message = f"the process that checked it ended before it was done (exit code {code})"
-    return _not_proved(worker, Reason("process", message, "free memory or give fewer --jobs"))
+    return _not_proved(worker, Reason("process", message, "free memory, or give fewer --jobs or --max-precision less"))
 
 
-def _too_slow(worker: _Worker, timeout: float) -> Certificate:
-    message = f"the time limit of {timeout:g} s passed within one step; the process was ended"
+def _too_slow(worker: _Worker, limits: Limits) -> Certificate:
+    message = f"the time limit of {limits.timeout:g} s passed within one step; the process was ended"
     return _not_proved(worker, Reason("time", message, "give --row-timeout more seconds or --max-precision less"))
 
 
 def _not_proved(worker: _Worker, reason: Reason) -> Certificate:
-    seconds = round(time.monotonic() - worker.started, 3)
-    computation = {"precision": 0, "order": 0, "steps": 0, "attempts": 1, "seconds": seconds}
-    return make_certificate(worker.candidate, NotProved(reason), computation)
+    return not_proved(worker.candidate, reason, time.monotonic() - worker.started)
 
 
 def _serve(connection: Connection) -> None:
@@ -214,8 +235,16 @@ def _serve(connection: Connection) -> None:
     try:
         while True:
             task = json.loads(connection.recv())
-            candidate = candidate_from_json(task["candidate"], "candidate")
-            certificate = certify(candidate, Limits(**task["limits"]), report)
-            connection.send(json.dumps({"certificate": certificate}))
+            connection.send(json.dumps({"begun": True}))
+            connection.send(_answer(task, report))
     except (EOFError, OSError):
         return
+
+
+def _answer(task: Mapping[str, Any], report: Callable[[float, str], None]) -> str:
+    """The certificate, or why there is none, as text."""
+    try:
+        candidate = candidate_from_json(task["candidate"], "candidate")
+        return json.dumps({"certificate": certify(candidate, Limits(**task["limits"]), report)})
+    except Exception as error:
+        return json.dumps({"reason": asdict(broken_off("verification", error))})
