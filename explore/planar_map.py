@@ -27,6 +27,8 @@ _SAMPLES = 4001
 _BISECTIONS = 60
 _SAME = 1e-6
 _LONGEST = 1000
+_NEAR = 1e-5
+_SPACING = 2e-3
 
 
 @dataclass(frozen=True)
@@ -57,12 +59,13 @@ class ReversibleMap:
 
     def iterates(self, point: Array, count: int, radius: float) -> Array:
         """point, f(point), .. as long as they stay within `radius` of 0, at most `count` points."""
-        rows = [point]
+        x, y = map(float, point)
+        rows = [(x, y)]
         while len(rows) < count:
-            following = self(rows[-1])
-            if not np.hypot(*following) <= radius:
+            x, y = y, 2 * y * (self.c + y * (self.a + y * self.b)) - x
+            if not x * x + y * y <= radius * radius:
                 break
-            rows.append(following)
+            rows.append((x, y))
         return np.array(rows)
 
     def derivative(self, point: Array, k: int) -> Array:
@@ -157,7 +160,7 @@ def unstable_manifold(mapping: ReversibleMap, orbit: PeriodicOrbit, radius: floa
         # A branch of a negative multiplier returns to itself after two iterations only.
         repeat = 1 if multiplier > 0 else 2
         factor = abs(multiplier) ** repeat
-        steps = np.geomspace(1e-6, 1e-6 * factor, max(40, int(40 * np.log(factor))), endpoint=False)
+        steps = np.geomspace(_NEAR, _NEAR * factor, max(4, int(40 * np.log(factor))), endpoint=False)
         for sign in (1.0, -1.0):
             branches.append(_branch(mapping, point + sign * steps[:, None] * direction, k * repeat, radius, length))
     return [branch for branch in branches if len(branch) > 1]
@@ -171,7 +174,8 @@ def _branch(mapping: ReversibleMap, segment: Array, k: int, radius: float, lengt
             total += float(np.linalg.norm(row - last))
             if not np.hypot(*row) <= radius or total > length:
                 return np.array(rows)
-            rows.append(row)
+            if not rows or np.linalg.norm(row - rows[-1]) > _SPACING * radius:
+                rows.append(row)
             last = row
         segment = mapping.power(segment, k)
 

@@ -17,11 +17,11 @@ import numpy as np
 from explore.planar_map import Array, PeriodicOrbit, Portrait, ReversibleMap
 from shared.formats import InputError, read_document, validate_document, write_text
 
-_DIGITS = 6
+_DIGITS = 5
 
 
 def write_portraits(path: Path, portraits: Sequence[Portrait]) -> None:
-    """Write a portrait file, whole or not at all; coordinates to 6 decimals. Raises `InputError`."""
+    """Write a portrait file, whole or not at all; coordinates to 5 decimals. Raises `InputError`."""
     document = {
         "format": "orbitproof-portraits",
         "version": 1,
@@ -33,7 +33,7 @@ def write_portraits(path: Path, portraits: Sequence[Portrait]) -> None:
 
 def _to_json(portrait: Portrait) -> dict[str, Any]:
     def rounded(lines: Sequence[Array]) -> list[Any]:
-        return [np.round(line, _DIGITS).tolist() for line in lines]
+        return [np.round(line.T, _DIGITS).tolist() for line in lines]
 
     mapping = portrait.map
     return {
@@ -58,9 +58,12 @@ def read_portraits(path: Path) -> list[Portrait]:
 
 def _portrait(entry: Mapping[str, Any], source: str) -> Portrait:
     def lines(name: str) -> tuple[Array, ...]:
-        arrays = tuple(np.array(rows, dtype=float) for rows in entry[name])
-        if not all(np.all(np.isfinite(array)) for array in arrays):
-            raise InputError(f"{source}.{name}: a number is too large for a double; write the file again")
+        try:
+            arrays = tuple(np.array(columns, dtype=float).T for columns in entry[name])
+        except (TypeError, ValueError):
+            raise InputError(f"{source}.{name}: not two rows of numbers of one length; write the file again") from None
+        if not all(array.ndim == 2 and np.all(np.isfinite(array)) for array in arrays):
+            raise InputError(f"{source}.{name}: not two rows of finite numbers; write the file again")
         return arrays
 
     numbers = [entry["parameter"], entry["window"], *entry["map"].values()]
