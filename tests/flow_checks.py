@@ -169,8 +169,9 @@ def to_section(system: ReversibleSystem, model: Model, time: Fraction, steps: in
     step = Fraction((time.numerator << bits) // (time.denominator * steps), 1 << bits)
     for _ in range(steps):
         model = Model(model.arithmetic, follow(program, model, step).end, model.parameters)
+    section_program = build_section_program(system.program, len(system.state), system.section_index)
     image, elapsed = onto_section(
-        system, build_section_program(system), model.arithmetic, model.state, model.parameters
+        section_program, system.section_index, model.arithmetic, model.state, model.parameters
     )
     image[system.section_index] = model.arithmetic.constant(Fraction(0))
     return Model(model.arithmetic, tuple(image), model.parameters), elapsed

@@ -17,6 +17,24 @@ _DEPTH = 14
 _BITS = 96
 
 
+def stays_positive(series: Series) -> bool:
+    """Whether a function is positive on [0, 1] for all real points of the box, for certain."""
+    previous = ctx.prec
+    ctx.prec = _BITS
+    try:
+        return _stays_positive(_Enclosure(series), arb(0), arb(1), 0)
+    finally:
+        ctx.prec = previous
+
+
+def _stays_positive(function: _Enclosure, left: arb, right: arb, depth: int) -> bool:
+    sign = function.sign(left, right)
+    if sign or depth == _DEPTH:
+        return sign > 0
+    middle = (left + right) / 2
+    return _stays_positive(function, left, middle, depth + 1) and _stays_positive(function, middle, right, depth + 1)
+
+
 class CrossingCounter:
     """Number of proven crossings after the start.
 

@@ -17,18 +17,21 @@ from shared.formats import Candidate
 from shared.program import Program
 from verify.algebra import Arithmetic, Series
 from verify.centre import fixed_coefficients, float_coefficients, step_size
-from verify.crossing import CrossingCounter
+from verify.coordinates import PHYSICAL, Coordinates, choose, physical, regularised
+from verify.crossing import CrossingCounter, stays_positive
 from verify.derivatives import DerivativeTable, derivative_table, rational_ball
 from verify.evaluation import Evaluation, integer_part, prepare
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.level import level_program, quadratic_coefficient
 from verify.norms import total
-from verify.section import build_section_program, onto_section
-from verify.step import advance
+from verify.section import onto_section
+from verify.step import FlowStep, advance
 
 BOX_RATIO = Fraction(1, 4)
 """The box is this fraction of the polydisc on which the orbits are enclosed (section 6)."""
+
+AUTO, REGULARISED = "auto", "regularised"
 
 _MAX_STEPS = 4000
 _STEP_BITS = 12
@@ -44,6 +47,8 @@ class IntegratorSettings:
     Attributes:
         precision: fractional bits of the fixed-point format.
         order: degree of the time expansions; `None` chooses it from the precision.
+        coordinates: "physical", "regularised" (where the system has such coordinates), or "auto" for
+            those in which the orbit takes less time.
         accuracy: bits that the errors of the last crossing and of its derivative should have; if the
             first returns show that they will not, the integration is given up early. `None` goes on
             in any case.
@@ -52,6 +57,7 @@ class IntegratorSettings:
     precision: int
     order: int | None = None
     accuracy: tuple[int, int] | None = None
+    coordinates: str = AUTO
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,7 @@ class Enclosures:
         order: degree of the time expansions.
         precision: bits of the fixed-point format.
         steps: number of integration steps.
+        coordinates: in which the orbits were followed.
     """
 
     iterates: tuple[tuple[DerivativeTable, ...], ...]
@@ -73,6 +80,7 @@ class Enclosures:
     order: int
     precision: int
     steps: int
+    coordinates: str = PHYSICAL
 
 
 def grading_for(kind: str, k: int, dimension: int) -> Grading:
@@ -107,7 +115,7 @@ def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTa
     previous = ctx.prec
     ctx.prec = precision + 64
     try:
-        return _Integration(candidate, IntegratorSettings(precision, 1), None).first_integral
+        return _Integration(candidate, IntegratorSettings(precision, 1, coordinates=PHYSICAL), None).first_integral
     finally:
         ctx.prec = previous
 
@@ -127,17 +135,24 @@ class _Integration:
         order = settings.order if settings.order is not None else default_order(bits)
         further, loss = _grade_bits(grading, self.scales, bits)
         self.arithmetic = Arithmetic(grading, bits, further, order, loss)
-        self.program = prepare(system.program)
-        self.section_program = build_section_program(system)
         point = self._box()
-        self.state = [point.get(name, self._zero()) for name in system.state]
+        initial = [point.get(name, self._zero()) for name in system.state]
         self.parameters = [
             point[name] if name in point else self.arithmetic.constant(candidate.parameters[name])
             for name in system.parameters
         ]
-        if candidate.level_sign is not None:
-            self._complete(candidate.level_sign, point[candidate.coordinates[0]])
-        self.first_integral = self._first_integral()
+        level = None if candidate.level_sign is None else point[candidate.coordinates[0]]
+        if candidate.level_sign is not None and level is not None:
+            self._complete(candidate.level_sign, initial, level)
+        else:
+            level = self._first_integral(initial)
+        self.first_integral = (
+            None
+            if level is None or candidate.level_sign is not None
+            else derivative_table(level, self.scales, BOX_RATIO)
+        )
+        self.coordinates = self._choose(settings.coordinates, initial, level)
+        self.state, self.constants = self._enter(initial, level)
         self.accuracy = settings.accuracy
         self.first_error_bits = (0.0, 0.0)
         self.tolerance = float(-bits)
@@ -163,31 +178,53 @@ class _Integration:
             result[name] = self.arithmetic.polynomial(terms)
         return result
 
-    def _complete(self, sign: int, level: Series) -> None:
+    def _complete(self, sign: int, initial: list[Series], level: Series) -> None:
         """Set the coordinate that follows from the level of the first integral."""
         name = self.system.level_coordinate
         if name is None or not quadratic_coefficient(self.system):
             raise IntegrationFailure(
                 "level", f"no coordinate of {self.system.name} follows from the first integral", "leave parameter out"
             )
-        value = self._evaluate(level_program(self.system, sign), (*self.state, *self.parameters, level))
-        self.state[self.system.state.index(name)] = Series(self.arithmetic, value.coefs, value.errors)
+        (value,) = self._evaluate(level_program(self.system, sign), (*initial, *self.parameters, level))
+        initial[self.system.state.index(name)] = value
 
-    def _first_integral(self) -> DerivativeTable | None:
+    def _first_integral(self, initial: Sequence[Series]) -> Series | None:
         program = self.system.first_integral_program
-        if program is None or self.candidate.level_sign is not None:
-            return None
-        return derivative_table(self._evaluate(program, (*self.state, *self.parameters)), self.scales, BOX_RATIO)
+        return None if program is None else self._evaluate(program, (*initial, *self.parameters))[0]
 
-    def _evaluate(self, program: Program, arguments: Sequence[Series]) -> Series:
-        """The value of a program on Fix(R): initial values do not depend on time, so degree 0 does."""
+    def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
+        bits, degree = self.arithmetic.bits, self.arithmetic.degree
+        if wanted == PHYSICAL or level is None:
+            return physical(self.system)
+        state, parameters, (value,) = (
+            _rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
+        )
+        if wanted == REGULARISED:
+            return regularised(self.system, state, parameters) or physical(self.system)
+        return choose(self.system, state, parameters, value, bits, degree)
+
+    def _enter(self, initial: list[Series], level: Series | None) -> tuple[list[Series], list[Series]]:
+        """The initial state in the coordinates that are integrated, and the constants of motion."""
+        embedding = self.coordinates.embedding
+        if embedding is None or level is None:
+            return initial, self.parameters
+        return self._evaluate(embedding, (*initial, *self.parameters)), [*self.parameters, level]
+
+    def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
+        """The system's own state."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return image
+        return self._evaluate(regularisation.projection_program, (*image, *self.parameters))
+
+    def _evaluate(self, program: Program, arguments: Sequence[Series]) -> list[Series]:
+        """Values of a program at states that do not depend on time, so that degree 0 does."""
         flat = Arithmetic(self.arithmetic.grading, self.arithmetic.bits, self.arithmetic.grade_bits, 0)
         inputs = [Series(flat, x.coefs, x.errors) for x in arguments]
         evaluation = Evaluation(prepare(program), flat)
         for position in range(len(flat.grading.monomials)):
             evaluation.fill(position, [x.coefs[position] for x in inputs])
-        (value,) = evaluation.enclose(inputs)
-        return value
+        return [Series(self.arithmetic, x.coefs, x.errors) for x in evaluation.enclose(inputs)]
 
     def run(self) -> Enclosures:
         k = self.candidate.k
@@ -204,15 +241,16 @@ class _Integration:
                 self.progress((len(iterates) + (0.0 if at_section else 0.5)) / k)
         return Enclosures(
             tuple(iterates), self.first_integral, tuple(self.return_times),
-            self.arithmetic.degree, self.arithmetic.bits, self.steps,
+            self.arithmetic.degree, self.arithmetic.bits, self.steps, self.coordinates.name,
         )  # fmt: skip
 
     def _step(self, number: int) -> bool:
         """Advance by one step; true if it ends, at the centre, at the next crossing."""
         bits, degree = self.arithmetic.bits, self.arithmetic.degree
         centre = [int(x.coefs[0][0]) for x in self.state]
-        constants = [int(p.coefs[0][0]) for p in self.parameters]
-        rough = float_coefficients(self.program, _rough(centre, bits), _rough(constants, bits), _ROUGH_DEGREE)
+        constants = [int(p.coefs[0][0]) for p in self.constants]
+        program, section = self.coordinates.program, self.coordinates.section
+        rough = float_coefficients(program, _rough(centre, bits), _rough(constants, bits), _ROUGH_DEGREE)
         size = step_size(rough, self.tolerance, degree)
         if size < _LEAST_STEP:
             raise IntegrationFailure(
@@ -221,13 +259,13 @@ class _Integration:
                 "the orbit comes too close to a singularity of the vector field: give another centre",
             )
         step = _dyadic_below(size)
-        coefficients = fixed_coefficients(self.program, centre, constants, degree, bits, step)
-        root = _next_crossing(coefficients[self.system.section_index], bits, self.at_section)
+        coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        root = _next_crossing(coefficients[section], bits, self.at_section)
         if root is not None:
             step = step * root
-            coefficients = fixed_coefficients(self.program, centre, constants, degree, bits, step)
-        flow = advance(self.program, self.arithmetic, coefficients, self.state, self.parameters, step)
-        section = self.system.section_index
+            coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        flow = advance(program, self.arithmetic, coefficients, self.state, self.constants, step)
+        self._check_time(flow)
         self.counter.cover(flow.solution[section], flow.slopes[section], self.time, rational_ball(step))
         self.state = list(flow.end)
         self.time = self.time + rational_ball(step)
@@ -246,7 +284,10 @@ class _Integration:
                 "the orbit may touch the section: give smaller radii or another centre",
                 needs_precision=True,
             )
-        image, elapsed = onto_section(self.system, self.section_program, self.arithmetic, self.state, self.parameters)
+        coordinates = self.coordinates
+        image, elapsed = onto_section(
+            coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
+        )
         delay = total(elapsed.norm())
         when = self.time + arb(0, delay)
         clear = self.counter.clear_time
@@ -256,11 +297,34 @@ class _Integration:
                 f"the time of crossing {number} is not separated from the crossing before it",
                 "the box is too large: give smaller radii",
             )
-        self.return_times.append(when)
+        self.return_times.append(when if coordinates.regularisation is None else self._time(image))
+        state = self._leave(image)
         if number < self.candidate.k:
             self._check_accuracy(number)
         return tuple(
-            derivative_table(self._combine(image, row), self.scales, BOX_RATIO) for row in self.candidate.kernel_frame
+            derivative_table(self._combine(state, row), self.scales, BOX_RATIO) for row in self.candidate.kernel_frame
+        )
+
+    def _check_time(self, flow: FlowStep) -> None:
+        """Regularised coordinates describe an orbit as long as their time runs forwards (section 14)."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is not None and not stays_positive(flow.slopes[regularisation.time_index]):
+            raise IntegrationFailure(
+                "collision",
+                f"the orbits of the box are not separated from a collision at time {float(self.time):.6g}",
+                "give smaller radii or another centre",
+                needs_precision=True,
+            )
+
+    def _time(self, image: Sequence[Series]) -> arb:
+        """The system's time at a state that does not depend on the integration's own."""
+        regularisation = self.coordinates.regularisation
+        assert regularisation is not None
+        time = image[regularisation.time_index]
+        away = list(time.known)
+        away[0] = 0.0
+        return arb(time.coefs[0][0]) * arb(2) ** -self.arithmetic.bits + arb(
+            0, total([total(away), total(time.errors)])
         )
 
     def _error_bits(self) -> tuple[float, float]:

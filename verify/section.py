@@ -9,57 +9,51 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache
 from typing import Any
 
-from shared.program import record
-from shared.systems import ReversibleSystem
+from shared.program import Program, record
 from verify.algebra import Arithmetic, Series
 from verify.centre import fixed_coefficients
 from verify.evaluation import PreparedProgram, prepare
 from verify.step import advance
 
 
-@cache
-def section_program(name: str) -> PreparedProgram:
-    """The field dX/dlambda of a system; inputs: state, elapsed time, parameters, y_0."""
-    from shared.systems import SYSTEMS
+def build_section_program(program: Program, size: int, section: int) -> PreparedProgram:
+    """The field dX/dlambda from the vector field's program, whose first `size` inputs are the state.
 
-    return build_section_program(SYSTEMS[name])
-
-
-def build_section_program(system: ReversibleSystem) -> PreparedProgram:
-    """The field dX/dlambda; inputs: state, elapsed time, parameters, y_0; outputs: state, elapsed time."""
-    size = len(system.state)
-    section = system.section_index
+    Inputs: state, elapsed time, the program's other inputs, y_0; outputs: state, elapsed time.
+    """
 
     def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
         *own, distance = parameters
-        velocity = system.vector_field(state[:size], own)
+        velocity = program.evaluate([*state[:size], *own], lambda value: value, lambda base, exponent: base**exponent)
         elapsed = -(distance / velocity[section])
         slopes = [elapsed * component for component in velocity]
         slopes[section] = -distance
         return [*slopes, elapsed]
 
-    state = (*system.state, "elapsed time")
-    return prepare(record(field, state, (*system.parameters, "distance")))
+    state = (*program.inputs[:size], "elapsed time")
+    return prepare(record(field, state, (*program.inputs[size:], "distance")))
 
 
 def onto_section(
-    system: ReversibleSystem,
     program: PreparedProgram,
+    section: int,
     arithmetic: Arithmetic,
     state: Sequence[Series],
     parameters: Sequence[Series],
 ) -> tuple[list[Series], Series]:
     """The state where the orbit meets the section, and the time that this takes (of either sign).
 
+    Arguments:
+        program: from `build_section_program`, with the same `section`.
+
     Raises `IntegrationFailure` if the velocity across the section is not bounded away from zero.
     """
     degree = 2 * arithmetic.grading.top + 4
     short = Arithmetic(arithmetic.grading, arithmetic.bits, arithmetic.grade_bits, degree)
     start = [Series(short, x.coefs, x.errors) for x in state] + [short.constant(Fraction(0))]
-    distance = start[system.section_index]
+    distance = start[section]
     constants = [Series(short, p.coefs, p.errors) for p in parameters] + [distance]
     centre = fixed_coefficients(
         program, [int(x.coefs[0][0]) for x in start], [int(p.coefs[0][0]) for p in constants],
