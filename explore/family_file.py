@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shared.formats import InputError, read_document, validate_document, write_text
-from shared.numbers import format_dyadic, parse_exact
+from shared.numbers import format_exact, parse_exact
 from shared.systems import SYSTEMS, ReversibleSystem
 
 Array = NDArray[np.float64]
@@ -113,18 +113,6 @@ class FamilyRecord:
     extrema: tuple[ExtremumRecord, ...] = ()
 
 
-def exact_text(value: Fraction) -> str:
-    """An exact number as in a candidates file: dyadic in hexadecimal, else decimal."""
-    if value.denominator & (value.denominator - 1) == 0:
-        return format_dyadic(value)
-    digits = 0
-    while (value * 10**digits).denominator != 1:
-        digits += 1
-        if digits > value.denominator.bit_length():
-            raise ValueError(f"{value} is neither dyadic nor decimal")
-    return f"{(value * 10**digits).numerator}e-{digits}"
-
-
 def write_families(path: Path, families: Sequence[FamilyRecord]) -> None:
     """Write a family file, whole or not at all. Raises `InputError` if it cannot be written."""
     document = {"format": "orbitproof-family", "version": 1, "families": [_to_json(family) for family in families]}
@@ -137,7 +125,7 @@ def _to_json(family: FamilyRecord) -> dict[str, Any]:
         "name": family.name,
         "label": family.label,
         "system": family.system.name,
-        "parameters": {name: exact_text(value) for name, value in family.parameters.items()},
+        "parameters": {name: format_exact(value) for name, value in family.parameters.items()},
         "symmetry": family.symmetry,
         "scale": list(family.scale),
         "outcome": family.outcome,

@@ -13,18 +13,16 @@ import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from importlib import resources
-from math import ceil, log2
 from pathlib import Path
 from typing import Any, NoReturn
 
 from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError, best_match
 
-from shared.numbers import format_dyadic, parse_exact
+from shared.numbers import format_exact, parse_exact
 from shared.systems import SYSTEMS, ReversibleSystem
 
 KINDS = ("symmetry_breaking", "period_tupling", "touch_and_go")
@@ -82,34 +80,20 @@ class Candidate:
         result: dict[str, Any] = {
             "id": self.id,
             "system": self.system.name,
-            "parameters": {name: _text(value) for name, value in self.parameters.items()},
+            "parameters": {name: format_exact(value) for name, value in self.parameters.items()},
             "kind": self.kind,
             "k": self.k,
             "symmetry": self.symmetry,
-            "centre": [_text(value) for value in self.centre],
-            "frame": [[_text(value) for value in row] for row in self.frame],
-            "kernel_frame": [[_text(value) for value in row] for row in self.kernel_frame],
-            "radii": [_text(value) for value in self.radii],
+            "centre": [format_exact(value) for value in self.centre],
+            "frame": [[format_exact(value) for value in row] for row in self.frame],
+            "kernel_frame": [[format_exact(value) for value in row] for row in self.kernel_frame],
+            "radii": [format_exact(value) for value in self.radii],
         }
         if self.level_sign is not None:
             result |= {"parameter": "first integral", "level_sign": self.level_sign}
         if provenance:
             result["provenance"] = dict(self.provenance)
         return result
-
-
-def _text(value: Fraction) -> str:
-    denominator = value.denominator
-    if denominator & (denominator - 1) == 0:
-        return format_dyadic(value)
-    twos = (denominator & -denominator).bit_length() - 1
-    rest = denominator >> twos
-    fives = ceil((rest.bit_length() - 1) / log2(5))
-    if rest != 5**fives:
-        raise ValueError(f"{value} is neither dyadic nor decimal")
-    digits = max(twos, fives)
-    # Decimal writes integers of any length; int refuses beyond some thousand digits.
-    return f"{Decimal((value * 10**digits).numerator)}e-{digits}"
 
 
 @cache
@@ -290,7 +274,7 @@ def candidate_from_json(entry: Mapping[str, Any], source: str) -> Candidate:
 def _can_be_written(value: Fraction) -> bool:
     """Whether the text of a number, as `Candidate.to_json` writes it, fits the schema again."""
     schema: Any = _validator("candidates").schema
-    return re.fullmatch(schema["$defs"]["number"]["pattern"], _text(value)) is not None
+    return re.fullmatch(schema["$defs"]["number"]["pattern"], format_exact(value)) is not None
 
 
 def _matrix(rows: Sequence[Sequence[str]], size: int) -> tuple[tuple[Fraction, ...], ...] | None:

@@ -12,7 +12,9 @@ A ball is an object ``{"mid": number, "rad": number}`` of dyadic strings.
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 from fractions import Fraction
+from math import ceil, log2
 
 _HEX = re.compile(r"(-?)0x([0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?\Z")
 _DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")
@@ -43,6 +45,21 @@ def format_dyadic(value: Fraction) -> str:
         mantissa, exponent = mantissa >> shift, shift
     sign = "-" if value < 0 else ""
     return f"{sign}0x{mantissa:x}" + (f"p{exponent:+d}" if exponent else "")
+
+
+def format_exact(value: Fraction) -> str:
+    """`value` as `parse_exact` reads it: dyadic in hexadecimal, else decimal. Raises `ValueError` if it is neither."""
+    denominator = value.denominator
+    if denominator & (denominator - 1) == 0:
+        return format_dyadic(value)
+    twos = (denominator & -denominator).bit_length() - 1
+    rest = denominator >> twos
+    fives = ceil((rest.bit_length() - 1) / log2(5))
+    if rest != 5**fives:
+        raise ValueError(f"{value} is neither dyadic nor decimal")
+    digits = max(twos, fives)
+    # Decimal writes integers of any length; int refuses beyond some thousand digits.
+    return f"{Decimal((value * 10**digits).numerator)}e-{digits}"
 
 
 def round_dyadic(value: Fraction, bits: int) -> Fraction:

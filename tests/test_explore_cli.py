@@ -15,12 +15,12 @@ import explore.search
 import explore.tracing
 from explore.__main__ import main
 from explore.families import Limits, trace_family
-from explore.family_file import exact_text, read_families, write_families
+from explore.family_file import read_families, write_families
 from explore.records import family_of, family_record
 from explore.refining import Refined, Task, refine_tasks
 from explore.tracing import TracedFamily
 from shared.formats import InputError, read_candidates
-from shared.numbers import parse_exact
+from shared.numbers import format_exact, parse_exact
 from shared.systems import FALKNER_SKAN, MASS_PARAMETERS
 
 
@@ -241,6 +241,6 @@ def test_refinement_in_processes_gives_the_same_candidates_as_in_this_one(family
 
 def test_exact_text_of_a_number_reads_back() -> None:
     for value in (MASS_PARAMETERS["earth-moon"], parse_exact("0.01215"), parse_exact("-3e2"), parse_exact("0")):
-        assert parse_exact(exact_text(value)) == value
+        assert parse_exact(format_exact(value)) == value
     with pytest.raises(ValueError, match="neither dyadic nor decimal"):
-        exact_text(parse_exact("1") / 3)
+        format_exact(parse_exact("1") / 3)

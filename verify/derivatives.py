@@ -8,10 +8,12 @@ from fractions import Fraction
 from itertools import product
 from math import factorial, prod
 
-from flint import arb, fmpq
+from flint import arb
 
 from verify.algebra import Series
+from verify.balls import enclose
 
+rational_ball = enclose
 MAX_ORDER = 3
 MultiIndex = tuple[int, ...]
 
@@ -35,11 +37,6 @@ def multi_indices(dimension: int, order: int = MAX_ORDER) -> list[MultiIndex]:
     return [alpha for alpha in product(range(order + 1), repeat=dimension) if sum(alpha) <= order]
 
 
-def rational_ball(value: Fraction) -> arb:
-    """A ball that contains an exact rational number."""
-    return arb(fmpq(value.numerator, value.denominator))
-
-
 def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fraction) -> DerivativeTable:
     """Derivatives with respect to p_i = scales_i xi_i on the box |xi_i| <= ratio < 1.
 
@@ -54,7 +51,7 @@ def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fractio
         for exponents, polynomial, scale in zip(grading.monomials, element.coefs, arithmetic.scales, strict=True)
     }
     errors = [arb(e) for e in element.errors]
-    inside = rational_ball(ratio)
+    inside = enclose(ratio)
     unit = arb(0, 1)
     box: dict[MultiIndex, arb] = {}
     centre: dict[MultiIndex, arb] = {}
@@ -73,7 +70,7 @@ def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fractio
                 value = value + term
         unknown = sum((e for g, e in enumerate(errors) if g >= min(grade, grading.top + 1)), arb(0))
         spread = factor * unknown / (1 - inside) ** sum(alpha)
-        box[alpha] = (value + unit * spread) / rational_ball(scale)
+        box[alpha] = (value + unit * spread) / enclose(scale)
         own = errors[min(grade, grading.top + 1)]
-        centre[alpha] = (coefficients.get(alpha, arb(0)) * factor + unit * factor * own) / rational_ball(scale)
+        centre[alpha] = (coefficients.get(alpha, arb(0)) * factor + unit * factor * own) / enclose(scale)
     return DerivativeTable(box, centre)
