@@ -26,6 +26,7 @@ KERNEL_BYTES = 4_000_000
 costs several times the arithmetic of a single orbit."""
 
 _OPTION = "--xla_backend_extra_options"
+_accelerated: list[bool] = []
 _CORRUPT = "Error reading persistent compilation cache"
 
 
@@ -54,8 +55,15 @@ def _processor() -> str:
 
 @cache
 def configure_jax() -> None:
-    """Double precision, small loops in one kernel and, where a folder can be written, a cache of compiled code."""
+    """Double precision, small loops in one kernel and, where a folder can be written, a cache of compiled code.
+
+    Computes on the processor unless ``JAX_PLATFORMS`` or `use_accelerator` says otherwise. To be called before
+    anything is computed.
+    """
     jax.config.update("jax_enable_x64", True)
+    if "JAX_PLATFORMS" not in os.environ and not _accelerated:
+        # Orbits one at a time are nothing for an accelerator.
+        jax.config.update("jax_platforms", "cpu")
     flags = os.environ.get("XLA_FLAGS", "")
     if _OPTION not in flags:
         option = f"{_OPTION}=xla_cpu_small_while_loop_byte_threshold={KERNEL_BYTES}"
@@ -73,6 +81,15 @@ def configure_jax() -> None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)
         jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+
+def use_accelerator() -> None:
+    """Let batches run on a GPU where JAX finds one; orbits one at a time stay on the processor.
+
+    Without effect once JAX is configured.
+    """
+    os.environ.setdefault("XLA_PYTHON_CLIENT_PREALLOCATE", "false")
+    _accelerated.append(True)
 
 
 @contextmanager
@@ -97,12 +114,12 @@ def compiling() -> Iterator[None]:
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """`function`, compiled at its first call for the shapes of the arguments of this call."""
+    """`function`, compiled for the processor at its first call, for the shapes of the arguments of this call."""
     holder: list[Callable[..., Any]] = []
 
     def call(*arguments: Any) -> Any:
         if not holder:
-            with compiling():
+            with compiling(), jax.default_device(jax.local_devices(backend="cpu")[0]):
                 holder.append(jax.jit(function).lower(*arguments).compile())
         return holder[0](*arguments)
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from explore.compilation import compiled, configure_jax
+from explore.fields import field_of
 from shared.systems import ReversibleSystem
 
 Vector = NDArray[np.float64]
@@ -105,12 +106,12 @@ def flow_of(system: ReversibleSystem) -> Flow:
 
 def _compile(system: ReversibleSystem) -> Flow:
     configure_jax()
-    field = system.vector_field
+    field = field_of(system)
     m = len(system.state)
     names = tuple(system.parameters)
     parameter_index = None if system.family_parameter is None else names.index(system.family_parameter)
     directions = m + (parameter_index is not None)
-    term = diffrax.ODETerm(lambda t, state, parameters: jnp.stack(field(state, parameters)))
+    term = diffrax.ODETerm(lambda t, state, parameters: field(state, parameters))
     controller = diffrax.PIDController(rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)
 
     def solve(initial: jax.Array, time: jax.Array, parameters: jax.Array, save: diffrax.SaveAt) -> diffrax.Solution:
@@ -140,7 +141,7 @@ def _compile(system: ReversibleSystem) -> Flow:
             return value, tangent, ok
 
         values, tangents, ok = jax.vmap(push, out_axes=(None, 0, None))(jnp.eye(directions, m + 1))
-        return values, jnp.stack(field(values, parameters)), tangents, ok
+        return values, field(values, parameters), tangents, ok
 
     def samples(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
         solution = solve(initial, time, parameters, diffrax.SaveAt(t0=True, steps=True))
