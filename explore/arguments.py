@@ -14,7 +14,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NoReturn
 
-from explore import portraits_command
+from explore import branches_command, portraits_command
 from shared.formats import InputError, check_writable
 from shared.numbers import parse_exact
 from shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
@@ -179,7 +179,7 @@ def parser() -> Parser:
     _family_options(family)
     family.add_argument("-k", nargs="+", type=_multiplicity, metavar="K", help="locate these resonances as well")
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="family file to write")
-    for command in (portraits_command,):
+    for command in (branches_command, portraits_command):
         command.add_parser(commands)
     return result
 
