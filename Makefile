@@ -54,7 +54,7 @@ $(BLOCKED)/stamp: Makefile
 
 EXPLORE = $(BIN)/python -m explore candidates
 VERIFY = PYTHONPATH=$(BLOCKED) $(BIN)/python -P -m verify
-FIGURES = $(BIN)/python -m figures family
+FIGURES = $(BIN)/python -m figures
 
 # Exit code 1 of a step (something not found, not proved) does not stop the ones after it.
 demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
@@ -66,10 +66,12 @@ demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
 	  -o $(OUT)/candidates.json --family-output $(OUT)/falkner-skan-family.json; \
 	echo; echo "2/3  proof, in a process that cannot import the search side"; \
 	step env $(VERIFY) $(OUT)/candidates.json -o $(OUT)/certificates.json --jobs $(JOBS); \
-	echo; echo "3/3  pictures"; \
-	step $(FIGURES) $(OUT)/candidates.json $(OUT)/certificates.json \
+	echo; echo "3/3  pictures, and tables beside the published values"; \
+	step $(FIGURES) family $(OUT)/candidates.json $(OUT)/certificates.json \
 	  --family $(OUT)/halo-family.json $(OUT)/falkner-skan-family.json -o $(OUT)/figures; \
-	echo; echo "certificates: $(OUT)/certificates.json   pictures: $(OUT)/figures/   time: $$(($$(date +%s) - start)) s"; \
+	step $(FIGURES) tables $(OUT)/certificates.json --candidates $(OUT)/candidates.json -o $(OUT)/tables --allow-missing; \
+	echo; echo "certificates: $(OUT)/certificates.json   pictures: $(OUT)/figures/   tables: $(OUT)/tables/"; \
+	echo "time: $$(($$(date +%s) - start)) s"; \
 	[ $$failed -eq 0 ] || echo "not everything was found or proved: the reasons stand above" >&2; \
 	exit $$failed
 
