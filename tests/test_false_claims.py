@@ -31,6 +31,7 @@ from verify.ball_text import ball_from_json, exact_value
 from verify.certificate import Certificate
 from verify.certify import Limits, certify
 from verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+from verify.recheck import recheck
 
 BITS = 256
 """Enough for every true claim here, as the first test shows, so that precision is not what the false ones lack."""
@@ -184,17 +185,28 @@ def test_symmetry_breaking_with_frames_that_are_almost_adapted_is_not_proved(i: 
     assert refusal(replace(claim, frame=frame)) == "adapted-frames"
 
 
-def test_almost_adapted_frames_are_proved_only_by_the_adapted_ones_of_the_level_form() -> None:
+@pytest.mark.parametrize("i, j, size", [(0, 1, Fraction(1, 10**300)), (2, 1, Fraction(1, 10**30)), (1, 2, Fraction(1))])
+def test_almost_adapted_frames_are_proved_only_by_the_adapted_ones_of_the_level_form(
+    i: int, j: int, size: Fraction
+) -> None:
     """The verifier's own box contains the candidate's, and its frame is adapted exactly; the point lies in both."""
     claim = known("em1")
-    claim = replace(claim, frame=with_entry(claim.frame, 2, 1, Fraction(1, 10**300)))
-    certificate = certify(claim, Limits(max_precision=BITS, level="integral"))
+    claim = replace(claim, frame=with_entry(claim.frame, i, j, size))
+    certificate = certify(claim, Limits(max_precision=BITS))
     assert verdict_of(certificate) == "proved"
+    assert recheck(certificate).stands
     form = candidate_from_json(certificate["statement"]["level_form"], "level form")
     odd = [form.coordinates.index("z")]
     assert all((value != 0) == ((i in odd) == (j == 1)) or value == 0 for i, row in enumerate(form.frame)
                for j, value in enumerate(row))  # fmt: skip
     assert max(distances(certificate, claim.centre)) <= ACCURACY
+
+
+def test_a_frame_off_by_more_than_the_adapted_box_can_hold_is_not_proved() -> None:
+    claim = known("em1")
+    claim = replace(claim, frame=with_entry(claim.frame, 2, 1, Fraction(1, 10**12)))
+    for level in ("coordinates", "auto", "integral"):
+        assert refusal(claim, level=level) == "adapted-frames"
 
 
 @pytest.mark.parametrize("i, j", [(0, 0), (1, 1)])
