@@ -273,7 +273,7 @@ def portrait(resonance: Resonance, parameter: float, window: float, orbits: int,
     manifolds: list[Array] = []
     for i in near:
         if not periodic[i].elliptic:
-            for branch in unstable_manifold(mapping, periodic[i], radius, 12.0 * window):
+            for branch in unstable_manifold(mapping, periodic[i], radius, 2.4 * window):
                 shown = branch @ frame.T
                 manifolds += [shown, shown * mirror]
     return Portrait(

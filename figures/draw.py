@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from figures.family import Array, Family, MarkedPoint, Placement, place, stability_at, state_on_fixed_set
 from figures.orbit import OrbitNotClosed, symmetric_orbit
+from figures.space import bounds_of, set_box
 from figures.style import (
     CURVE,
     INK,
@@ -203,20 +204,8 @@ def _orbits_in_space(axes: Any, family: Family, placements: Sequence[Placement])
             style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
             drawn.append(_orbit(axes, family, point, 3, **style))
         draw_mark(axes, state_on_fixed_set(family.system, list(point))[:3], placement.mark)
-    rows = np.vstack([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
-    low, high = rows.min(axis=0), rows.max(axis=0)
-    pad = 0.03 * (high - low).max()
-    axes.set_box_aspect(high - low + 2 * pad, zoom=1.0)
-    axes.view_init(elev=16, azim=-40)
-    for i, name in enumerate(family.system.state[:3]):
-        letter = "xyz"[i]
-        getattr(axes, f"set_{letter}lim")(low[i] - pad, high[i] + pad)
-        getattr(axes, f"set_{letter}label")(label_of(name, unit=False), labelpad=-4)
-        axis = getattr(axes, f"{letter}axis")
-        axis.set_major_locator(MaxNLocator(max(2, round(5 * (high - low)[i] / (high - low).max()))))
-        axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
-        axis.pane.set_edgecolor("#cccccc")
-        axes.tick_params(axis=letter, pad=-2, labelsize=6.5)
+    low, high = bounds_of([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
+    set_box(axes, family.system, low, high)
 
 
 def _orbits_in_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:

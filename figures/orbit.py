@@ -1,12 +1,12 @@
-"""One symmetric periodic orbit as a polyline, in double precision, for drawing only.
+"""Symmetric periodic orbits as polylines, in double precision, for drawing only.
 
-The vector field is the one of `shared.systems`. From a point of Fix(R) the orbit is integrated to its
-next crossing of the section, half a period later; the other half is its image under R.
+The vector field is the one of `shared.systems`. From a point of Fix(R) an orbit is integrated for half a
+period, or to its next crossing of the section; the other half is its image under R.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -27,6 +27,8 @@ _ERROR = (71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1
 
 _TOLERANCE = 1e-9
 _STEPS = 20_000
+_ROWS = 80
+_CLOSED = 1e-3
 
 
 class OrbitNotClosed(Exception):
@@ -51,6 +53,66 @@ def symmetric_orbit(
         raise OrbitNotClosed("the orbit runs into a singularity of the vector field") from None
     mirrored = half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)
     return np.vstack([half, mirrored])
+
+
+def symmetric_orbits(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    points: Array,
+    half_periods: Array,
+) -> list[Array]:
+    """The closed orbits through N points of Fix(R) whose half periods are known, integrated side by side.
+
+    Arguments:
+        points: shape (N, 1 + n), in the order of `ReversibleSystem.centre_coordinates`.
+        half_periods: shape (N,), nondimensional time from a point to the other one on Fix(R).
+
+    Returns arrays of shape (rows, m), rows differing from orbit to orbit, the first row repeated at the end.
+    Raises `OrbitNotClosed` if one of them does not end on Fix(R).
+    """
+    values = np.array([parameter_values(system, parameters, point) for point in points]).T
+    states = np.array([state_on_fixed_set(system, point) for point in points]).T
+    halves = _side_by_side(system, values, states, np.asarray(half_periods, dtype=float))
+    signs = np.array(system.reversing_symmetry, dtype=float)
+    orbits = []
+    for index, half in enumerate(halves):
+        miss = float(np.abs(half[-1][signs == -1]).max() / (1.0 + np.abs(half).max()))
+        if not miss < _CLOSED:
+            raise OrbitNotClosed(f"orbit {index} ends {miss:.2g} away from Fix(R)")
+        orbits.append(np.vstack([half, half[-2::-1] * signs]))
+    return orbits
+
+
+def _side_by_side(system: ReversibleSystem, values: Array, states: Array, times: Array) -> list[Array]:
+    """States along each of N orbits, each with steps of its own; arrays have the orbit as last axis."""
+
+    def field(selection: Array) -> Callable[[Array], Array]:
+        return lambda x: np.stack(np.broadcast_arrays(*system.vector_field(list(x), list(values[:, selection]))))
+
+    count = len(times)
+    rows: list[list[Array]] = [[states[:, i]] for i in range(count)]
+    elapsed, steps = np.zeros(count), times / (4 * _ROWS)
+    slopes = field(np.arange(count))(states)
+    states = states.copy()
+    for _ in range(_STEPS):
+        active = np.flatnonzero(elapsed < times)
+        if not len(active):
+            return [np.array(orbit) for orbit in rows]
+        remaining = times[active] - elapsed[active]
+        step = np.minimum(steps[active], remaining)
+        following, next_slopes, error = _step(field(active), states[:, active], slopes[:, active], step)
+        size = np.max(np.abs(error) / (1.0 + np.abs(following)), axis=0)
+        if not np.all(np.isfinite(size)):
+            raise OrbitNotClosed("an orbit is not finite")
+        good = size <= _TOLERANCE
+        done = active[good]
+        states[:, done], slopes[:, done] = following[:, good], next_slopes[:, good]
+        elapsed[done] = np.where(step[good] == remaining[good], times[done], elapsed[done] + step[good])
+        for i in done:
+            rows[i].append(states[:, i].copy())
+        factor = np.clip(0.9 * (_TOLERANCE / np.maximum(size, 1e-30)) ** 0.2, 0.2, 4.0)
+        steps[active] = np.minimum(step * factor, times[active] / _ROWS)
+    raise OrbitNotClosed(f"an orbit takes more than {_STEPS} steps")
 
 
 def _to_section(
@@ -86,7 +148,9 @@ def _to_section(
     raise OrbitNotClosed("the orbit did not come back to the section")
 
 
-def _step(field, state: Array, slope: Array, step: float) -> tuple[Array, Array, Array]:  # type: ignore[no-untyped-def]
+def _step(
+    field: Callable[[Array], Array], state: Array, slope: Array, step: Array | float
+) -> tuple[Array, Array, Array]:
     slopes = [slope]
     following = state
     for row in _STAGES:
