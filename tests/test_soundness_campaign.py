@@ -1,8 +1,9 @@
 """Hundreds of claims made from true ones by chance: whatever is proved is true, and every proof encloses the truth.
 
 What is true is decided without the verifier: the bifurcation points are known to fifty digits from the search
-side, how they move with the mass parameter from one more refinement, and whether the other point of an orbit
-on Fix(R) is resonant from an independent integrator.
+side, how they move with the mass parameter from one more refinement, whether the other point of an orbit
+on Fix(R) is resonant from an independent integrator, and on which side of the bifurcation the new orbits are
+from counting them there.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from tests.claims import (
     verdict_of,
 )
 from tests.flow_checks import initial_state, kernel_values, orbits
+from tests.new_orbits import side_of
 from verify.certificate import Certificate
 from verify.certify import Limits, certify
 from verify.frames import determinant
@@ -48,12 +50,14 @@ class Trial:
     Attributes:
         point: the true point of this system and mass, kind and k; `None` if there is none near by.
         accuracy: how well it is known.
+        name: the row that the claim was made from. No change moves new orbits to the other side of its bifurcation.
     """
 
     change: str
     claim: Candidate
     point: Point | None
     accuracy: Fraction = ACCURACY
+    name: str = ""
 
     @property
     def is_true(self) -> bool:
@@ -237,10 +241,10 @@ PLAN: tuple[tuple[str, tuple[Perturbation, ...], int], ...] = (
 def trials(seed: int) -> list[Trial]:
     """The claims of the campaign."""
     source = random.Random(seed)
-    result = [make(name, source) for name, makers, count in PLAN for make in makers for _ in range(count)]
+    result = [(name, make(name, source)) for name, makers, count in PLAN for make in makers for _ in range(count)]
     return [
-        replace(trial, claim=replace(trial.claim, id=f"{number} {trial.claim.id}"))
-        for number, trial in enumerate(result)
+        replace(trial, name=name, claim=replace(trial.claim, id=f"{number} {trial.claim.id}"))
+        for number, (name, trial) in enumerate(result)
     ]
 
 
@@ -253,6 +257,8 @@ def objection(trial: Trial, certificate: Certificate) -> str | None:
     assert trial.point is not None
     if max(distances(certificate, trial.point)) > trial.accuracy:
         return "proved, but its enclosures miss the bifurcation point"
+    if certificate["results"]["side"] != side_of(trial.name):
+        return f"proved, but the new orbits are stated {certificate['results']['side']}, they are {side_of(trial.name)}"
     return None
 
 
@@ -289,10 +295,14 @@ def test_nothing_false_is_proved(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_the_campaign_would_notice_a_false_proof() -> None:
-    """A proof put beside a claim that it does not belong to, and beside a point that it does not enclose."""
+    """A proof beside a claim that it does not belong to or a point that it does not enclose, or with another side."""
     claim = known("fs2")
     certificate = certify(claim, LIMITS)
-    assert objection(Trial("none", claim, claim.centre), certificate) is None
+    true = Trial("none", claim, claim.centre, name="fs2")
+    assert objection(true, certificate) is None
+    for side in ("above", "both"):
+        turned = {**certificate, "results": {**certificate["results"], "side": side}}
+        assert "they are below" in str(objection(true, turned))
     away = tuple(Fraction(0) if j else 2 * claim.radii[0] for j in range(2))
     assert "not in the box" in str(objection(Trial("centre", shifted(claim, away), claim.centre), certificate))
     assert "not in the box" in str(objection(Trial("k", replace(claim, k=4), None), certificate))
