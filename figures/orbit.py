@@ -11,6 +11,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from numpy.typing import NDArray
+
 from figures.family import Array, parameter_values, state_on_fixed_set
 from shared.systems import ReversibleSystem
 
@@ -83,10 +85,38 @@ def symmetric_orbits(
     return orbits
 
 
+def orbit_through(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Sequence[float],
+    crossings: Array,
+    longest_step: float = 0.03,
+) -> Array:
+    """The closed orbit that starts at a point of Fix(R) and crosses the section at given states, shape (N, m).
+
+    Every piece between crossings is integrated from its own state: orbits that are so unstable that the start
+    alone would not bring them back can be drawn too.
+
+    Arguments:
+        point, longest_step: as for `symmetric_orbit`.
+        crossings: shape (k - 1, m), the states at which half the orbit crosses the section between its ends.
+
+    Raises `OrbitNotClosed`.
+    """
+    values = parameter_values(system, parameters, point)
+    starts = [state_on_fixed_set(system, point), *(list(map(float, state)) for state in crossings)]
+    try:
+        pieces = [_to_section(system, values, start, longest_step) for start in starts]
+    except (ZeroDivisionError, OverflowError):
+        raise OrbitNotClosed("the orbit runs into a singularity of the vector field") from None
+    half = np.vstack([*(piece[:-1] for piece in pieces[:-1]), pieces[-1]])
+    return np.vstack([half, half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)])
+
+
 def _side_by_side(system: ReversibleSystem, values: Array, states: Array, times: Array) -> list[Array]:
     """States along each of N orbits, each with steps of its own; arrays have the orbit as last axis."""
 
-    def field(selection: Array) -> Callable[[Array], Array]:
+    def field(selection: NDArray[np.intp]) -> Callable[[Array], Array]:
         return lambda x: np.stack(np.broadcast_arrays(*system.vector_field(list(x), list(values[:, selection]))))
 
     count = len(times)
@@ -153,6 +183,7 @@ def _step(
 ) -> tuple[Array, Array, Array]:
     slopes = [slope]
     following = state
+    increment: Array
     for row in _STAGES:
         following = state + step * sum(c * k for c, k in zip(row, slopes, strict=True))
         slopes.append(field(following))

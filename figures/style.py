@@ -51,15 +51,20 @@ def marker_of(k: int) -> tuple[str, str]:
 
 def draw_mark(axes: Axes, position: Sequence[float], mark: MarkedPoint) -> Line2D:
     """Draw one bifurcation, in two or three dimensions: filled if certified, hollow if numerical."""
-    marker, colour = marker_of(mark.k)
+    return draw_point(axes, position, mark.k, mark.certified, mark.candidate.id)
+
+
+def draw_point(axes: Axes, position: Sequence[float], k: int, certified: bool, identifier: str) -> Line2D:
+    """As `draw_mark`, for a point that is known by its multiplicity, verdict and id only."""
+    marker, colour = marker_of(k)
     coordinates = [[value] for value in position]
     (line,) = axes.plot(
         *coordinates, marker=marker, linestyle="none", color=colour, markeredgecolor=colour,
-        markerfacecolor=colour if mark.certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
+        markerfacecolor=colour if certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
         # A thin white rim, so that markers that touch can be told apart.
         path_effects=[withStroke(linewidth=1.9, foreground="white")],
     )  # fmt: skip
-    line.set_gid(f"candidate {mark.candidate.id}")
+    line.set_gid(f"candidate {identifier}")
     return line
 
 
