@@ -25,7 +25,7 @@ from explore.fields import field_of
 from explore.flow import ABSOLUTE_TOLERANCE, MAX_STEPS, RELATIVE_TOLERANCE, Matrix, Vector
 from shared.systems import ReversibleSystem
 
-BLOCK = 32
+BLOCK = 64
 GPU_BLOCK = 16384
 QUEUE = 4
 """Blocks under way at the same time on the processor: enough for two cores, few enough to interrupt."""
