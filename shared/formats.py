@@ -207,27 +207,30 @@ def read_candidates(path: Path) -> list[Candidate]:
     return candidates
 
 
+def read_system(entry: Mapping[str, Any], source: str) -> tuple[ReversibleSystem, dict[str, Fraction]]:
+    """The system that a JSON object names, and its fixed parameters; raises `InputError` that names the field."""
+    system = SYSTEMS.get(entry["system"])
+    if system is None:
+        raise InputError(f"{source}.system: unknown system {entry['system']!r}; known: {', '.join(SYSTEMS)}")
+    parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
+    if set(parameters) != set(system.fixed_parameters):
+        wanted = ", ".join(system.fixed_parameters) or "none"
+        raise InputError(f"{source}.parameters: {system.name} takes the parameters: {wanted}; give exactly these")
+    for name, value in parameters.items():
+        interval = system.parameters[name]
+        if not interval.contains(value):
+            text = _short(entry["parameters"][name])
+            raise InputError(f"{source}.parameters.{name}: {text} lies outside {interval}; choose a value inside")
+    return system, parameters
+
+
 def candidate_from_json(entry: Mapping[str, Any], source: str) -> Candidate:
     """A `Candidate` from a schema-valid JSON object; raises `InputError` that names the field."""
 
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    system = SYSTEMS.get(entry["system"])
-    if system is None:
-        refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(SYSTEMS)}")
-    parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
-    if set(parameters) != set(system.fixed_parameters):
-        wanted = ", ".join(system.fixed_parameters) or "none"
-        refuse("parameters", f"{system.name} takes the parameters: {wanted}", "give exactly these")
-    for name, value in parameters.items():
-        interval = system.parameters[name]
-        if not interval.contains(value):
-            refuse(
-                f"parameters.{name}",
-                f"{_short(entry['parameters'][name])} lies outside {interval}",
-                "choose a value inside",
-            )
+    system, parameters = read_system(entry, source)
     if not entry["id"].isprintable():
         refuse("id", f"{entry['id']!r} has characters that cannot be printed", "use letters, digits and signs")
     kind, k = entry["kind"], entry["k"]

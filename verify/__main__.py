@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     parser.add_argument(
         "--row-timeout", type=_seconds, metavar="SECONDS",
-        help=f"give a candidate up after this time; its process is ended {GRACE_SECONDS:g} s later",
+        help=f"give a candidate up after this time; it has {GRACE_SECONDS:g} s more to end by itself",
     )  # fmt: skip
     parser.add_argument(
         "--jobs", type=_positive_integer, default=1, metavar="N",
