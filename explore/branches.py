@@ -17,7 +17,7 @@ import numpy as np
 from explore.branch_file import Birth, BranchOrbit, BranchRecord, BranchSide, Outcome
 from explore.branch_point import BranchPoint, NoBranch
 from explore.flow import FlowFailure, Vector, flow_of
-from explore.multiple_shooting import MultipleShooting, SegmentedOrbit
+from explore.multiple_shooting import NEWTON_ACCEPTED, MultipleShooting, SegmentedOrbit
 from explore.prediction import predict
 from explore.shooting import CorrectionFailure
 
@@ -25,6 +25,9 @@ FIRST_AMPLITUDE = 1e-2
 LAST_AMPLITUDE = 1e-8
 AGREEMENT = 0.1
 """Relative difference of the level's coefficient at an amplitude and at half of it that is accepted."""
+
+RESOLVED = 1e-3
+"""Largest Newton step at an orbit, relative to its distance from the bifurcation or from the orbit before it."""
 
 TURNING = 0.15
 """Largest angle between the tangents at both ends of a step."""
@@ -63,12 +66,21 @@ class Branch:
 
 @dataclass(frozen=True)
 class _Tracer:
-    """What following one branch needs: the equations, and the orbit at the bifurcation as an unknown vector."""
+    """What following one branch needs.
+
+    Attributes:
+        start: the bifurcation point.
+        problem: the equations.
+        origin: their solution there, the resonant orbit passed k/2 times.
+        tangent: tangent of the branch there.
+        defect: largest residual of the equations at `origin`.
+    """
 
     start: BranchPoint
     problem: MultipleShooting
     origin: Vector
     tangent: Vector
+    defect: float
 
     @property
     def scale(self) -> Vector:
@@ -77,7 +89,10 @@ class _Tracer:
 
     def at_amplitude(self, amplitude: float) -> SegmentedOrbit:
         """The new orbit with this amplitude. Raises `CorrectionFailure`."""
-        orbit = self.problem.correct(self.origin + amplitude * self.tangent, self.start.amplitude_form)
+        prediction = self.origin + amplitude * self.tangent
+        orbit = self.problem.correct(
+            prediction, self.start.amplitude_form, max(NEWTON_ACCEPTED, RESOLVED * abs(amplitude))
+        )
         moved = (orbit.unknowns - self.origin)[: self.problem.point_size]
         if np.linalg.norm(moved / self.scale) > 3 * abs(amplitude):
             raise CorrectionFailure("Newton's method finds another orbit")
@@ -164,60 +179,66 @@ def _tracer(start: BranchPoint) -> tuple[_Tracer, Vector]:
         symmetric[fixed] = second[fixed]
         states = np.array([symmetric if i % 2 == 0 else first for i in range(start.k - 1)]).reshape(-1, len(first))
         origin = problem.assemble(start.point, states, np.full(start.k, start.half_period))
-        jacobian = problem.evaluate(origin).jacobian
+        evaluation = problem.evaluate(origin)
     except FlowFailure as error:
         raise NoBranch(f"the resonant orbit: {error}") from None
     # At the bifurcation the kernel is a plane; the tangent of the branch is the vector with the known point part.
-    size = problem.point_size
+    size, jacobian = problem.point_size, evaluation.jacobian
     rest = jacobian[:, size:]
     norms = np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
     inner = np.linalg.lstsq(rest / norms, -jacobian[:, :size] @ start.direction, rcond=None)[0] / norms
     lead = size - len(start.system.fixed_coordinates)
     return (
-        _Tracer(start, problem, origin, np.concatenate([start.direction, inner])),
+        _Tracer(
+            start, problem, origin, np.concatenate([start.direction, inner]), float(np.abs(evaluation.residual).max())
+        ),
         np.concatenate([start.point[:lead], symmetric[fixed]]),
     )
 
 
 def _birth(tracer: _Tracer, amplitude: float) -> tuple[Birth, dict[float, SegmentedOrbit]]:
     """The largest amplitude, halved from the given one, at which the level follows its leading power."""
-    failure = ""
+    failure, seen = "Newton's method does not converge", False
     while amplitude >= LAST_AMPLITUDE:
         try:
             orbits = {part: tracer.at_amplitude(part * amplitude) for part in (0.5, -0.5, 1.0, -1.0)}
         except CorrectionFailure as error:
-            failure = str(error)
+            failure = failure if seen else str(error)
         else:
             birth = _birth_from(tracer, orbits, amplitude)
             if birth is not None:
                 return birth, orbits
-            failure = "the change of the level is lost in rounding errors, or does not follow its leading power"
+            failure, seen = "orbits are found, but how the level changes along them is lost in their errors", True
         amplitude /= 2
     raise NoBranch(
-        f"no new orbit can be told from the family in double precision, at amplitudes down to {LAST_AMPLITUDE:.0e}: "
-        f"{failure}"
+        f"the new orbits cannot be followed in double precision: {failure} (amplitudes {LAST_AMPLITUDE:.0e} to "
+        f"{FIRST_AMPLITUDE:.0e}; at the bifurcation itself an error of {tracer.defect:.1e} remains)"
     )
 
 
 def _birth_from(tracer: _Tracer, orbits: dict[float, SegmentedOrbit], amplitude: float) -> Birth | None:
     order, size = tracer.start.order, tracer.problem.point_size
-    found = {part: tracer.start.level_difference(orbit.unknowns[:size]) for part, orbit in orbits.items()}
+    found, noises = {}, {}
+    for part, orbit in orbits.items():
+        found[part], rounding = tracer.start.level_difference(orbit.unknowns[:size])
+        beside, _ = tracer.start.level_difference((orbit.unknowns - orbit.correction)[:size])
+        noises[part] = rounding + abs(beside - found[part])
 
     def coefficient(part: float, power: int) -> float:
         """Of the part of the level that is odd (power 1) or even (power 2) in the amplitude."""
         sign = -1 if power == 1 else 1
-        return (found[part][0] + sign * found[-part][0]) / (2 * (part * amplitude) ** power)
+        return (found[part] + sign * found[-part]) / (2 * (part * amplitude) ** power)
 
     whole, half = coefficient(1.0, order), coefficient(0.5, order)
     if half == 0 or abs(whole - half) > AGREEMENT * abs(half):
         return None
-    noise = max(found[part][1] / abs(half * (part * amplitude) ** order) for part in found)
+    noise = max(noises[part] / abs(half * (part * amplitude) ** order) for part in found)
     if noise > AGREEMENT:
         return None
     if order == 1:
         return Birth("both", half, coefficient(0.5, 2), amplitude, noise)
     # The orbits at a and -a are the same ones, or mirror images: their levels differ in the third order at most.
-    if any(found[part][0] * found[-part][0] <= 0 for part in (0.5, 1.0)):
+    if any(found[part] * found[-part] <= 0 for part in (0.5, 1.0)):
         return None
     return Birth("above" if half > 0 else "below", 0.0, half, amplitude, noise)
 
@@ -289,7 +310,7 @@ def _advance(
     direction[:size] = (tangents[-1] / units)[:size]
     places = [vector / units for vector in reversed(vectors)]
     prediction = predict(places, [tangent / units for tangent in reversed(tangents)], direction, step) * units
-    orbit = problem.correct(prediction, direction[:size] / tracer.scale)
+    orbit = problem.correct(prediction, direction[:size] / tracer.scale, max(NEWTON_ACCEPTED, RESOLVED * step))
     tangent = problem.tangent(orbit.evaluation, tracer.scale, tangents[-1])
     old, new = ((vector / units)[:size] for vector in (tangents[-1], tangent))
     moved = float(np.linalg.norm(((orbit.unknowns - vectors[-1]) / units)[:size]))

@@ -37,10 +37,15 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class SegmentedOrbit:
-    """A solution: the unknowns of `MultipleShooting` with what the last evaluation gave."""
+    """A solution: the unknowns of `MultipleShooting` with what the last evaluation gave.
+
+    Attributes:
+        correction: Newton's step at the solution, which was not taken: how well it is known.
+    """
 
     unknowns: Vector
     evaluation: Evaluation
+    correction: Vector
 
 
 @dataclass(frozen=True)
@@ -139,10 +144,11 @@ class MultipleShooting:
                 jacobian[here, next_columns] -= np.eye(m)[:, list(self.section_coordinates)]
         return Evaluation(residual, jacobian, tuple(flows))
 
-    def correct(self, prediction: Vector, normal: Vector) -> SegmentedOrbit:
+    def correct(self, prediction: Vector, normal: Vector, accepted: float = NEWTON_ACCEPTED) -> SegmentedOrbit:
         """The orbit on the hyperplane normal . (point - predicted point) = 0; `normal` has shape (1 + n,).
 
-        Newton's method. Raises `CorrectionFailure`.
+        Newton's method, until its steps no longer become smaller; they are then to be below `accepted`, relative
+        where an unknown exceeds 1. Raises `CorrectionFailure`.
         """
         unknowns, last = prediction.copy(), np.inf
         row = np.zeros(self.size)
@@ -157,9 +163,9 @@ class MultipleShooting:
             except np.linalg.LinAlgError:
                 raise CorrectionFailure("the shooting equations are singular") from None
             size = float(np.max(np.abs(step) / (1.0 + np.abs(unknowns))))
-            if size < NEWTON_TOLERANCE or (size < NEWTON_ACCEPTED and size > 0.25 * last):
-                return SegmentedOrbit(unknowns, evaluation)
-            if not np.isfinite(size) or size > max(2 * last, NEWTON_ACCEPTED):
+            if size < NEWTON_TOLERANCE or (size < accepted and size > 0.25 * last):
+                return SegmentedOrbit(unknowns, evaluation, step)
+            if not np.isfinite(size) or size > max(2 * last, accepted):
                 break
             last = size
             unknowns = unknowns - step
