@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
+from figures import all_command, data_command
 from figures.folder import check_folder
 from shared.formats import InputError, read_candidates, write_text
 
@@ -20,11 +21,13 @@ examples:
   python -m figures family candidates.json -o figures-out/        (no certificates: all points hollow)
   python -m figures resonances families.json --candidates candidates.json -o figures-out/
   python -m figures tables certificates.json -o tables-out/
+  python -m figures data data/                  (make the data files of all pictures)
+  python -m figures all data/ -o figures-out/   (draw all pictures from them)
 
 A marker is filled if the certificate of its candidate says "proved", and hollow otherwise. Family files
 are written by explore, with its option --family-output.
-Exit codes: 0 pictures or tables written, 1 (tables only) a row is not proved, lies outside its published
-enclosure or is missing, 2 bad input.
+Exit codes: 0 pictures or tables written, 1 something not drawn or (tables) a row is not proved, lies outside its
+published enclosure or is missing, 2 bad input.
 """
 
 _RESONANCES_EXAMPLES = """\
@@ -104,6 +107,8 @@ def argument_parser() -> argparse.ArgumentParser:
         "--allow-missing", action="store_true", help="exit code 0 also if published rows have no certificate"
     )
     tables.add_argument("--quiet", action="store_true", help="no messages on standard error")
+    for command in (all_command, data_command):
+        command.add_parser(commands)
     return parser
 
 
@@ -117,6 +122,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     arguments = argument_parser().parse_args(argv)
     try:
+        if hasattr(arguments, "run"):
+            return int(arguments.run(arguments))
         if arguments.command == "tables":
             return tabulate(arguments)
         for path in draw_stability(arguments) if arguments.command == "resonances" else draw(arguments):

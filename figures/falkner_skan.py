@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -89,13 +90,12 @@ def _magnify(axes: Axes, inset: Axes, heights: Array) -> None:
         inset.spines[side].set_visible(True)
     axes.annotate(
         "", xy=(0.0, float(heights.max())), xytext=(0.5, 0.76), textcoords="axes fraction",
-        arrowprops={"arrowstyle": "-|>", "linewidth": 0.6, "color": INK, "shrinkA": 0, "shrinkB": 1, "mutation_scale": 6},
+        arrowprops={"arrowstyle": "-|>", "linewidth": 0.6, "color": INK, "shrinkA": 0, "mutation_scale": 6},
     )  # fmt: skip
 
 
-def _style(k: int) -> str | tuple[float, tuple[float, ...]]:
-    style: str | tuple[float, tuple[float, ...]] = _LINE_STYLES.get(k, "dashdot")  # type: ignore[assignment]
-    return style
+def _style(k: int) -> Any:
+    return _LINE_STYLES.get(k, "dashdot")
 
 
 def _label(axes: Axes, x: str, y: str, letter: str) -> None:

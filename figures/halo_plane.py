@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -152,7 +153,7 @@ def _draw_spots(axes: Axes, spots: Sequence[Spot]) -> None:
 
 def _shown_at(spot: Spot) -> Array:
     below = spot.mark.k > 1 and (spot.mark.k % 2 == 1 or spot.elsewhere)
-    return spot.position * np.array([1.0, -1.0 if below else 1.0])
+    return np.asarray(spot.position * np.array([1.0, -1.0 if below else 1.0]))
 
 
 def _magnify(axes: Axes, family: Family, spots: Sequence[Spot]) -> None:
@@ -177,7 +178,7 @@ def _magnify(axes: Axes, family: Family, spots: Sequence[Spot]) -> None:
 
 def _parted(spots: Sequence[Spot]) -> tuple[Sequence[Spot], Sequence[Spot]]:
     """The spots before and after the longest stretch without one."""
-    gaps = [after.arclength - before.arclength for before, after in zip(spots, spots[1:], strict=False)]
+    gaps = [after.arclength - before.arclength for before, after in pairwise(spots)]
     cut = int(np.argmax(gaps)) + 1
     return spots[:cut], spots[cut:]
 

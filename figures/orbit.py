@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
-
 from numpy.typing import NDArray
 
 from figures.family import Array, parameter_values, state_on_fixed_set
@@ -183,7 +182,6 @@ def _step(
 ) -> tuple[Array, Array, Array]:
     slopes = [slope]
     following = state
-    increment: Array
     for row in _STAGES:
         following = state + step * sum(c * k for c, k in zip(row, slopes, strict=True))
         slopes.append(field(following))

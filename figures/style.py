@@ -17,10 +17,12 @@ import matplotlib
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
 
 from figures.family import MarkedPoint
 from shared.formats import InputError, check_writable
@@ -49,12 +51,14 @@ def marker_of(k: int) -> tuple[str, str]:
     return _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
 
 
-def draw_mark(axes: Axes, position: Sequence[float], mark: MarkedPoint) -> Line2D:
+def draw_mark(axes: Axes, position: Sequence[float] | NDArray[np.float64], mark: MarkedPoint) -> Line2D:
     """Draw one bifurcation, in two or three dimensions: filled if certified, hollow if numerical."""
     return draw_point(axes, position, mark.k, mark.certified, mark.candidate.id)
 
 
-def draw_point(axes: Axes, position: Sequence[float], k: int, certified: bool, identifier: str) -> Line2D:
+def draw_point(
+    axes: Axes, position: Sequence[float] | NDArray[np.float64], k: int, certified: bool, identifier: str
+) -> Line2D:
     """As `draw_mark`, for a point that is known by its multiplicity, verdict and id only."""
     marker, colour = marker_of(k)
     coordinates = [[value] for value in position]

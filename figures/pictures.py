@@ -1,0 +1,157 @@
+"""All pictures by name: what each shows, which data it needs, and how it is drawn from a data folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from figures.data_folder import DataFolder
+from figures.falkner_skan import draw_crossings, draw_resonant_orbits
+from figures.gallery import draw_gallery
+from figures.geometry import draw_geometry
+from figures.halo_plane import draw_closed_curves, draw_resonant_families
+from figures.halo_space import draw_bifurcation, draw_torus
+from figures.portraits import draw_portraits
+from figures.resonances import draw_resonances
+from figures.stability import places_on
+from figures.style import close, save, use_style
+from shared.systems import FALKNER_SKAN
+
+Drawn = Iterator[tuple[str, Figure]]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One or several figures of the same kind.
+
+    Attributes:
+        name: what it is asked for by.
+        shows: in a few words.
+        data: names of the files of the data folder that it needs.
+        write: draws from the data folder into another folder and yields the paths written. Raises `MissingData`,
+            `OrbitNotClosed` or `InputError`.
+        marked: whether it marks points, filled where certificates.json says so.
+    """
+
+    name: str
+    shows: str
+    data: tuple[str, ...]
+    write: Callable[[DataFolder, Path], Iterator[Path]]
+    marked: bool = False
+
+
+def _saved(draw: Callable[[DataFolder], Drawn]) -> Callable[[DataFolder, Path], Iterator[Path]]:
+    """The `write` of a function that yields the stems of the files and the figures."""
+
+    def write(data: DataFolder, folder: Path) -> Iterator[Path]:
+        with use_style():
+            for stem, figure in draw(data):
+                yield from save(figure, folder / stem)
+                close(figure)
+
+    return write
+
+
+def _portraits(data: DataFolder) -> Drawn:
+    from explore.portrait_file import read_portraits
+
+    yield "phase-portraits", draw_portraits(read_portraits(data.path("portraits.json")))
+
+
+def _geometry(data: DataFolder) -> Drawn:
+    yield "bifurcation-geometry", draw_geometry()
+
+
+def _falkner_skan_family(data: DataFolder) -> Drawn:
+    family = data.family("falkner-skan.json", "odd").refined()
+    yield "falkner-skan-family", draw_crossings(family, data.marks_on(family)[0])
+
+
+def _falkner_skan_orbits(data: DataFolder) -> Drawn:
+    family = data.family("falkner-skan.json", "odd").refined()
+    marks = [mark for mark in data.marks_on(family)[0] if mark.candidate.system is FALKNER_SKAN and mark.k in (2, 3, 4)]
+    yield "falkner-skan-orbits", draw_resonant_orbits(marks)
+
+
+def _lyapunov_and_halo(data: DataFolder) -> Drawn:
+    lyapunov = data.family("lyapunov.json", "L1-lyapunov", "sun-jupiter")
+    yield "lyapunov-and-halo-orbits", draw_bifurcation(lyapunov, data.family("families.json", "L1-halo", "sun-jupiter"))
+
+
+def _closed_curves(data: DataFolder) -> Drawn:
+    families = [data.family("families.json", "L1-halo", mass).refined() for mass in ("earth-moon", "sun-jupiter")]
+    yield "closed-halo-curves", draw_closed_curves(families, data.marks_on(*families))
+
+
+def _torus(data: DataFolder) -> Drawn:
+    yield "halo-torus", draw_torus(data.family("families.json", "L1-halo", "sun-jupiter"))
+
+
+def _resonant_families(data: DataFolder) -> Drawn:
+    files = {"L1": "families.json", "L2": "families.json", "L3": "l3-halo.json"}
+    halos = {name: data.family(file, f"{name}-halo", "earth-moon").refined() for name, file in files.items()}
+    marks = dict(zip(halos, data.marks_on(*halos.values()), strict=True))
+    yield "resonant-halo-families", draw_resonant_families(halos, marks)
+
+
+def _stability(data: DataFolder) -> Drawn:
+    curves = data.curves("families.json") + data.curves("falkner-skan.json")
+    for curve, marks in zip(curves, data.marks_on(*(curve.family for curve in curves)), strict=True):
+        yield (
+            f"stability-{curve.family.system.name}-{curve.family.name}",
+            draw_resonances(curve, places_on(curve, marks)),
+        )
+
+
+def _galleries(data: DataFolder) -> Drawn:
+    for family in [*data.families("families.json"), *data.families("l3-halo.json")]:
+        point, kind = family.name.split("-")[-2:]
+        title = f"${point[0]}_{point[1:]}$ {kind} orbits"
+        yield f"gallery-{family.name}", draw_gallery(family, title)
+
+
+PICTURES: tuple[Picture, ...] = (
+    Picture(
+        "phase-portraits", "a reversible planar map before, at and after its 1:4 and 1:3 resonances",
+        ("portraits.json",), _saved(_portraits),
+    ),
+    Picture(
+        "bifurcation-geometry", "the curves of the definitions of period tupling and touch-and-go, from normal forms",
+        (), _saved(_geometry),
+    ),
+    Picture(
+        "falkner-skan-family", "the Falkner-Skan family: both crossings of Fix(R), and the period",
+        ("falkner-skan.json", "candidates.json"), _saved(_falkner_skan_family), marked=True,
+    ),
+    Picture(
+        "falkner-skan-orbits", "the Falkner-Skan orbits in 1:2, 1:3 and 1:4 resonance",
+        ("falkner-skan.json", "candidates.json"), _saved(_falkner_skan_orbits), marked=True,
+    ),
+    Picture(
+        "lyapunov-and-halo-orbits", "Sun-Jupiter: planar Lyapunov orbits around L1 and the halo orbits that branch off",
+        ("lyapunov.json", "families.json"), _saved(_lyapunov_and_halo),
+    ),
+    Picture(
+        "closed-halo-curves", "the closed curves of L1 halo orbits on Fix(R), for both masses",
+        ("families.json", "candidates.json"), _saved(_closed_curves), marked=True,
+    ),
+    Picture(
+        "halo-torus", "Sun-Jupiter: the torus that the L1 halo orbits sweep out", ("families.json",), _saved(_torus),
+    ),
+    Picture(
+        "resonant-halo-families", "Earth-Moon: the L1, L2, L3 halo families with their resonances",
+        ("families.json", "l3-halo.json", "candidates.json"), _saved(_resonant_families), marked=True,
+    ),
+    Picture(
+        "stability", "stability parameters along each family, with the resonances",
+        ("families.json", "falkner-skan.json", "candidates.json"), _saved(_stability), marked=True,
+    ),
+    Picture(
+        "gallery", "orbits along each halo family, with Jacobi constant and period",
+        ("families.json", "l3-halo.json"), _saved(_galleries),
+    ),
+)  # fmt: skip
+"""In the order of the paper, then those that it does not have."""
