@@ -5,7 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 
-from explore.arguments import check, parser
+from explore.arguments import parser
+from explore.request import check
 from shared.formats import InputError
 
 

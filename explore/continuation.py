@@ -10,6 +10,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy as np
 from explore.flow import FlowFailure, Matrix, Vector
 from explore.prediction import predict
 from explore.shooting import Correction, CorrectionFailure, ShootingProblem, SymmetricOrbit
+from explore.step_control import DEFAULT, StepControl
 
 Outcome = Literal["limit", "closed", "failed", "interrupted"]
 
@@ -25,19 +27,11 @@ Stop = Callable[[SymmetricOrbit, Matrix], str | None]
 
 
 @dataclass(frozen=True)
-class StepControl:
-    """Arclength steps, in scaled unknowns.
+class Ending:
+    """Why a family goes no further, and the same in words, with the place."""
 
-    Attributes:
-        initial, minimum, maximum: step lengths; the largest grows with the scaled unknowns once these
-            exceed 10, so that the long arcs towards a collision, where velocities are large, stay affordable.
-        turning: largest angle in radians between the tangents at both ends of a step.
-    """
-
-    initial: float = 1e-3
-    minimum: float = 1e-7
-    maximum: float = 0.02
-    turning: float = 0.12
+    outcome: Outcome
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -50,6 +44,7 @@ class Family:
         tangents: unit tangents in scaled unknowns, one per orbit.
         outcome: why it ends.
         reason: the same in words, with the place.
+        beginning: why it goes no further on the side of its first orbit; `None` if it was traced from there.
     """
 
     problem: ShootingProblem
@@ -57,6 +52,32 @@ class Family:
     tangents: tuple[Vector, ...]
     outcome: Outcome
     reason: str
+    beginning: Ending | None = None
+
+    @property
+    def failed(self) -> bool:
+        """Whether the family goes on where the continuation could not, at either end."""
+        return "failed" in (self.outcome, self.beginning and self.beginning.outcome)
+
+    @property
+    def tangencies(self) -> tuple[str, ...]:
+        """One line for each place where an orbit touches the section and the number of its crossings changes."""
+        return tuple(
+            tangency(self.problem, *pair) for pair in pairwise(self.orbits) if pair[0].crossings != pair[1].crossings
+        )
+
+    def turned(self) -> Family:
+        """The same orbits in the opposite order."""
+        length = self.orbits[-1].arclength
+        end = self.beginning or Ending("limit", "started")
+        return replace(
+            self,
+            orbits=tuple(replace(orbit, arclength=length - orbit.arclength) for orbit in reversed(self.orbits)),
+            tangents=tuple(-tangent for tangent in reversed(self.tangents)),
+            outcome=end.outcome,
+            reason=end.reason,
+            beginning=Ending(self.outcome, self.reason),
+        )
 
     @cached_property
     def arclengths(self) -> tuple[float, ...]:
@@ -102,7 +123,7 @@ def trace(
     start: Start,
     stop: Stop,
     *,
-    control: StepControl = StepControl(),
+    control: StepControl = DEFAULT,
     max_orbits: int = 1000,
     progress: Callable[[SymmetricOrbit], None] | None = None,
 ) -> Family:
@@ -133,7 +154,7 @@ def extend(
     family: Family,
     stop: Stop,
     *,
-    control: StepControl = StepControl(),
+    control: StepControl = DEFAULT,
     max_orbits: int = 1000,
     progress: Callable[[SymmetricOrbit], None] | None = None,
 ) -> Family:
@@ -144,7 +165,7 @@ def extend(
         step = min(_longest(problem, orbits[-1], control), orbits[-1].arclength - orbits[-2].arclength)
 
     def ended(outcome: Outcome, reason: str) -> Family:
-        return Family(problem, tuple(orbits), tuple(tangents), outcome, reason)
+        return Family(problem, tuple(orbits), tuple(tangents), outcome, reason, family.beginning)
 
     try:
         while len(orbits) < max_orbits:
@@ -153,14 +174,16 @@ def extend(
             except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
                 step /= 2
                 if step < control.minimum:
-                    return ended("failed", f"{error} ({describe(problem, orbits[-1])})")
+                    place = describe(problem, orbits[-1])
+                    return ended("failed", f"{error}; no orbit within the smallest step {control.minimum:g} ({place})")
                 continue
+            touches = orbit.crossings != orbits[-1].crossings
             orbits.append(orbit)
             tangents.append(tangent)
             if progress is not None:
                 progress(orbit)
-            if orbit.crossings != 1:
-                return ended("failed", f"the orbit becomes tangent to the section ({describe(problem, orbit)})")
+            if touches and control.until_tangency:
+                return ended("limit", tangency(problem, orbits[-2], orbit))
             if _closes(problem, orbits):
                 return ended("closed", f"the family closes ({describe(problem, orbit)})")
             reason = stop(orbit, states)
@@ -210,6 +233,12 @@ def crossings(problem: ShootingProblem, states: Matrix) -> int:
     """How often a sampled half orbit meets the section after its start, its end included."""
     interior = states[1:-1, problem.system.section_index]
     return 1 + int(np.count_nonzero(interior[1:] * interior[:-1] < 0))
+
+
+def tangency(problem: ShootingProblem, before: SymmetricOrbit, after: SymmetricOrbit) -> str:
+    """That between two orbits one is tangent to the section, in words, with the place."""
+    counts = f"{before.crossings} to {after.crossings} crossings in the half orbit"
+    return f"the orbit becomes tangent to the section: {counts} ({describe(problem, after)})"
 
 
 def _closes(problem: ShootingProblem, orbits: Sequence[SymmetricOrbit]) -> bool:

@@ -1,92 +1,45 @@
-"""The families that can be asked for by name, and the limits up to which they are traced.
+"""The families that can be asked for by name.
 
-- cr3bp: ``L1-lyapunov``, ``L2-lyapunov``, ``L3-lyapunov`` (planar) and ``L1-halo``, ``L2-halo``, ``L3-halo``,
-  which branch off where the symmetry S of the planar family breaks first.
+- cr3bp: ``L1-lyapunov`` (planar), ``L1-vertical`` and ``L1-halo``, which branches off where the symmetry S of the
+  planar family breaks first; ``L1-halo-2``, ``L1-halo-3``, .. branch off where it does so the next times. The same for
+  L2 and L3.
 - falkner-skan: ``odd``, the symmetric periodic orbits in the parameter beta.
 
 The first point of an orbit on Fix(R) is the crossing from which the paper draws the family: for L1
-and L2 the one with x < x_L (there vy > 0), for L3 the one with x > x_L (there vy < 0).
+and L2 the one with x < x_L (there vy > 0), for L3 the one with x > x_L (there vy < 0). On a vertical family it is
+the highest point; such an orbit also meets the x axis, so that its half orbit crosses the section twice.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from fractions import Fraction
-from typing import Literal
 
 import numpy as np
 
-from explore.arguments import FAMILY_NAMES
-from explore.continuation import Family, Start, StepControl, describe, extend, trace
-from explore.detection import symmetry_breaking_near, symmetry_breakings, until_breaking
+from explore.branching import Sign, after_breakings, branch_seed
+from explore.continuation import Family, Start, Stop, describe, extend, trace
+from explore.detection import symmetry_breaking_near, symmetry_breakings
 from explore.falkner_skan import limit_orbit
+from explore.family_names import branch_number, is_family_name
 from explore.flow import FlowFailure, Matrix
-from explore.libration import distance_to_primaries, libration_point, lyapunov_orbit
+from explore.libration import LinearOrbit, detuning, libration_point, lyapunov_orbit, vertical_orbit
+from explore.limits import BETA_START, Limits
 from explore.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
+from explore.step_control import CONTROL, StepControl
+from explore.zeros import bracketed_zero
 from shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and the fraction done, 0 to 1."""
 
-CONTROL = StepControl(initial=2e-3, minimum=1e-8, maximum=0.1, turning=0.12)
 AMPLITUDE = 1e-3
-BETA_START = 100.0
 PLANAR_ORBITS = 2000
-
-TYPICAL_ORBITS = 150
-"""For the progress display only: of this order is the number of orbits of a family that no limit cuts short."""
 
 
 class FamilyFailure(Exception):
     """The family's first orbit could not be found; one line says why."""
-
-
-@dataclass(frozen=True)
-class Limits:
-    """How far a family is traced; it ends with the first orbit beyond a limit.
-
-    Attributes:
-        max_orbits: number of orbits.
-        coordinate_max: largest magnitude of a Fix(R) coordinate of the first point, by name.
-        parameter_min, parameter_max: range of the family parameter, if the system has one.
-        integral_min: smallest value of the first integral (the Jacobi constant).
-        min_distance: smallest distance to a primary.
-    """
-
-    max_orbits: int = 1000
-    coordinate_max: Mapping[str, float] = field(default_factory=dict)
-    parameter_min: float = BETA_START
-    parameter_max: float = 1000.0
-    integral_min: float | None = None
-    min_distance: float = 1e-5
-
-    def reached(self, problem: ShootingProblem, orbit: SymmetricOrbit, states: Matrix) -> str | None:
-        """Which limit the orbit lies beyond, in words, or `None`."""
-        system = problem.system
-        names = system.centre_coordinates
-        for name, bound in self.coordinate_max.items():
-            if abs(orbit.unknowns[names.index(name)]) >= bound:
-                return f"limit {name} = {bound:g}"
-        if system.family_parameter is not None and not self.parameter_min <= orbit.unknowns[0] <= self.parameter_max:
-            bound = self.parameter_max if orbit.unknowns[0] > self.parameter_max else self.parameter_min
-            return f"limit {system.family_parameter} = {bound:g}"
-        integral = orbit.first_integral
-        if self.integral_min is not None and integral is not None and integral <= self.integral_min:
-            return f"limit {system.first_integral_name} = {self.integral_min:g}"
-        if system is CR3BP and distance_to_primaries(states, float(problem.parameters["mu"])) <= self.min_distance:
-            return f"limit distance to a primary = {self.min_distance:g}"
-        return None
-
-    def fraction(self, problem: ShootingProblem, orbit: SymmetricOrbit, count: int) -> float:
-        """How much of the way to the nearest limit is done, roughly, 0 to 1."""
-        system = problem.system
-        names = system.centre_coordinates
-        parts = [max(count / self.max_orbits, count / (count + TYPICAL_ORBITS))]
-        parts += [abs(orbit.unknowns[names.index(name)]) / bound for name, bound in self.coordinate_max.items()]
-        if system.family_parameter is not None:
-            parts.append((orbit.unknowns[0] - self.parameter_min) / (self.parameter_max - self.parameter_min))
-        return min(1.0, max(parts))
 
 
 def trace_family(
@@ -96,6 +49,7 @@ def trace_family(
     limits: Limits,
     *,
     mirrored: bool = False,
+    control: StepControl = CONTROL,
     progress: Progress | None = None,
 ) -> Family:
     """Trace a family by name up to `limits`.
@@ -106,22 +60,27 @@ def trace_family(
 
     Raises `FamilyFailure` if no first orbit is found and `ValueError` for an unknown name.
     """
-    if name not in FAMILY_NAMES.get(system.name, ()):
+    if not is_family_name(system.name, name):
         raise ValueError(f"unknown family {name!r} of {system.name}")
+    tracer = _Tracer(parameters, limits, control, progress)
     try:
         if system is FALKNER_SKAN:
-            return _falkner_skan(parameters, limits, progress)
-        point, _, kind = name.partition("-")
+            return tracer.falkner_skan()
+        point, kind = name.split("-")[:2]
         if kind == "lyapunov":
-            return _lyapunov(point, parameters, limits, progress)
-        return _halo(point, parameters, limits, -1 if mirrored else 1, progress)
-    except CorrectionFailure as error:
+            return tracer.grown(*tracer.planar_start(point))
+        if kind == "vertical":
+            return tracer.grown(*tracer.vertical_start(point))
+        return tracer.halo(point, branch_number(name) or 1, -1 if mirrored else 1)
+    except (CorrectionFailure, ZeroDivisionError) as error:
         raise FamilyFailure(f"no first orbit of {name}: {error}") from None
 
 
-def continue_family(family: Family, limits: Limits, *, progress: Progress | None = None) -> Family:
+def continue_family(
+    family: Family, limits: Limits, *, control: StepControl = CONTROL, progress: Progress | None = None
+) -> Family:
     """Continue a traced family, for example one read from a file, up to further limits."""
-    problem = family.problem
+    problem = replace(family.problem, tolerance=control.tolerance)
     last = family.orbits[-1]
     try:
         states = problem.samples(last.unknowns)
@@ -132,10 +91,25 @@ def continue_family(family: Family, limits: Limits, *, progress: Progress | None
     if problem.symmetry is None and len(family.orbits) > 1 and _in_fixed_space(problem, last):
         return family
     more = extend(
-        family, _stop(problem, limits, family.orbits), control=CONTROL, max_orbits=limits.max_orbits,
-        progress=_report(problem, limits, progress, len(family.orbits)),
+        replace(family, problem=problem), _stop(problem, limits, family.orbits), control=control,
+        max_orbits=limits.max_orbits, progress=_report(problem, limits, progress, len(family.orbits)),
     )  # fmt: skip
     return _with_symmetric_end(more)
+
+
+def continue_both_ways(
+    seed: Family, limits: Limits, *, control: StepControl = CONTROL, progress: Progress | None = None
+) -> Family:
+    """Continue a family backwards from its first orbit and then forwards from its last, up to `limits`.
+
+    Backwards at most half of the orbits that the limits allow. Raises `FamilyFailure`.
+    """
+    half = replace(limits, max_orbits=max(len(seed.orbits) + 1, (limits.max_orbits + len(seed.orbits)) // 2))
+    backwards = continue_family(seed.turned(), half, control=control, progress=progress)
+    family = backwards.turned()
+    if backwards.outcome in ("closed", "interrupted"):
+        return replace(family, outcome=backwards.outcome, reason=backwards.reason, beginning=None)
+    return continue_family(family, limits, control=control, progress=progress)
 
 
 def _report(
@@ -153,66 +127,100 @@ def _report(
     return report
 
 
-def _falkner_skan(parameters: Mapping[str, Fraction], limits: Limits, progress: Progress | None) -> Family:
-    problem = ShootingProblem(FALKNER_SKAN, parameters, scale=(1000.0, 1.0, 1.0))
-    limit = limit_orbit()
-    beta = max(BETA_START, limits.parameter_min)
-    start = Start(np.array([beta, limit.upper, limit.half_period / np.sqrt(beta)]), np.array([1.0, 0.0, 0.0]))
-    if limits.parameter_min < beta:
-        down = replace(limits, parameter_max=np.inf)
-        approach = trace(
-            problem,
-            replace(start, direction=-start.direction),
-            lambda orbit, states: down.reached(problem, orbit, states),
-            control=CONTROL,
-            max_orbits=limits.max_orbits,
-        )
-        if approach.orbits[-1].unknowns[0] > limits.parameter_min:
-            raise CorrectionFailure(f"beta = {limits.parameter_min:g} is not reached: {approach.reason}")
-        start = Start(approach.orbits[-1].unknowns, -approach.tangents[-1])
-    return trace(
-        problem, start, _stop(problem, replace(limits, parameter_min=-np.inf), ()), control=CONTROL,
-        max_orbits=limits.max_orbits, progress=_report(problem, limits, progress),
-    )  # fmt: skip
+class _Tracer:
+    """Traces families of given parameters from their first orbits."""
 
+    def __init__(
+        self, parameters: Mapping[str, Fraction], limits: Limits, control: StepControl, progress: Progress | None
+    ) -> None:
+        self.parameters = parameters
+        self.limits = limits
+        self.control = control
+        self.progress = progress
 
-def _planar_start(point: str, parameters: Mapping[str, Fraction]) -> tuple[ShootingProblem, Start]:
-    libration = libration_point(point, parameters["mu"])
-    orbit = lyapunov_orbit(libration, AMPLITUDE * libration.distance, 1 if point == "L3" else -1)
-    size = libration.distance
-    problem = ShootingProblem(CR3BP, parameters, symmetry="S", scale=(size, size, size, 1.0))
-    fixed = list(CR3BP.fixed_coordinates)
-    return problem, Start(np.append(orbit.state[fixed], orbit.half_period), np.append(orbit.direction[fixed], 0.0))
+    def problem(self, system: ReversibleSystem, scale: tuple[float, ...], symmetry: str | None) -> ShootingProblem:
+        return ShootingProblem(system, self.parameters, symmetry, scale, self.control.tolerance)
 
+    def grown(self, problem: ShootingProblem, start: Start) -> Family:
+        """The family from its start up to the limits."""
+        family = trace(
+            problem, start, _stop(problem, self.limits, ()), control=self.control, max_orbits=self.limits.max_orbits,
+            progress=_report(problem, self.limits, self.progress),
+        )  # fmt: skip
+        return _with_symmetric_end(family)
 
-def _lyapunov(point: str, parameters: Mapping[str, Fraction], limits: Limits, progress: Progress | None) -> Family:
-    problem, start = _planar_start(point, parameters)
-    return trace(
-        problem, start, _stop(problem, limits, ()), control=CONTROL, max_orbits=limits.max_orbits,
-        progress=_report(problem, limits, progress),
-    )  # fmt: skip
+    def planar_start(self, point: str) -> tuple[ShootingProblem, Start]:
+        libration = libration_point(point, self.parameters["mu"])
+        orbit = lyapunov_orbit(libration, AMPLITUDE * libration.distance, 1 if point == "L3" else -1)
+        return self._linear_start(libration.distance, orbit, "S")
 
+    def vertical_start(self, point: str) -> tuple[ShootingProblem, Start]:
+        libration = libration_point(point, self.parameters["mu"])
+        # The linear orbit is a guess only where its square is small against the detuning.
+        amplitude = AMPLITUDE * min(1.0, float(np.sqrt(detuning(libration) / AMPLITUDE)))
+        return self._linear_start(libration.distance, vertical_orbit(libration, amplitude * libration.distance), None)
 
-def _halo(
-    point: str, parameters: Mapping[str, Fraction], limits: Limits, sign: Literal[1, -1], progress: Progress | None
-) -> Family:
-    if progress is not None:
-        progress("tracing the planar family", 0.0)
-    planar, start = _planar_start(point, parameters)
-    family = trace(planar, start, until_breaking(planar, np.inf), control=CONTROL, max_orbits=PLANAR_ORBITS)
-    if family.outcome == "interrupted":
-        raise KeyboardInterrupt
-    breakings = symmetry_breakings(family)
-    if not breakings:
-        raise CorrectionFailure(f"S does not break on the planar family: {family.reason}")
-    problem, origin = replace(planar, symmetry=None), replace(breakings[0].orbit, arclength=0.0)
-    direction = np.zeros(problem.size)
-    direction[list(problem.odd_unknowns("S"))] = sign
-    halo = trace(
-        problem, Start(origin.unknowns, direction, origin), _stop(problem, limits, ()), control=CONTROL,
-        max_orbits=limits.max_orbits, progress=_report(problem, limits, progress),
-    )  # fmt: skip
-    return _with_symmetric_end(halo)
+    def _linear_start(self, size: float, orbit: LinearOrbit, symmetry: str | None) -> tuple[ShootingProblem, Start]:
+        fixed = list(CR3BP.fixed_coordinates)
+        start = Start(np.append(orbit.state[fixed], orbit.half_period), np.append(orbit.direction[fixed], 0.0))
+        return self.problem(CR3BP, (size, size, size, 1.0), symmetry), start
+
+    def halo(self, point: str, number: int, sign: Sign) -> Family:
+        """The branch at the symmetry breaking `number` = 1, 2, .. of the planar family."""
+        planar, start = self.planar_start(point)
+        near = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
+        family = trace(
+            planar, start, after_breakings(planar, number, _stop(planar, near, ())), control=self.control,
+            max_orbits=PLANAR_ORBITS, progress=self._planar_report(),
+        )  # fmt: skip
+        if family.outcome == "interrupted":
+            raise KeyboardInterrupt
+        breakings = symmetry_breakings(family)
+        if len(breakings) < number:
+            times = f" a {number}. time" if number > 1 else ""
+            raise CorrectionFailure(f"S does not break{times} on the planar family: {family.reason}")
+        branch = branch_seed(planar, breakings[number - 1], sign)
+        return continue_family(branch, self.limits, control=self.control, progress=self.progress)
+
+    def _planar_report(self) -> Callable[[SymmetricOrbit], None] | None:
+        progress = self.progress
+        if progress is None:
+            return None
+        return lambda orbit: progress("tracing the planar family", 0.0)
+
+    def falkner_skan(self) -> Family:
+        """Starts at beta = 100, or where the range begins above it, goes down to its lower end and then up."""
+        problem = self.problem(FALKNER_SKAN, (1000.0, 1.0, 1.0), None)
+        limits, limit = self.limits, limit_orbit()
+        beta = max(BETA_START, limits.parameter_min)
+        start = Start(np.array([beta, limit.upper, limit.half_period / np.sqrt(beta)]), np.array([1.0, 0.0, 0.0]))
+        upwards = replace(limits, parameter_min=-np.inf)
+        report = _report(problem, limits, self.progress)
+        if limits.parameter_min >= beta:
+            return trace(
+                problem, start, _stop(problem, upwards, ()), control=self.control, max_orbits=limits.max_orbits,
+                progress=report,
+            )  # fmt: skip
+        downwards = replace(limits, parameter_max=np.inf)
+        down = trace(
+            problem, replace(start, direction=-start.direction), _stop(problem, downwards, ()), control=self.control,
+            max_orbits=limits.max_orbits, progress=report,
+        )  # fmt: skip
+        if down.outcome == "limit" and down.orbits[-1].unknowns[0] > limits.parameter_min:
+            raise CorrectionFailure(f"beta = {limits.parameter_min:g} is not reached: {down.reason}; allow more orbits")
+        family = down.turned()
+        if down.outcome == "interrupted":
+            return replace(family, outcome="interrupted", reason=down.reason, beginning=None)
+        beyond = [i for i, orbit in enumerate(family.orbits) if orbit.unknowns[0] > limits.parameter_max]
+        if beyond:
+            end = beyond[0]
+            reason = f"limit beta = {limits.parameter_max:g} ({describe(problem, family.orbits[end])})"
+            orbits, tangents = family.orbits[: end + 1], family.tangents[: end + 1]
+            return replace(family, orbits=orbits, tangents=tangents, outcome="limit", reason=reason)
+        return extend(
+            family, _stop(problem, upwards, family.orbits), control=self.control, max_orbits=limits.max_orbits,
+            progress=report,
+        )  # fmt: skip
 
 
 RETURNED = "the family returns to Fix(S)"
@@ -224,9 +232,7 @@ def _in_fixed_space(problem: ShootingProblem, orbit: SymmetricOrbit) -> bool:
     )
 
 
-def _stop(
-    problem: ShootingProblem, limits: Limits, orbits: tuple[SymmetricOrbit, ...]
-) -> Callable[[SymmetricOrbit, Matrix], str | None]:
+def _stop(problem: ShootingProblem, limits: Limits, orbits: tuple[SymmetricOrbit, ...]) -> Stop:
     """Stops at the limits and where an S-odd coordinate of a family outside Fix(S) changes sign."""
     odd = {name: problem.odd_unknowns(name) for name in problem.system.symmetries} if problem.symmetry is None else {}
     previous = [orbits[-1].unknowns] if len(orbits) > 1 else []
@@ -249,12 +255,18 @@ def _with_symmetric_end(family: Family) -> Family:
     name, (index,) = next(
         (name, odd) for name in problem.system.symmetries if len(odd := problem.odd_unknowns(name)) == 1
     )
-    weight = before.unknowns[index] / (before.unknowns[index] - beyond.unknowns[index])
-    guess = before.unknowns + weight * (beyond.unknowns - before.unknowns)
+    ends = (before.arclength, beyond.arclength)
+    heights = (float(before.unknowns[index]), float(beyond.unknowns[index]))
+
+    def height(arclength: float) -> float:
+        return float(family.orbit_at(arclength).unknowns[index])
+
     try:
-        end = symmetry_breaking_near(problem, name, guess, 2.0)
-    except CorrectionFailure:
-        return replace(family, orbits=family.orbits[:-1], tangents=family.tangents[:-1])
+        place = bracketed_zero(height, ends, heights, 1e-6 * (ends[1] - ends[0]))
+        end = symmetry_breaking_near(problem, name, family.orbit_at(place).unknowns, 2.0)
+    except (CorrectionFailure, ZeroDivisionError) as error:
+        reason = f"{family.reason}; the symmetry breaking there is not located: {error}"
+        return replace(family, orbits=family.orbits[:-1], tangents=family.tangents[:-1], reason=reason)
     length = float(np.linalg.norm((end.unknowns - before.unknowns) / problem.scales))
     end = replace(end, arclength=before.arclength + length)
     tangent = np.zeros(problem.size)

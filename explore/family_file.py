@@ -96,6 +96,14 @@ class ExtremumRecord:
 
 
 @dataclass(frozen=True)
+class EndingRecord:
+    """Why a family goes no further, and the same in words."""
+
+    outcome: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class FamilyRecord:
     """A traced family as it stands in a file; see the schema for the meaning of the fields."""
 
@@ -111,6 +119,7 @@ class FamilyRecord:
     resonances: tuple[ResonanceRecord, ...]
     curve: CurveRecord | None = None
     extrema: tuple[ExtremumRecord, ...] = ()
+    beginning: EndingRecord | None = None
 
 
 def write_families(path: Path, families: Sequence[FamilyRecord]) -> None:
@@ -158,6 +167,8 @@ def _to_json(family: FamilyRecord) -> dict[str, Any]:
             for resonance in family.resonances
         ],
     }
+    if family.beginning is not None:
+        result["beginning"] = asdict(family.beginning)
     if family.curve is not None:
         curve = {field.name: getattr(family.curve, field.name) for field in fields(CurveRecord)}
         result["curve"] = {name: None if value is None else value.tolist() for name, value in curve.items()}
@@ -243,6 +254,7 @@ def _family(entry: Mapping[str, Any], source: str) -> FamilyRecord:
         symmetry=entry["symmetry"], scale=tuple(float(scale) for scale in entry["scale"]),
         outcome=entry["outcome"], reason=entry["reason"], orbits=tuple(orbits), resonances=tuple(resonances),
         curve=_curve(entry.get("curve"), system, refuse), extrema=extrema,
+        beginning=EndingRecord(**entry["beginning"]) if "beginning" in entry else None,
     )  # fmt: skip
 
 

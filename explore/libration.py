@@ -1,4 +1,4 @@
-"""Collinear libration points of the CR3BP and the planar orbits near them.
+"""Collinear libration points of the CR3BP and the planar and vertical orbits near them.
 
 Nondimensional units: distance of the primaries 1, angular velocity 1, total mass 1; the primaries
 stand at (-mu, 0, 0) and (1 - mu, 0, 0).
@@ -32,6 +32,12 @@ class LibrationPoint:
     x: float
     distance: float
     jacobi_constant: float
+
+    @property
+    def stiffness(self) -> float:
+        """c = (1-mu)/r_1^3 + mu/r_2^3 of the linearised equations; c > 1 at a collinear point."""
+        first, second = primaries(self.mu)
+        return (1.0 - self.mu) / abs(self.x - first[0]) ** 3 + self.mu / abs(self.x - second[0]) ** 3
 
 
 LIBRATION_POINTS = ("L1", "L2", "L3")
@@ -83,10 +89,10 @@ def libration_point(name: str, mu: Fraction | float) -> LibrationPoint:
 
 @dataclass(frozen=True)
 class LinearOrbit:
-    """A small planar periodic orbit of the linearised equations.
+    """A small periodic orbit of the linearised equations.
 
     Attributes:
-        state: shape (6,), where it crosses y = 0 perpendicularly; on Fix(R).
+        state: shape (6,), a point of the orbit on Fix(R).
         direction: shape (6,), change of `state` with the amplitude.
         half_period: pi over the frequency.
     """
@@ -99,14 +105,38 @@ class LinearOrbit:
 def lyapunov_orbit(point: LibrationPoint, amplitude: float, side: int) -> LinearOrbit:
     """The planar Lyapunov orbit with a small x amplitude, to first order.
 
-    With v = 1 + c, c = (1-mu)/r_1^3 + mu/r_2^3, the planar equations x'' - 2y' = (1+2c) x,
+    With c as in `LibrationPoint.stiffness`, the planar equations x'' - 2y' = (1+2c) x,
     y'' + 2x' = (1-c) y have the frequency w, w^4 - (2-c) w^2 + (1+2c)(1-c) = 0, and vy = -(w^2+1+2c)/2 x
     on the axis. `side` = +-1 tells on which side of the libration point the first crossing lies.
     """
-    first, second = primaries(point.mu)
-    c = (1.0 - point.mu) / abs(point.x - first[0]) ** 3 + point.mu / abs(point.x - second[0]) ** 3
-    half = 0.5 * (2.0 - c)
-    square = half + float(np.sqrt(half * half + (1.0 + 2.0 * c) * (c - 1.0)))
+    c = point.stiffness
+    square = _planar_frequency_squared(c)
     direction = side * np.array([1.0, 0.0, 0.0, 0.0, -0.5 * (square + 1.0 + 2.0 * c), 0.0])
-    state = np.array([point.x, 0.0, 0.0, 0.0, 0.0, 0.0]) + amplitude * direction
-    return LinearOrbit(state, direction, float(np.pi / np.sqrt(square)))
+    return LinearOrbit(_resting(point) + amplitude * direction, direction, float(np.pi / np.sqrt(square)))
+
+
+def vertical_orbit(point: LibrationPoint, amplitude: float) -> LinearOrbit:
+    """The vertical Lyapunov orbit with a small z amplitude, to first order, at its highest point.
+
+    z'' = -c z; what the orbit does in the plane is of second order.
+    """
+    direction = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    return LinearOrbit(_resting(point) + amplitude * direction, direction, float(np.pi / np.sqrt(point.stiffness)))
+
+
+def detuning(point: LibrationPoint) -> float:
+    """How far apart the frequencies of the planar and of the vertical oscillation are, relative to the latter.
+
+    Small at L3 for small mu; a family then starts only at amplitudes whose square is smaller.
+    """
+    c = point.stiffness
+    return abs(float(np.sqrt(_planar_frequency_squared(c) / c)) - 1.0)
+
+
+def _resting(point: LibrationPoint) -> Vector:
+    return np.array([point.x, 0.0, 0.0, 0.0, 0.0, 0.0])
+
+
+def _planar_frequency_squared(c: float) -> float:
+    half = 0.5 * (2.0 - c)
+    return half + float(np.sqrt(half * half + (1.0 + 2.0 * c) * (c - 1.0)))

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 
-from explore.continuation import Family
-from explore.family_file import CurveRecord, ExtremumRecord, FamilyRecord, OrbitRecord, ResonanceRecord
+from explore.continuation import Ending, Family
+from explore.family_file import CurveRecord, EndingRecord, ExtremumRecord, FamilyRecord, OrbitRecord, ResonanceRecord
 from explore.shooting import ShootingProblem, SymmetricOrbit
 from explore.tracing import TracedFamily
 
@@ -48,6 +50,7 @@ def family_record(item: TracedFamily) -> FamilyRecord:
             )
             for resonance in item.detection.resonances
         ),
+        beginning=None if family.beginning is None else EndingRecord(**asdict(family.beginning)),
         curve=_curve(item.detection.samples),
         extrema=tuple(
             ExtremumRecord(
@@ -92,4 +95,5 @@ def family_of(record: FamilyRecord) -> Family:
         for orbit in record.orbits
     )
     tangents = tuple(orbit.tangent for orbit in record.orbits)
-    return Family(problem, orbits, tangents, record.outcome, record.reason)
+    beginning = None if record.beginning is None else Ending(**asdict(record.beginning))
+    return Family(problem, orbits, tangents, record.outcome, record.reason, beginning)

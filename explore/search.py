@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from explore.arguments import FamilyRequest, Request
-from explore.families import Limits
 from explore.family_file import FamilyRecord, read_families, write_families
+from explore.family_names import mirrored_name
 from explore.flow import Vector
+from explore.limits import Limits
 from explore.progress import Reporter
 from explore.records import family_of, family_record
 from explore.refining import refine_tasks
+from explore.request import FamilyRequest, Request
 from explore.stability_curve import BAND, largest_changes
 from explore.targets import Target, is_refined, merged, targets_of
 from explore.tracing import Traced, TracedFamily, TraceTask, trace_tasks
@@ -80,21 +81,21 @@ def _trace_tasks(request: Request) -> list[TraceTask]:
 
 def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) -> TraceTask:
     mirrored = request.options.mirror
-    name = f"{family.name}-mirror" if mirrored and family.name.endswith("halo") else family.name
+    name = mirrored_name(family.name) if mirrored else family.name
     limits = _limits(request.options, family.velocity_max)
     for record in records:
         if record.name == name and dict(record.parameters) == dict(family.parameters):
             return _resuming(request, record, limits)
     return TraceTask(
         system=family.system.name, name=family.name, label=family.label, parameters=dict(family.parameters),
-        limits=limits, multiplicities=request.multiplicities, mirrored=mirrored,
+        limits=limits, multiplicities=request.multiplicities, mirrored=mirrored, control=request.control,
     )  # fmt: skip
 
 
 def _resuming(request: Request, record: FamilyRecord, limits: Limits) -> TraceTask:
     return TraceTask(
         system=record.system.name, name=record.name, label=record.label, parameters=dict(record.parameters),
-        limits=limits, multiplicities=request.multiplicities, start=family_of(record),
+        limits=limits, multiplicities=request.multiplicities, start=family_of(record), control=request.control,
     )  # fmt: skip
 
 
@@ -120,6 +121,10 @@ def _trace_all(tasks: list[TraceTask], jobs: int, report: Reporter) -> list[Trac
             if result.item is not None:
                 family, seconds = result.item.family, result.seconds
                 report.message(f"{result.item.title}: {len(family.orbits)} orbits, ends: {family.reason}")
+                if family.beginning is not None:
+                    report.message(f"{result.item.title}: begins: {family.beginning.reason}")
+                for line in family.tangencies:
+                    report.message(f"{result.item.title}: {line}")
                 found = len(result.item.detection.resonances)
                 report.message(f"{result.item.title}: {found} resonances, {seconds:.1f} s{_density(result.item)}")
     except KeyboardInterrupt:
@@ -144,7 +149,7 @@ def _is_complete(result: Traced, report: Reporter) -> bool:
         return False
     if result.interrupted:
         return False
-    complete = item.family.outcome != "failed" and not item.detection.undecided
+    complete = not item.family.failed and not item.detection.undecided
     for line in item.detection.undecided:
         report.error(f"{item.title}: {line}")
     found = {resonance.k for resonance in item.detection.resonances}

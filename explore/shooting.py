@@ -26,9 +26,9 @@ from explore.stability import (
     half_return,
     stability_parameters,
 )
+from explore.step_control import NEWTON_TOLERANCE
 from shared.systems import ReversibleSystem
 
-NEWTON_TOLERANCE = 1e-12
 NEWTON_ACCEPTED = 1e-10
 NEWTON_LIMIT = 8
 
@@ -208,7 +208,7 @@ class ShootingProblem:
         free = list(self.free_unknowns)
         _, values, rows = np.linalg.svd(jacobian * self.scales[free])
         if values[-1] <= 1e-12 * values[0]:
-            raise CorrectionFailure("the family has no unique tangent (a branch point)")
+            raise CorrectionFailure("the family's tangent cannot be told: a branch point, or an orbit near a collision")
         result = np.zeros(self.size)
         result[free] = rows[-1]
         return result if float(result @ direction) >= 0 else -result
@@ -216,7 +216,7 @@ class ShootingProblem:
     def orbit(self, correction: Correction, arclength: float = 0.0, crossings: int = 1) -> SymmetricOrbit:
         """The orbit of a solution, with its stability data."""
         system, flow = self.system, correction.flow
-        derivative = half_return(system, flow)
+        derivative = half_return(system, flow, (-1) ** crossings)
         integral = None
         if system.first_integral is not None:
             values = self.parameter_values(correction.unknowns)
@@ -246,7 +246,7 @@ class ShootingProblem:
         if orbit.derivative is not None:
             return orbit
         _, _, flow = self.evaluate(orbit.unknowns)
-        return replace(orbit, derivative=half_return(self.system, flow))
+        return replace(orbit, derivative=half_return(self.system, flow, (-1) ** orbit.crossings))
 
     def symmetry_breaking_function(self, orbit: SymmetricOrbit) -> float:
         """det of the S-odd block of D_p pi_q P for an orbit in Fix(S); zero where S breaks.

@@ -21,6 +21,7 @@ U_0 = 1, it drops rank at x_0 if d' is singular and at x_1 if d is.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import cos, gcd, pi
 from typing import Literal
@@ -32,6 +33,9 @@ from shared.systems import ReversibleSystem
 
 Side = Literal["first", "second"]
 
+RESOLVED = 1e-15
+"""Singular values of DP below this fraction of the largest are rounding errors."""
+
 
 @dataclass(frozen=True)
 class HalfReturn:
@@ -41,15 +45,28 @@ class HalfReturn:
         derivative: shape (m - 1, m - 1), DP(x_0); p in the order of `fixed_coordinates`, then q in
             the order of `kernel_coordinates` of the system.
         fixed_dimension: number of the coordinates p.
+        orientation: sign of det DP, (-1)^crossings for an orbit that crosses the section so often, or `None`.
     """
 
     derivative: Matrix
     fixed_dimension: int
+    orientation: int | None = None
 
     @property
     def inverse(self) -> Matrix:
-        """DP(x_0)^-1, shape (m - 1, m - 1)."""
-        return np.linalg.inv(self.derivative)
+        """DP(x_0)^-1, shape (m - 1, m - 1).
+
+        Where DP is singular to working precision its smallest singular values are noise. They are then replaced by
+        the smallest that could be told from zero, with the known orientation, so that stability parameters beyond
+        about 1e14 are of the right sign and too small instead of arbitrary.
+        """
+        left, values, right = np.linalg.svd(self.derivative)
+        floor = RESOLVED * values[0]
+        if values[-1] >= floor:
+            return np.linalg.inv(self.derivative)
+        if self.orientation is not None and np.linalg.det(left) * np.linalg.det(right) * self.orientation < 0:
+            left[:, -1] *= -1.0
+        return (right.T / np.maximum(values, floor)) @ left.T
 
     @property
     def kernel_block(self) -> Matrix:
@@ -75,10 +92,10 @@ class HalfReturn:
         return float(values[-1] / values[0]) if len(values) > 1 else float(values[0])
 
 
-def half_return(system: ReversibleSystem, flow: FlowResult) -> HalfReturn:
+def half_return(system: ReversibleSystem, flow: FlowResult, orientation: int | None = None) -> HalfReturn:
     """Project the state transition matrix over the half period onto the section.
 
-    Raises `ZeroDivisionError` if the orbit is tangent to the section at its end.
+    `orientation` as in `HalfReturn`. Raises `ZeroDivisionError` if the orbit is tangent to the section at its end.
     """
     section = system.section_index
     speed = float(flow.velocity[section])
@@ -86,7 +103,7 @@ def half_return(system: ReversibleSystem, flow: FlowResult) -> HalfReturn:
         raise ZeroDivisionError("the orbit is tangent to the section")
     projected = flow.state_transition - np.outer(flow.velocity, flow.state_transition[section]) / speed
     order = [*system.fixed_coordinates, *system.kernel_coordinates]
-    return HalfReturn(projected[np.ix_(order, order)], len(system.fixed_coordinates))
+    return HalfReturn(projected[np.ix_(order, order)], len(system.fixed_coordinates), orientation)
 
 
 def characteristic_coefficients(matrix: Matrix) -> Vector:
@@ -101,6 +118,19 @@ def stability_parameters(coefficients: Vector) -> tuple[complex, ...]:
     """The n stability parameters s = (lambda + 1/lambda)/2, sorted by real part, then imaginary part."""
     roots = np.roots(coefficients).astype(complex)
     return tuple(complex(root) for root in sorted(roots, key=lambda root: (root.real, root.imag)))
+
+
+def stability_index(parameters: Iterable[complex]) -> float:
+    """(|lambda| + 1/|lambda|)/2 of the multiplier with the largest magnitude; 1 for a linearly stable orbit.
+
+    From the stability parameters s = (lambda + 1/lambda)/2.
+    """
+    result = 1.0
+    for s in parameters:
+        root = np.sqrt(complex(s * s - 1))
+        size = max(abs(s + root), abs(s - root))
+        result = max(result, 0.5 * float(size + 1 / size))
+    return result
 
 
 def resonant_values(k: int) -> tuple[float, ...]:

@@ -9,8 +9,11 @@ from fractions import Fraction
 
 from explore.continuation import Family
 from explore.detection import Detection, detect
-from explore.families import FamilyFailure, Limits, continue_family, trace_family
+from explore.families import FamilyFailure, continue_both_ways, continue_family, trace_family
+from explore.family_names import mirrored_name
+from explore.limits import Limits
 from explore.processes import Job, Lost, Progress, run_all
+from explore.step_control import CONTROL, StepControl
 from shared.systems import SYSTEMS, ReversibleSystem
 
 TRACING_SHARE = 0.6
@@ -27,6 +30,8 @@ class TraceTask:
         label: the parameters as the user named them, or "".
         multiplicities: the k to look for.
         start: a part that is traced already.
+        both_ways: whether that part is continued at both of its ends.
+        control: steps and tolerances.
     """
 
     system: str
@@ -37,6 +42,8 @@ class TraceTask:
     multiplicities: tuple[int, ...]
     mirrored: bool = False
     start: Family | None = None
+    both_ways: bool = False
+    control: StepControl = CONTROL
 
     @property
     def title(self) -> str:
@@ -95,11 +102,13 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
     try:
         if task.start is None:
             family = trace_family(
-                SYSTEMS[task.system], task.name, task.parameters, task.limits, mirrored=task.mirrored, progress=tracing
-            )
+                SYSTEMS[task.system], task.name, task.parameters, task.limits, mirrored=task.mirrored,
+                control=task.control, progress=tracing,
+            )  # fmt: skip
         else:
-            family = continue_family(_with_own_system(task.start), task.limits, progress=tracing)
-        name = f"{task.name}-mirror" if task.mirrored and task.name.endswith("halo") else task.name
+            go_on = continue_both_ways if task.both_ways else continue_family
+            family = go_on(_with_own_system(task.start), task.limits, control=task.control, progress=tracing)
+        name = mirrored_name(task.name) if task.mirrored else task.name
         item = TracedFamily(name, task.label, family)
         if family.outcome == "interrupted":
             return result(interrupted=True)

@@ -1,0 +1,34 @@
+"""Steps and tolerances of the continuation of a family."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+NEWTON_TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True)
+class StepControl:
+    """Arclength steps, in scaled unknowns.
+
+    Attributes:
+        initial, minimum, maximum: step lengths; the largest grows with the scaled unknowns once these
+            exceed 10, so that the long arcs towards a collision, where velocities are large, stay affordable.
+        turning: largest angle in radians between the tangents at both ends of a step.
+        tolerance: of the correction; see `ShootingProblem.tolerance`.
+        until_tangency: whether a family ends where an orbit touches the section, so that the number of its
+            crossings changes.
+    """
+
+    initial: float = 1e-3
+    minimum: float = 1e-7
+    maximum: float = 0.02
+    turning: float = 0.12
+    tolerance: float = NEWTON_TOLERANCE
+    until_tangency: bool = False
+
+
+DEFAULT = StepControl()
+
+CONTROL = StepControl(initial=2e-3, minimum=1e-8, maximum=0.1, turning=0.12)
+"""For tracing families by name: coordinates are measured in the distance of the libration point from a primary."""
