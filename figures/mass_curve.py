@@ -1,0 +1,161 @@
+"""Symmetry-breaking points of L1, L2, L3 as functions of the mass parameter: one column for each.
+
+Above, where the orbits cross the axis; in the middle, the Jacobi constant; below, its derivative in mu along the curve,
+whose zeros are the minima and maxima of the Jacobi constant. Everything is read from a mass-curve file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
+from numpy.typing import NDArray
+
+from explore.mass_curve_file import CurveRecord, PointRecord, read_curves
+from figures.style import CURVE, INK, SECOND_CURVE, label_of
+from shared.formats import InputError
+
+Array = NDArray[np.float64]
+
+_WIDTH, _HEIGHT = 7.2, 6.3
+_ROW_TITLES = ("{} : crossings of the axis", "{} : Jacobi constant", "{} : its derivative")
+_MINIMUM, _MAXIMUM = "v", "^"
+_LABEL_DISTANCE = 0.17
+"""Smallest distance of two labelled points, in units of the panel."""
+
+
+def read_mass_curves(path: Path) -> list[CurveRecord]:
+    """The curves of a file. Raises `InputError`, also for a curve of fewer than two points."""
+    curves = read_curves(path)
+    if not curves:
+        raise InputError(f"{path}: field curves: empty; write the file again with python -m explore mass-curve")
+    for index, curve in enumerate(curves):
+        if len(curve.points) < 2:
+            raise InputError(f"{path}: field curves[{index}].points: one point is no curve; trace at least two")
+    return curves
+
+
+def draw_mass_curves(curves: list[CurveRecord]) -> Figure:
+    """The figure, one text width wide; at least one curve."""
+    figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
+    grid = figure.add_gridspec(
+        3, len(curves), left=0.085, right=0.985, top=0.955, bottom=0.125, wspace=0.34, hspace=0.46
+    )
+    for column, curve in enumerate(curves):
+        axes = [figure.add_subplot(grid[row, column]) for row in range(3)]
+        _crossings(axes[0], curve)
+        _against_mass(axes[1], curve, lambda point: point.jacobi_constant)
+        _against_mass(axes[2], curve, _slope_of(curve))
+        axes[2].axhline(0.0, color=INK, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
+        axes[2].margins(y=0.12)
+        _mark_extrema(axes, curve)
+        for row, panel in enumerate(axes):
+            letter = "abcdefghi"[row * len(curves) + column]
+            panel.set_title(f"({letter})  " + _ROW_TITLES[row].format(curve.libration).replace(" :", ":"), color=INK)
+        axes[2].set_ylabel(
+            r"$\mu^{1/3}\,\mathrm{d}C/\mathrm{d}\mu$" if _hill(curve) else r"$\mathrm{d}C/\mathrm{d}\mu$"
+        )
+        axes[1].set_ylabel("$C$")
+        for panel in axes[1:]:
+            panel.set_xlabel(label_of("mu"))
+    _legend(figure, curves)
+    return figure
+
+
+def _hill(curve: CurveRecord) -> bool:
+    """Whether lengths on the curve scale with Hill's radius as mu tends to 0."""
+    return curve.libration != "L3"
+
+
+def _slope_of(curve: CurveRecord) -> Callable[[PointRecord], float]:
+    # Near the smaller mass C - 3 is of order mu^(2/3): this factor keeps its slope bounded.
+    power = 1.0 / 3.0 if _hill(curve) else 0.0
+    return lambda point: float(point.mu**power) * point.jacobi_derivative
+
+
+def _crossings(axes: Axes, curve: CurveRecord) -> None:
+    first = np.array([(point.x, point.vy) for point in curve.points])
+    second = np.array([point.second for point in curve.points])
+    axes.plot(second[:, 0], second[:, 1], color=SECOND_CURVE)
+    axes.plot(first[:, 0], first[:, 1], color=CURVE)
+    axes.margins(0.12)
+    axes.set_xlabel(label_of("x"))
+    axes.set_ylabel(label_of("vy", unit=False))
+    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.autoscale_view()
+    places = [(float(row.mu), float(row.x), float(row.vy)) for row in curve.precise]
+    if not places:
+        return
+    axes.plot(*np.array(places)[:, 1:].T, **_hollow("o", 3.6))
+    _label_masses(axes, places, np.vstack([first, second]))
+
+
+def _label_masses(axes: Axes, places: list[tuple[float, float, float]], drawn: Array) -> None:
+    """The masses of points far enough apart for a label each, on the side that the curves leave free."""
+    low, high = drawn.min(axis=0), drawn.max(axis=0)
+    shown: list[Array] = []
+    for mu, x, vy in places:
+        position = (np.array([x, vy]) - low) / (high - low)
+        exponent = np.log10(mu)
+        is_round = abs(exponent - round(exponent)) < 1e-9
+        if any(float(np.linalg.norm(position - other)) < _LABEL_DISTANCE for other in shown):
+            continue
+        if not is_round and mu != 0.5:
+            continue
+        shown.append(position)
+        text = rf"$10^{{{round(exponent)}}}$" if is_round else f"{mu:g}"
+        left = position[0] > 0.75
+        axes.annotate(
+            text, (x, vy), xytext=(-5 if left else 5, 1), textcoords="offset points", ha="right" if left else "left",
+            va="bottom", fontsize=7, color=INK,
+        )  # fmt: skip
+
+
+def _against_mass(axes: Axes, curve: CurveRecord, value: Callable[[PointRecord], float]) -> None:
+    masses = np.array([point.mu for point in curve.points])
+    axes.plot(masses, [value(point) for point in curve.points], color=CURVE)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(numticks=6))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_locator(MaxNLocator(5))
+
+
+def _mark_extrema(axes: list[Axes], curve: CurveRecord) -> None:
+    for row in curve.extrema:
+        marker = _MINIMUM if row.kind == "minimum" else _MAXIMUM
+        mu, level = float(row.mu), float(row.jacobi_constant)
+        axes[0].plot(float(row.x), float(row.vy), **_hollow(marker, 5.0))
+        axes[1].plot(mu, level, **_hollow(marker, 5.0))
+        axes[2].plot(mu, 0.0, **_hollow(marker, 5.0))
+        axes[1].annotate(
+            rf"$\mu$ = {mu:.6g}", (mu, level), xytext=(-7, 1), textcoords="offset points", ha="right", va="bottom",
+            fontsize=7, color=INK,
+        )  # fmt: skip
+
+
+def _hollow(marker: str, size: float) -> dict[str, Any]:
+    return {
+        "marker": marker, "markersize": size, "linestyle": "none", "color": INK, "markerfacecolor": "white",
+        "markeredgewidth": 0.9, "zorder": 6, "clip_on": False,
+    }  # fmt: skip
+
+
+def _legend(figure: Figure, curves: list[CurveRecord]) -> None:
+    handles = [
+        Line2D([], [], color=CURVE, label="first crossing, and what belongs to it"),
+        Line2D([], [], color=SECOND_CURVE, label="half a period later"),
+    ]
+    if any(curve.precise for curve in curves):
+        digits = min(row.digits for curve in curves for row in curve.precise)
+        handles.append(Line2D([], [], **_hollow("o", 3.6), label=rf"$\mu$ as written, to {digits} digits"))
+    for kind, marker in (("minimum", _MINIMUM), ("maximum", _MAXIMUM)):
+        if any(row.kind == kind for curve in curves for row in curve.extrema):
+            handles.append(Line2D([], [], **_hollow(marker, 5.0), label=f"{kind} of the Jacobi constant"))
+    figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.005))
