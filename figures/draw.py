@@ -19,6 +19,7 @@ from figures.style import (
     CURVE,
     INK,
     SECOND_CURVE,
+    bottom_margin,
     draw_mark,
     label_of,
     legend_below,
@@ -47,12 +48,16 @@ def draw_family(family: Family, marks: Sequence[MarkedPoint]) -> Figure:
 
 def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 6.0))
-    grid = figure.add_gridspec(2, 2, left=0.085, right=0.945, top=0.955, bottom=0.15, wspace=0.26, hspace=0.3)
+    grid = figure.add_gridspec(
+        2, 2, left=0.085, right=0.945, top=0.955, bottom=_bottom(figure, placements), wspace=0.26, hspace=0.3
+    )
     fixed = figure.add_subplot(grid[0, 0])
     level = figure.add_subplot(grid[0, 1])
     stability = figure.add_subplot(grid[1, 1], sharex=level)
     # A 3D axes draws its box well inside its rectangle, so the rectangle reaches beyond the grid cell.
-    orbits = figure.add_axes((0.01, 0.135, 0.47, 0.4), projection="3d", computed_zorder=False)
+    orbits = figure.add_axes(
+        (0.01, _bottom(figure, placements) - 0.013, 0.47, 0.4), projection="3d", computed_zorder=False
+    )
     _fixed_plane(fixed, family, placements)
     _orbits_in_space(orbits, family, placements)
     level.plot(family.arclength, family.levels, color=CURVE)
@@ -65,15 +70,18 @@ def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
     _title(fixed, "a", "where the orbits meet Fix($R$)")
     _title(level, "c", family.system.first_integral_name or "first integral")
     _title(stability, "d", "stability parameters and resonances")
-    top = stability.get_position().y1 + stability.title.get_fontsize() * 0.6 / (72 * figure.get_figheight())
-    figure.text(0.085, top, "(b)  orbits of the family", fontsize=stability.title.get_fontsize(), color=INK)
+    size = float(stability.title.get_fontsize())
+    top = stability.get_position().y1 + size * 0.6 / (72 * figure.get_figheight())
+    figure.text(0.085, top, "(b)  orbits of the family", fontsize=size, color=INK)
     _legend(figure, placements)
     return figure
 
 
 def _parameter_figure(family: Family, placements: Sequence[Placement]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 3.1))
-    grid = figure.add_gridspec(2, 3, left=0.105, right=0.985, top=0.91, bottom=0.29, wspace=0.5, hspace=0.12)
+    grid = figure.add_gridspec(
+        2, 3, left=0.105, right=0.985, top=0.91, bottom=_bottom(figure, placements), wspace=0.5, hspace=0.12
+    )
     first = figure.add_subplot(grid[0, 0])
     second = figure.add_subplot(grid[1, 0], sharex=first)
     stability, orbits = figure.add_subplot(grid[:, 1]), figure.add_subplot(grid[:, 2])
@@ -100,7 +108,9 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
     system = marks[0].candidate.system
     names = system.centre_coordinates
     figure = plt.figure(figsize=(_WIDTH, 3.2))
-    grid = figure.add_gridspec(1, 2, left=0.085, right=0.975, top=0.91, bottom=0.28, wspace=0.26)
+    placements = [Placement(mark, False, 0.0, 0.0) for mark in marks]
+    bottom = _bottom(figure, placements)
+    grid = figure.add_gridspec(1, 2, left=0.085, right=0.975, top=0.91, bottom=bottom, wspace=0.26)
     fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     for mark in marks:
         draw_mark(fixed, mark.point[:2], mark)
@@ -114,7 +124,7 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
         axes.set_ylabel(y)
     _title(fixed, "a", "bifurcation points on Fix($R$)")
     _title(level, "b", system.first_integral_name or "family parameter")
-    _legend(figure, [Placement(mark, False, 0.0, 0.0) for mark in marks])
+    _legend(figure, placements)
     return figure
 
 
@@ -123,9 +133,15 @@ def _title(axes: Axes, letter: str, text: str) -> None:
 
 
 def _legend(figure: Figure, placements: Sequence[Placement]) -> None:
-    legend_below(
-        figure, ((p.mark.k, p.mark.candidate.kind) for p in placements), [p.mark.certified for p in placements]
-    )
+    legend_below(figure, *_claims(placements))
+
+
+def _bottom(figure: Figure, placements: Sequence[Placement]) -> float:
+    return bottom_margin(figure.get_figheight(), *_claims(placements))
+
+
+def _claims(placements: Sequence[Placement]) -> tuple[set[tuple[int, str]], list[bool]]:
+    return {(p.mark.k, p.mark.candidate.kind) for p in placements}, [p.mark.certified for p in placements]
 
 
 def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from figures.family import Array, Family, MarkedPoint, place
-from figures.style import CURVE, INK, SECOND_CURVE, draw_mark, label_of, legend_below, legend_handles, verdict_handles
+from figures.style import CURVE, INK, SECOND_CURVE, draw_mark, label_of, legend_below, legend_height
 from shared.systems import MASS_PARAMETERS
 
 _WIDTH = 7.2
@@ -203,9 +203,8 @@ def _legend(figure: Figure, handles: list[Line2D], marks: Sequence[MarkedPoint])
     """The usual legend below all axes, with one more row above it."""
     claims, certified = {(m.k, m.candidate.kind) for m in marks}, [m.certified for m in marks]
     legend_below(figure, claims, certified)
-    rows = -(-len(legend_handles(claims)) // 4) + bool(verdict_handles(certified))
     height = figure.get_figheight()
     figure.legend(
         handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.0,
-        bbox_to_anchor=(0.5, (0.05 + 0.2 * rows) / height),
+        bbox_to_anchor=(0.5, legend_height(claims, certified) / height),
     )  # fmt: skip

@@ -17,9 +17,9 @@ from matplotlib.ticker import MaxNLocator
 
 from explore.family_file import ExtremumRecord
 from figures.stability import BAND, Place, StabilityCurve
-from figures.style import CURVE, INK, SECOND_CURVE, draw_mark, legend_below, marker_of, resonances
+from figures.style import CURVE, INK, SECOND_CURVE, bottom_margin, draw_mark, legend_below, marker_of, resonances
 
-_WIDTH = 7.2
+_WIDTH, _HEIGHT = 7.2, 6.6
 _CROWD_GAP = 1.68
 _CLOSE = 0.02
 _MOST_PANELS = 3
@@ -29,8 +29,10 @@ def draw_resonances(curve: StabilityCurve, places: Sequence[Place]) -> Figure:
     """The figure of one family; `places` as from `figures.stability.places_on`."""
     crowds = _crowds(places)
     close = _close_turns(curve)
-    figure = plt.figure(figsize=(_WIDTH, 6.6))
-    outer = figure.add_gridspec(3, 1, left=0.09, right=0.945, top=0.955, bottom=0.135, hspace=0.42)
+    claims, certified = {(item.k, item.kind) for item in places}, [_is_certified(item) for item in places]
+    figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
+    bottom = bottom_margin(_HEIGHT, claims, certified)
+    outer = figure.add_gridspec(3, 1, left=0.09, right=0.945, top=0.955, bottom=bottom, hspace=0.42)
     arclength = curve.family.arclength
     _panel(
         figure.add_subplot(outer[0]), curve, places, (float(arclength[0]), float(arclength[-1])), "a", "whole family"
@@ -45,8 +47,7 @@ def draw_resonances(curve: StabilityCurve, places: Sequence[Place]) -> Figure:
     for index, extremum in enumerate(close):
         _turn(figure.add_subplot(lower[index]), curve, places, extremum, next(letters))
     _steps(figure.add_subplot(lower[len(close)]), curve, next(letters))
-    certified = [item.mark is not None and item.mark.certified for item in places]
-    legend_below(figure, ((item.k, item.kind) for item in places), certified)
+    legend_below(figure, claims, certified)
     return figure
 
 
@@ -54,6 +55,8 @@ def _crowds(places: Sequence[Place]) -> list[tuple[float, float]]:
     """Windows of arclength around groups of points, with the largest groups first in order along the family."""
     groups: list[list[float]] = []
     for item in places:
+        if groups and item.arclength == groups[-1][-1]:
+            continue
         if groups and item.arclength <= _CROWD_GAP * groups[-1][-1] + 1e-12:
             groups[-1].append(item.arclength)
         elif item.arclength > 0:
@@ -96,7 +99,7 @@ def _panel(
                     f"1:{k}", (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
                     textcoords="offset points", va="center", fontsize=7, color=INK,
                 )  # fmt: skip
-    for item in places:
+    for item in sorted(places, key=_is_certified):
         if low <= item.arclength <= high:
             _draw_place(axes, item)
     for extremum in curve.extrema:
@@ -109,6 +112,11 @@ def _panel(
     if leftmost:
         axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
     axes.set_title(f"({letter})  {text}", color=INK)
+
+
+def _is_certified(item: Place) -> bool:
+    """Drawn last: of the two points of one orbit on Fix(R) the certified one is on top."""
+    return item.mark is not None and item.mark.certified
 
 
 def _draw_place(axes: Axes, item: Place, height: float | None = None) -> None:
@@ -149,7 +157,7 @@ def _turn(axes: Axes, curve: StabilityCurve, places: Sequence[Place], extremum: 
     axes.set_ylim(*((-2.0, 3.0) if beyond else (-3.0, 2.0)))
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_xlabel(f"arclength $-$ {extremum.arclength:.5g}")
-    axes.set_ylabel(f"distance from 1:{extremum.k}, in {gap:.2g}")
+    axes.set_ylabel(f"distance from 1:{extremum.k}  ({gap:.2g})")
     axes.set_title(f"({letter})  turns close to 1:{extremum.k}", color=INK)
 
 
@@ -169,4 +177,4 @@ def _steps(axes: Axes, curve: StabilityCurve, letter: str) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.set_xlabel("arclength")
     axes.set_ylabel("change between samples")
-    axes.set_title(f"({letter})  {len(curve.family.arclength)} samples", color=INK)
+    axes.set_title(f"({letter})  how fine: {len(curve.family.arclength)} samples", color=INK)

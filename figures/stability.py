@@ -15,6 +15,8 @@ from explore.family_file import read_families as read_records
 from figures.family import Array, Family, MarkedPoint, place
 from shared.formats import InputError
 
+_SAME_ORBIT = 1e-3
+
 BAND = 1.1
 """Magnitude of a stability parameter up to which its changes are reported."""
 
@@ -42,7 +44,7 @@ class StabilityCurve:
         real = np.where(self.parameters.imag == 0, self.parameters.real, np.nan)
         inside = np.abs(real) <= band
         steps = np.where(inside[1:] | inside[:-1], np.abs(np.diff(real, axis=0)), np.nan)
-        return np.nan_to_num(np.nanmax(steps, axis=1, initial=0.0))
+        return np.asarray(np.nan_to_num(np.nanmax(steps, axis=1, initial=0.0)))
 
     def summary(self, band: float) -> str:
         """In one line: how fine the samples are, and the extrema nearest to resonant values."""
@@ -110,11 +112,17 @@ def places_on(curve: StabilityCurve, marks: Sequence[MarkedPoint]) -> list[Place
         )  # fmt: skip
     for mark in rest:
         found = place(family, mark)
-        value = mark.candidate.provenance.get("resonant_value")
+        # The other point on Fix(R) of an orbit in resonance: at the arclength of that orbit.
+        near = [
+            item
+            for item in curve.resonances
+            if item.k == mark.k and abs(item.arclength - found.arclength) < _SAME_ORBIT * (1 + found.arclength)
+        ]
+        value = near[0].stability_parameter if near else mark.candidate.provenance.get("resonant_value")
         side = "second" if found.second else "first"
         result.append(
             Place(
-                mark.k, mark.candidate.kind, side, found.arclength, mark.level,
+                mark.k, mark.candidate.kind, side, near[0].arclength if near else found.arclength, mark.level,
                 float(value) if isinstance(value, float) else np.nan, mark,
             )
         )  # fmt: skip

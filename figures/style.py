@@ -31,6 +31,7 @@ from shared.systems import ReversibleSystem
 INK = "#222222"
 CURVE = "#3c6e91"
 SECOND_CURVE = "#a8a8a8"
+_LEGEND_ROW, _LEGEND_FOOT, _LABEL_HEIGHT = 0.2, 0.05, 0.44
 _MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
 _COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
 _KINDS = {
@@ -100,15 +101,28 @@ def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:
 
 def legend_below(figure: Figure, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> None:
     """Legend below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean."""
-    line = 0.2 / figure.get_figheight()
-    handles = legend_handles(claims)
-    half = len(handles) if len(handles) <= 4 else (len(handles) + 1) // 2
-    rows = [row for row in (verdict_handles(certified), handles[half:], handles[:half]) if row]
-    for number, row in enumerate(rows):
+    for number, row in enumerate(_legend_rows(claims, certified)):
         figure.legend(
             handles=row, loc="lower center", ncols=len(row), borderaxespad=0.0,
-            bbox_to_anchor=(0.5, 0.05 / figure.get_figheight() + number * line),
+            bbox_to_anchor=(0.5, (_LEGEND_FOOT + number * _LEGEND_ROW) / figure.get_figheight()),
         )  # fmt: skip
+
+
+def legend_height(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:
+    """Height in inches that `legend_below` takes at the foot of a figure."""
+    return _LEGEND_FOOT + _LEGEND_ROW * len(_legend_rows(claims, certified))
+
+
+def bottom_margin(height: float, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:
+    """Part of a figure of `height` inches below its axes: for their labels and for `legend_below`."""
+    return (_LABEL_HEIGHT + legend_height(claims, certified)) / height
+
+
+def _legend_rows(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> list[list[Line2D]]:
+    """The rows from the lowest one up; more than four multiplicities take two."""
+    handles = legend_handles(claims)
+    half = len(handles) if len(handles) <= 4 else (len(handles) + 1) // 2
+    return [row for row in (verdict_handles(certified), handles[half:], handles[:half]) if row]
 
 
 def label_of(name: str, unit: bool = True) -> str:
