@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 _WIDTH, _HEIGHT = 7.2, 6.3
 _ROW_TITLES = ("{} : crossings of the axis", "{} : Jacobi constant", "{} : its derivative")
 _MINIMUM, _MAXIMUM = "v", "^"
-_LABEL_DISTANCE = 0.17
-"""Smallest distance of two labelled points, in units of the panel."""
+_LABEL_DISTANCE = 0.18
+"""Smallest distance of two labelled points, in units of the size of both curves."""
 
 
 def read_mass_curves(path: Path) -> list[CurveRecord]:
@@ -85,7 +85,7 @@ def _crossings(axes: Axes, curve: CurveRecord) -> None:
     second = np.array([point.second for point in curve.points])
     axes.plot(second[:, 0], second[:, 1], color=SECOND_CURVE)
     axes.plot(first[:, 0], first[:, 1], color=CURVE)
-    axes.margins(0.12)
+    axes.margins(x=0.17, y=0.12)
     axes.set_xlabel(label_of("x"))
     axes.set_ylabel(label_of("vy", unit=False))
     axes.xaxis.set_major_locator(MaxNLocator(4))
@@ -94,27 +94,34 @@ def _crossings(axes: Axes, curve: CurveRecord) -> None:
     if not places:
         return
     axes.plot(*np.array(places)[:, 1:].T, **_hollow("o", 3.6))
-    _label_masses(axes, places, np.vstack([first, second]))
+    _label_masses(axes, places, first, second)
 
 
-def _label_masses(axes: Axes, places: list[tuple[float, float, float]], drawn: Array) -> None:
-    """The masses of points far enough apart for a label each, on the side that the curves leave free."""
-    low, high = drawn.min(axis=0), drawn.max(axis=0)
+def _label_masses(axes: Axes, places: list[tuple[float, float, float]], first: Array, second: Array) -> None:
+    """The masses of the points that are far enough apart for a label each, on the side with more room."""
+    both = np.vstack([first, second])
+    size = np.ptp(both, axis=0)
     shown: list[Array] = []
     for mu, x, vy in places:
-        position = (np.array([x, vy]) - low) / (high - low)
-        exponent = np.log10(mu)
+        exponent = float(np.log10(mu))
         is_round = abs(exponent - round(exponent)) < 1e-9
-        if any(float(np.linalg.norm(position - other)) < _LABEL_DISTANCE for other in shown):
-            continue
-        if not is_round and mu != 0.5:
+        position = np.array([x, vy]) / size
+        near = any(float(np.linalg.norm(position - other)) < _LABEL_DISTANCE for other in shown)
+        if near or not (is_round or mu == 0.5):
             continue
         shown.append(position)
+        index = int(np.argmin(np.linalg.norm(first / size - position, axis=1)))
+        along = (first[min(index + 4, len(first) - 1)] - first[max(index - 4, 0)]) / size
+        across = np.array([-along[1], along[0]]) / np.linalg.norm(along)
+        room = {
+            sign: float(np.linalg.norm(both / size - position - 0.12 * sign * across, axis=1).min())
+            for sign in (1.0, -1.0)
+        }
+        across = across * max(room, key=lambda sign: room[sign])
         text = rf"$10^{{{round(exponent)}}}$" if is_round else f"{mu:g}"
-        left = position[0] > 0.75
         axes.annotate(
-            text, (x, vy), xytext=(-5 if left else 5, 1), textcoords="offset points", ha="right" if left else "left",
-            va="bottom", fontsize=7, color=INK,
+            text, (x, vy), xytext=(5 * across[0], 9 * across[1]), textcoords="offset points",
+            ha="left" if across[0] > 0 else "right", va="center", fontsize=7, color=INK,
         )  # fmt: skip
 
 
@@ -135,7 +142,7 @@ def _mark_extrema(axes: list[Axes], curve: CurveRecord) -> None:
         axes[1].plot(mu, level, **_hollow(marker, 5.0))
         axes[2].plot(mu, 0.0, **_hollow(marker, 5.0))
         axes[1].annotate(
-            rf"$\mu$ = {mu:.6g}", (mu, level), xytext=(-7, 1), textcoords="offset points", ha="right", va="bottom",
+            rf"$\mu$ = {mu:.6g}", (mu, level), xytext=(-9, 0), textcoords="offset points", ha="right", va="center",
             fontsize=7, color=INK,
         )  # fmt: skip
 
@@ -149,7 +156,7 @@ def _hollow(marker: str, size: float) -> dict[str, Any]:
 
 def _legend(figure: Figure, curves: list[CurveRecord]) -> None:
     handles = [
-        Line2D([], [], color=CURVE, label="first crossing, and what belongs to it"),
+        Line2D([], [], color=CURVE, label="first crossing"),
         Line2D([], [], color=SECOND_CURVE, label="half a period later"),
     ]
     if any(curve.precise for curve in curves):
@@ -158,4 +165,5 @@ def _legend(figure: Figure, curves: list[CurveRecord]) -> None:
     for kind, marker in (("minimum", _MINIMUM), ("maximum", _MAXIMUM)):
         if any(row.kind == kind for curve in curves for row in curve.extrema):
             handles.append(Line2D([], [], **_hollow(marker, 5.0), label=f"{kind} of the Jacobi constant"))
-    figure.legend(handles=handles, loc="lower center", ncols=len(handles), bbox_to_anchor=(0.5, 0.005))
+    figure.legend(handles=handles[2:], loc="lower center", ncols=3, bbox_to_anchor=(0.5, 0.0))
+    figure.legend(handles=handles[:2], loc="lower center", ncols=2, bbox_to_anchor=(0.5, 0.027))
