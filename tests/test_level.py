@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction as F
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from verify.__main__ import main
 from verify.ball_text import ball_from_json, bounds
 from verify.balls import enclose
 from verify.certificate import Certificate, digest, is_proof_of
-from verify.certify import Limits, _forms, certify
+from verify.certify import Limits, _forms, _missing_bits, certify
 from verify.derivatives import DerivativeTable
 from verify.level import level_program, point_on_fixed_set, quadratic_coefficient
 from verify.level_form import in_box, level_form
@@ -126,6 +127,24 @@ def test_a_point_outside_is_not_in_the_box() -> None:
             p = [size * candidate.radii[j] * row[j] for row in candidate.frame]
             point = {n: enclose(c + d) for n, c, d in zip(candidate.coordinates, candidate.centre, p, strict=True)}
             assert not in_box(candidate, point)
+
+
+def test_a_point_not_known_well_enough_for_the_box_asks_for_the_bits_that_it_lacks() -> None:
+    candidate = known("em2")
+
+    def at(place: F, width: F) -> int | None:
+        """The bits that are asked for, with p_2 this far from the centre and so uncertain, in half-widths."""
+        p_2 = place * candidate.radii[2]
+        spread = arb(0, enclose(width * candidate.radii[2] / 4).upper())
+        point = {n: enclose(c + p_2 * row[2]) + spread for n, c, row in
+                 zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True)}  # fmt: skip
+        return _missing_bits(candidate, point)
+
+    asked = [at(F(1, 2), F(2) ** bits) for bits in (3, 20, 40)]
+    assert all(bits is not None for bits in asked)
+    assert [b - a for a, b in pairwise(asked)] == [pytest.approx(17 * 6 / 5, abs=2), pytest.approx(20 * 6 / 5, abs=2)]  # type: ignore[operator]
+    assert at(F(1), F(1, 2**20)) is None
+    assert at(F(3), F(1, 2)) is None
 
 
 def _first(table: DerivativeTable, j: int) -> arb:

@@ -7,7 +7,7 @@ more, up to a limit. No exception leaves `certify`: what breaks off proves nothi
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import ceil, isfinite
 
@@ -16,10 +16,10 @@ from flint import arb, ctx
 
 from shared.formats import Candidate
 from verify.ball_text import count_certain_digits
-from verify.balls import is_below
+from verify.balls import enclose, is_below, is_outside
 from verify.certificate import Certificate, make_certificate
 from verify.failure import IntegrationFailure
-from verify.level_form import in_box, level_form, level_spread
+from verify.level_form import coordinates_in_box, in_box, level_form, level_spread
 from verify.outcome import Checklist, NotEstablishedError, NotProved, Outcome, Proved, Reason
 from verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 from verify.symmetry import check_symmetries
@@ -40,6 +40,9 @@ _RESERVE_PER_RETURN = 6
 """Bits that errors were found to gain along an orbit, and a little more."""
 
 _BITS_PER_DIGIT = 3.33
+
+_NARROW_BITS = 4
+"""An enclosure that is 2 to the minus this of a box wide, and reaches over its edge, is no longer for want of bits."""
 
 _MOST_SPREAD = 8
 """The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
@@ -343,11 +346,28 @@ def _reason(failure: IntegrationFailure) -> Reason:
 
 def for_origin(origin: Candidate, outcome: Outcome, precision: int) -> Outcome:
     """The outcome for a candidate whose level form was checked: the point has to lie in its own box too."""
+    if isinstance(outcome, NotProved):
+        return outcome
     with ctx.workprec(precision + GUARD_BITS):
-        if isinstance(outcome, NotProved) or in_box(origin, outcome.results.point):
+        if in_box(origin, outcome.results.point):
             return outcome
+        missing = _missing_bits(origin, outcome.results.point)
     message = "the bifurcation is in the box of the level form, but was not shown to be in the candidate's own box"
-    return NotProved(Reason("candidate-box", message, "move the centre to the bifurcation point"), outcome.hypotheses)
+    reason = Reason("candidate-box", message, "move the centre to the bifurcation point")
+    if missing is not None:
+        reason = replace(reason, needs_precision=True, enough_precision=precision + missing)
+    return NotProved(reason, outcome.hypotheses)
+
+
+def _missing_bits(origin: Candidate, point: Mapping[str, arb]) -> int | None:
+    """Bits until the enclosure of a point is narrow compared with the box; `None` if it is so, or lies outside."""
+    where = list(zip(coordinates_in_box(origin, point), origin.radii, strict=True))
+    if not all(ball.is_finite() for ball, _ in where) or any(is_outside(ball, radius) for ball, radius in where):
+        return None
+    floor = arb(2) ** (-2 * _NARROW_BITS)
+    widths = [float((ball.rad() / enclose(radius) + floor).log_base(2).mid()) for ball, radius in where]
+    missing = ceil(max(widths)) + _NARROW_BITS
+    return missing * 6 // 5 + _SPARE if missing > 0 else None
 
 
 def check_exactly(checklist: Checklist, candidate: Candidate) -> None:

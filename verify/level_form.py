@@ -165,17 +165,20 @@ def _contains(form: Candidate, candidate: Candidate, table: DerivativeTable, kep
     return True
 
 
-def in_box(candidate: Candidate, point: Mapping[str, arb]) -> bool:
-    """Whether a point of Fix(R), given by its coordinates, certainly lies inside the candidate's box."""
+def coordinates_in_box(candidate: Candidate, point: Mapping[str, arb]) -> list[arb]:
+    """Enclosures of the p of a point of Fix(R), given by its coordinates. The frame has to be regular."""
     size = len(candidate.radii)
     columns = [[row[j] for row in candidate.frame] for j in range(size)]
     inverse = [_solve(columns, [Fraction(int(i == j)) for i in range(size)]) for j in range(size)]
     distance = [point[name] - enclose(c) for name, c in zip(candidate.coordinates, candidate.centre, strict=True)]
-    for i, radius in enumerate(candidate.radii):
-        row = [column[i] for column in inverse if column is not None]
-        if len(row) < size or not is_inside(dot([enclose(value) for value in row], distance), radius):
-            return False
-    return True
+    rows = [[enclose(column[i]) for column in inverse if column is not None] for i in range(size)]
+    return [dot(row, distance) for row in rows]
+
+
+def in_box(candidate: Candidate, point: Mapping[str, arb]) -> bool:
+    """Whether a point of Fix(R), given by its coordinates, certainly lies inside the candidate's box."""
+    where = coordinates_in_box(candidate, point)
+    return all(is_inside(ball, radius) for ball, radius in zip(where, candidate.radii, strict=True))
 
 
 def _solve(columns: Sequence[Sequence[Fraction]], right: Sequence[Fraction]) -> list[Fraction] | None:
