@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +20,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from explore.branch_file import BranchOrbit, BranchRecord, BranchSide, read_branches
-from figures.family import Array, Family, state_on_fixed_set
+from explore.branch_file import BranchOrbit, BranchRecord, read_branches
+from figures.family import Array, Family, interpolate, state_on_fixed_set
 from figures.family_file import read_families
 from figures.folder import check_folder
 from figures.orbit import OrbitNotClosed, orbit_through
@@ -43,6 +45,8 @@ from figures.style import (
 _WIDTH = 7.2
 _NEAR = 1e-2
 _BASE = "#8a8a8a"
+_HYPERBOLIC = (0, (3, 1.6))
+_PARTS = 8
 
 
 def write(branches: Path, families: Sequence[Path], folder: Path) -> list[Path]:
@@ -52,7 +56,7 @@ def write(branches: Path, families: Sequence[Path], folder: Path) -> list[Path]:
     """
     records = read_branches(branches)
     traced = [family.refined() for path in families for family in read_families(path)]
-    members = [[record for record in records if _distance(family, record) < _NEAR] for family in traced]
+    members = [[record for record in records if distance(family, record) < _NEAR] for family in traced]
     check_folder(folder)
     written: list[Path] = []
     with use_style():
@@ -63,8 +67,7 @@ def write(branches: Path, families: Sequence[Path], folder: Path) -> list[Path]:
                 close(figure)
         for record in records:
             if record.sides:
-                family_of = [family for family, own in zip(traced, members, strict=True) if record in own]
-                figure = draw_branch(record, family_of[0] if family_of else None)
+                figure = draw_branch(record, _family_of(record, traced))
                 written += save(figure, folder / _name(f"branch-{record.system.name}-{record.id}"))
                 close(figure)
     return written
@@ -111,9 +114,9 @@ def draw_overview(family: Family, branches: Sequence[BranchRecord]) -> Figure:
 
 def _add(axes: Axes, branch: BranchRecord, select: Callable[[Array, Array], tuple[Array, Array]]) -> None:
     """Draw a branch and its bifurcation point; `select` takes points and levels to what is plotted."""
-    for side in branch.sides:
-        points, levels, _ = _curve(branch, side)
-        axes.plot(*select(points, levels), color=marker_of(branch.k)[1], lw=1.2)
+    if branch.sides:
+        curve = _curve(branch)
+        axes.plot(*select(curve.points, branch.level + curve.differences), color=marker_of(branch.k)[1], lw=1.2)
     place = select(branch.point[None], np.array([branch.level]))
     draw_point(axes, [float(value[0]) for value in place], branch.k, _certified(branch), branch.id)
 
@@ -126,14 +129,16 @@ def draw_branch(branch: BranchRecord, family: Family | None) -> Figure:
     _diagram(figure.add_subplot(grid[0, 0]), branch, family)
     if spatial:
         _starts(figure.add_subplot(grid[0, 1]), branch, family)
-        axes = figure.add_axes((0.655, 0.14, 0.36, 0.82), projection="3d", computed_zorder=False)
+        axes = figure.add_axes((0.66, 0.2, 0.31, 0.73), projection="3d", computed_zorder=False)
     else:
         _section(figure.add_subplot(grid[0, 1]), branch)
         axes = figure.add_subplot(grid[0, 2])
     _orbits(axes, branch, 3 if spatial else 2)
-    top = figure.axes[0].get_position().y1 + 5 / (72 * figure.get_figheight())
-    figure.text(0.735, top, "(c)  a new orbit", fontsize=8.5, color=INK, va="bottom")
-    _branch_legend(figure, branch)
+    top = figure.axes[0].get_position().y1 + 3.4 / (72 * figure.get_figheight())
+    figure.text(
+        0.69 if spatial else axes.get_position().x0, top, "(c)  a new orbit", fontsize=8.5, color=INK, va="bottom"
+    )
+    _branch_legend(figure, branch, family is not None)
     return figure
 
 
@@ -141,15 +146,11 @@ def _diagram(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
     """Bifurcation parameter against the coordinate of the start that changes most along the branch."""
     place = _coordinate(branch)
     colour = marker_of(branch.k)[1]
-    values, heights = [], []
-    for side in branch.sides:
-        points, levels, stable = _curve(branch, side)
-        x, y = points[:, place], levels - branch.level
-        axes.plot(x, y, color=colour, linestyle=(0, (3, 1.6)), linewidth=1.2)
-        axes.plot(x, np.where(stable, y, np.nan), color=colour, linewidth=1.8)
-        values.append(x)
-        heights.append(y)
-    _limits(axes, np.concatenate(values), np.concatenate(heights))
+    curve = _curve(branch)
+    x, y = curve.points[:, place], curve.differences
+    axes.plot(x, np.where(curve.elliptic, np.nan, y), color=colour, linestyle=_HYPERBOLIC, linewidth=1.2)
+    axes.plot(x, np.where(curve.elliptic, y, np.nan), color=colour, linewidth=1.8)
+    _limits(axes, x, y)
     if family is not None:
         points, levels = _nearest(family, branch)
         axes.plot(points[:, place], levels - branch.level, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False,
@@ -158,8 +159,8 @@ def _diagram(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
     axes.set_xlabel(f"start on Fix($R$): {label_of(branch.system.centre_coordinates[place])}")
     name = branch.system.family_parameter
     quantity = label_of(name, unit=False) if name else branch.system.first_integral_name or "first integral"
-    axes.set_ylabel(f"{quantity} $-$ {branch.level:.7g}")
-    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.set_ylabel(f"{quantity} ${'-' if branch.level > 0 else '+'}$ {abs(branch.level):.7g}")
+    axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_title("(a)  bifurcation diagram", color=INK)
 
 
@@ -167,11 +168,9 @@ def _starts(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
     """Fix(R): where new orbits start and where they are half a period later, near the point."""
     names = branch.system.centre_coordinates
     colour = marker_of(branch.k)[1]
-    rows = np.vstack([_curve(branch, side)[0] for side in branch.sides])
+    rows = _curve(branch).points
     shown = (0, 1) if np.ptp(rows[:, 1]) >= 0.2 * np.ptp(rows[:, 2]) else (0, 2)
-    for side in branch.sides:
-        points = _curve(branch, side)[0]
-        axes.plot(points[:, shown[0]], points[:, shown[1]], color=colour, linewidth=1.6)
+    axes.plot(rows[:, shown[0]], rows[:, shown[1]], color=colour, linewidth=1.6)
     _limits(axes, rows[:, shown[0]], rows[:, shown[1]])
     if family is not None:
         points, _ = _nearest(family, branch)
@@ -185,7 +184,7 @@ def _starts(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
                branch.id)  # fmt: skip
     axes.set_xlabel(label_of(names[shown[0]]))
     axes.set_ylabel(label_of(names[shown[1]]))
-    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_title("(b)  on Fix($R$)", color=INK)
 
 
@@ -239,7 +238,7 @@ def _orbits(axes: Any, branch: BranchRecord, dimension: int) -> None:
         axes.plot(*[[value] for value in state], marker=".", color=INK, markersize=6, linestyle="none", zorder=7)
     if dimension == 3:
         low, high = bounds_of(drawn or [none + 1.0])
-        set_box(axes, branch.system, low, high)
+        set_box(axes, branch.system, low, high, zoom=0.86)
         return
     axes.set_xlabel(label_of(branch.system.state[0]))
     axes.set_ylabel(label_of(branch.system.state[1]))
@@ -247,13 +246,13 @@ def _orbits(axes: Any, branch: BranchRecord, dimension: int) -> None:
     axes.margins(0.06)
 
 
-def _branch_legend(figure: Figure, branch: BranchRecord) -> None:
+def _branch_legend(figure: Figure, branch: BranchRecord, with_family: bool) -> None:
     colour = marker_of(branch.k)[1]
     lines = [
-        Line2D([], [], color=CURVE, linewidth=1.2, label="family"),
+        *([Line2D([], [], color=CURVE, linewidth=1.2, label="family")] if with_family else []),
         Line2D([], [], color=_BASE, linewidth=1.6, label="resonant orbit"),
         Line2D([], [], color=colour, linewidth=1.8, label="new orbits, elliptic in the new pair"),
-        Line2D([], [], color=colour, linestyle=(0, (3, 1.6)), linewidth=1.2, label="hyperbolic"),
+        Line2D([], [], color=colour, linestyle=_HYPERBOLIC, linewidth=1.2, label="hyperbolic"),
     ]
     points = [
         *legend_handles([(branch.k, branch.kind)]), *verdict_handles([_certified(branch)]),
@@ -276,13 +275,32 @@ def _shown_orbit(branch: BranchRecord) -> BranchOrbit:
     return branch.sides[1].orbits[-1]
 
 
-def _curve(branch: BranchRecord, side: BranchSide) -> tuple[Array, Array, Array]:
-    """Starting points, levels and whether the pair that is resonant at the bifurcation is elliptic; from there on."""
-    points = np.vstack([branch.point[None], *(orbit.point[None] for orbit in side.orbits)])
-    levels = branch.level + np.array([0.0, *(orbit.level_difference for orbit in side.orbits)])
+@dataclass(frozen=True)
+class _Curve:
+    """A branch through its bifurcation point, dense; M places.
+
+    Attributes:
+        points: shape (M, 1 + n), starting points.
+        differences: shape (M,), level minus that of the bifurcation.
+        elliptic: shape (M,), whether the pair of multipliers that is resonant at the bifurcation is elliptic.
+    """
+
+    points: Array
+    differences: Array
+    elliptic: Array
+
+
+def _curve(branch: BranchRecord) -> _Curve:
+    orbits = [*reversed(branch.sides[0].orbits), *branch.sides[1].orbits]
+    middle = len(branch.sides[0].orbits)
+    nodes = np.insert(np.array([orbit.arclength for orbit in orbits]), middle, 0.0)
+    points = np.insert(np.array([orbit.point for orbit in orbits]), middle, branch.point, axis=0)
+    differences = np.insert(np.array([orbit.level_difference for orbit in orbits]), middle, 0.0)
     # The resonant pair leaves the bifurcation from 1; the others may be anywhere.
-    elliptic = [abs(min(orbit.stability, key=lambda s: abs(s - 1.0))) < 1.0 for orbit in side.orbits]
-    return points, levels, np.array([elliptic[0], *elliptic])
+    elliptic = np.array([abs(min(orbit.stability, key=lambda s: abs(s - 1.0))) < 1.0 for orbit in orbits])
+    dense = np.concatenate([np.linspace(a, b, _PARTS, endpoint=False) for a, b in pairwise(nodes)] + [nodes[-1:]])
+    nearest = np.searchsorted(0.5 * (np.delete(nodes, middle)[:-1] + np.delete(nodes, middle)[1:]), dense)
+    return _Curve(interpolate(nodes, points, dense), interpolate(nodes, differences, dense), elliptic[nearest])
 
 
 def _coordinate(branch: BranchRecord) -> int:
@@ -306,7 +324,19 @@ def _nearest(family: Family, branch: BranchRecord) -> tuple[Array, Array]:
     return curves[int(np.argmin(misses))], family.levels
 
 
-def _distance(family: Family, branch: BranchRecord) -> float:
+def _family_of(branch: BranchRecord, families: Sequence[Family]) -> Family | None:
+    """The nearest family from which the branch may start; a broken symmetry is that of its orbits."""
+    odd: list[int] = []
+    if branch.symmetry is not None:
+        signs = branch.system.symmetries[branch.symmetry]
+        odd = [i for i, state in enumerate(branch.system.fixed_coordinates) if signs[state] == -1]
+    fitting = [family for family in families if not np.any(family.points[:, odd])]
+    nearest = min(fitting, key=lambda family: distance(family, branch), default=None)
+    return nearest if nearest is not None and distance(nearest, branch) < _NEAR else None
+
+
+def distance(family: Family, branch: BranchRecord) -> float:
+    """Of the bifurcation point from the curves of a family, in units of the branch's `scale`."""
     if family.system.name != branch.system.name or dict(family.parameters) != dict(branch.parameters):
         return np.inf
     curve, _ = _nearest(family, branch)

@@ -67,7 +67,9 @@ class Family:
         dense = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
         names = ("points", "second_points", "periods", "levels", "coefficients")
         # The coefficients, unlike the stability parameters, are smooth also where two parameters meet.
-        return replace(self, arclength=dense, **{name: _cubic(nodes, getattr(self, name), dense) for name in names})
+        return replace(
+            self, arclength=dense, **{name: interpolate(nodes, getattr(self, name), dense) for name in names}
+        )
 
 
 @dataclass(frozen=True)
@@ -102,7 +104,7 @@ class Placement:
     distance: float
 
 
-def _cubic(nodes: Array, values: Array, positions: Array) -> Array:
+def interpolate(nodes: Array, values: Array, positions: Array) -> Array:
     """Piecewise cubic Hermite interpolation with slopes from three neighbours; `values` has N rows."""
     slopes = np.gradient(values, nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
     i = np.clip(np.searchsorted(nodes, positions, side="right") - 1, 0, len(nodes) - 2)
