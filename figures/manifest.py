@@ -50,6 +50,11 @@ STEPS: tuple[Step, ...] = (
         "seconds",
     ),
     _step(
+        "mass-curve.json",
+        "explore mass-curve --extrema L2 L3 --digits 30 -o mass-curve.json",
+        "a minute",
+    ),
+    _step(
         "families.json candidates.json",
         "explore candidates --preset tables --append -o candidates.json --family-output families.json",
         "10 minutes",
@@ -68,6 +73,7 @@ STEPS: tuple[Step, ...] = (
         "an hour",
         "candidates.json",
     ),
+    _step("branches.json", "explore branches certificates.json -o branches.json", "10 minutes", "certificates.json"),
 )
 """In the order in which they are run: a step needs products of earlier ones only."""
 

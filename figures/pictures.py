@@ -8,12 +8,14 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from figures.branches import write as write_branches
 from figures.data_folder import DataFolder
 from figures.falkner_skan import draw_crossings, draw_resonant_orbits
 from figures.gallery import draw_gallery
 from figures.geometry import draw_geometry
 from figures.halo_plane import draw_closed_curves, draw_resonant_families
 from figures.halo_space import draw_bifurcation, draw_torus
+from figures.mass_curve import draw_mass_curves, read_mass_curves
 from figures.portraits import draw_portraits
 from figures.resonances import draw_resonances
 from figures.stability import places_on
@@ -81,6 +83,10 @@ def _lyapunov_and_halo(data: DataFolder) -> Drawn:
     yield "lyapunov-and-halo-orbits", draw_bifurcation(lyapunov, data.family("families.json", "L1-halo", "sun-jupiter"))
 
 
+def _symmetry_breaking(data: DataFolder) -> Drawn:
+    yield "symmetry-breaking-curves", draw_mass_curves(read_mass_curves(data.path("mass-curve.json")))
+
+
 def _closed_curves(data: DataFolder) -> Drawn:
     families = [data.family("families.json", "L1-halo", mass).refined() for mass in ("earth-moon", "sun-jupiter")]
     yield "closed-halo-curves", draw_closed_curves(families, data.marks_on(*families))
@@ -113,6 +119,11 @@ def _galleries(data: DataFolder) -> Drawn:
         yield f"gallery-{family.name}", draw_gallery(family, title)
 
 
+def _branches(data: DataFolder, folder: Path) -> Iterator[Path]:
+    families = [data.path("families.json"), data.path("falkner-skan.json")]
+    yield from write_branches(data.path("branches.json"), families, folder)
+
+
 PICTURES: tuple[Picture, ...] = (
     Picture(
         "phase-portraits", "a reversible planar map before, at and after its 1:4 and 1:3 resonances",
@@ -135,6 +146,10 @@ PICTURES: tuple[Picture, ...] = (
         ("lyapunov.json", "families.json"), _saved(_lyapunov_and_halo),
     ),
     Picture(
+        "symmetry-breaking-curves", "where S breaks on the Lyapunov families of L1, L2, L3, against the mass",
+        ("mass-curve.json",), _saved(_symmetry_breaking),
+    ),
+    Picture(
         "closed-halo-curves", "the closed curves of L1 halo orbits on Fix(R), for both masses",
         ("families.json", "candidates.json"), _saved(_closed_curves), marked=True,
     ),
@@ -148,6 +163,10 @@ PICTURES: tuple[Picture, ...] = (
     Picture(
         "stability", "stability parameters along each family, with the resonances",
         ("families.json", "falkner-skan.json", "candidates.json"), _saved(_stability), marked=True,
+    ),
+    Picture(
+        "branches", "the new orbits at each bifurcation: where they branch off, their points on Fix(R), in space",
+        ("branches.json", "families.json", "falkner-skan.json"), _branches, marked=True,
     ),
     Picture(
         "gallery", "orbits along each halo family, with Jacobi constant and period",
