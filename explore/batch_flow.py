@@ -1,15 +1,18 @@
 """The flow of many orbits at once, with derivatives: one adaptive Runge-Kutta loop over lanes.
 
-Each orbit is a lane with a step size, a parameter and a time of its own; finished lanes wait for the others. Arrays
-have the lanes last, so that each operation of the vector field works on neighbouring numbers. The derivatives are
-carried by the linearised field (forward mode), and the error that chooses the steps is that of the orbit alone, as in
-`explore.flow`: same method (Dormand-Prince 8, its tableau from diffrax), same tolerances.
+Each orbit is a lane with a step size, a parameter and a time of its own. Arrays have the lanes last, so that each
+operation of the vector field works on neighbouring numbers. The derivatives are carried by the linearised field
+(forward mode), and the error that chooses the steps is that of the orbit alone, as in `explore.flow`: same method
+(Dormand-Prince 8, its tableau from diffrax), same tolerances.
 
-Orbits are handed to the device in blocks: small ones that stay in the processor's cache, large ones on a GPU.
+Lanes are handed to the device in blocks: small ones that stay in the processor's cache, large ones on a GPU. A block
+advances a few steps at a time. Between these rounds the unfinished orbits are grouped anew by the steps that they
+still need: an orbit close to a collision needs twenty times as many as another, which does not have to wait for it.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -28,10 +31,12 @@ from shared.systems import ReversibleSystem
 BLOCK = 64
 GPU_BLOCK = 16384
 QUEUE = 4
-"""Blocks under way at the same time on the processor: enough for two cores, few enough to interrupt."""
+"""Blocks under way at the same time."""
+
+ROUND = 48
+"""Steps of a round."""
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
-
 
 Matrices = np.ndarray[tuple[int, int, int], np.dtype[np.float64]]
 Counts = np.ndarray[tuple[int], np.dtype[np.int64]]
@@ -62,6 +67,26 @@ class FlowBatch:
     finished: Flags
 
 
+@dataclass(frozen=True)
+class _Lanes:
+    """Where N orbits are; the lanes come last.
+
+    `extended`, shape (1 + d, m, N), is the state and its derivatives; `length` the next step, 0 before the first;
+    `started` tells the first accepted step, which leaves the section, from those that may cross it.
+    """
+
+    time: np.ndarray
+    extended: np.ndarray
+    slope: np.ndarray
+    length: np.ndarray
+    crossings: np.ndarray
+    steps: np.ndarray
+    started: np.ndarray
+
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        return tuple(vars(self).values())
+
+
 def flow_batch(
     system: ReversibleSystem,
     initial: Matrix,
@@ -73,75 +98,99 @@ def flow_batch(
 
     Arguments:
         initial: shape (N, m), states at time 0.
-        times: shape (N,), positive, nondimensional units of the system.
+        times: shape (N,), nondimensional units of the system; an orbit with a time that is not positive fails.
         parameters: shape (N, P), all parameters of the vector field, in its order.
         progress: called with the number of orbits done.
     """
     configure_jax()
+    advance = _compiled(system)
+    lanes = _start(system, initial)
+    pending = np.flatnonzero(times > 0)
+    while len(pending):
+        _round(advance, lanes, times, parameters, pending)
+        left = times[pending] - lanes.time[pending]
+        going = (left > 0) & (lanes.steps[pending] < MAX_STEPS)
+        needed = (lanes.steps[pending] * left)[going] / np.maximum(lanes.time[pending][going], 1e-300)
+        pending = pending[going][np.argsort(needed, kind="stable")]
+        if progress is not None:
+            progress(len(times) - len(pending))
+    return _result(system, lanes, times)
+
+
+def _start(system: ReversibleSystem, initial: Matrix) -> _Lanes:
     count, m = initial.shape
+    extended = np.zeros((1 + m + (system.family_parameter is not None), m, count))
+    extended[0] = initial.T
+    extended[1 + np.arange(m), np.arange(m)] = 1.0
+    none = np.zeros(count, dtype=np.int64)
+    return _Lanes(
+        time=np.zeros(count), extended=extended, slope=np.zeros((m, count)), length=np.zeros(count),
+        crossings=none, steps=none.copy(), started=np.zeros(count, dtype=bool),
+    )  # fmt: skip
+
+
+def _result(system: ReversibleSystem, lanes: _Lanes, times: Vector) -> FlowBatch:
+    m = len(system.state)
+    columns = np.moveaxis(lanes.extended, -1, 0)
+    finished = (times > 0) & (lanes.time >= times) & np.all(np.isfinite(columns), axis=(1, 2))
+    return FlowBatch(
+        states=columns[:, 0], velocities=lanes.slope.T, state_transitions=np.swapaxes(columns[:, 1 : 1 + m], 1, 2),
+        parameter_derivatives=columns[:, -1] if columns.shape[1] > 1 + m else np.zeros((len(times), m)),
+        crossings=lanes.crossings + 1, steps=lanes.steps, finished=finished,
+    )  # fmt: skip
+
+
+def _round(advance: Callable[..., Any], lanes: _Lanes, times: Vector, parameters: Matrix, pending: np.ndarray) -> None:
+    """Advance the pending orbits by at most `ROUND` steps each."""
     on_processor = jax.default_backend() == "cpu"
-    width = BLOCK if on_processor else min(GPU_BLOCK, max(BLOCK, 1 << (count - 1).bit_length()))
-    run = _compiled(system)
-    waiting: list[Any] = []
-    blocks: list[tuple[np.ndarray, ...]] = []
+    width = BLOCK if on_processor else min(GPU_BLOCK, max(BLOCK, 1 << (len(pending) - 1).bit_length()))
+    waiting: deque[tuple[np.ndarray, Any]] = deque()
 
     def collect() -> None:
-        blocks.append(tuple(np.asarray(value) for value in waiting.pop(0)))
-        if progress is not None:
-            progress(min(count, len(blocks) * width))
+        block, values = waiting.popleft()
+        for whole, part in zip(lanes.arrays(), values, strict=True):
+            whole[..., block] = np.asarray(part)[..., : len(block)]
 
-    for start in range(0, count, width):
-        part = slice(start, start + width)
-        # Lanes that fill up the last block have time 0 and no part in it.
-        fill = (0, width - len(times[part]))
-        arguments = (
-            np.pad(initial[part].T, ((0, 0), fill), mode="edge"),
-            np.pad(times[part], fill),
-            np.pad(parameters[part].T, ((0, 0), fill), mode="edge"),
-        )
+    for start in range(0, len(pending), width):
+        block = pending[start : start + width]
+        # Lanes that fill up the last block have no time to go and take no part.
+        fill = np.append(block, np.full(width - len(block), block[0]))
+        end = times[fill]
+        end[len(block) :] = 0.0
         with compiling():
-            waiting.append(run(*arguments))
+            waiting.append(
+                (block, advance(end, parameters.T[:, fill], *(array[..., fill] for array in lanes.arrays())))
+            )
         if len(waiting) == QUEUE:
             collect()
     while waiting:
         collect()
-    states, velocities, tangents, crossings, steps, finished = (
-        np.concatenate([block[i] for block in blocks], axis=-1)[..., :count] for i in range(6)
-    )
-    extended = np.moveaxis(tangents, -1, 0)
-    finished = finished & np.all(np.isfinite(extended), axis=(1, 2)) & np.all(np.isfinite(states), axis=0)
-    extra = extended[:, m] if extended.shape[1] > m else np.zeros((count, m))
-    return FlowBatch(
-        states.T, velocities.T, np.swapaxes(extended[:, :m], 1, 2), extra, crossings.astype(np.int64),
-        steps.astype(np.int64), finished,
-    )  # fmt: skip
 
 
-_FLOWS: dict[int, Callable[..., Any]] = {}
+_COMPILED: dict[int, Callable[..., Any]] = {}
 
 
 def _compiled(system: ReversibleSystem) -> Callable[..., Any]:
-    run = _FLOWS.get(id(system))
-    if run is None:
-        run = _FLOWS[id(system)] = jax.jit(_integrator(system))
-    return run
+    advance = _COMPILED.get(id(system))
+    if advance is None:
+        advance = _COMPILED[id(system)] = jax.jit(_integrator(system))
+    return advance
 
 
 @cache
 def _tableau() -> tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]:
-    """Rows of the stages after the first and the weights of the error, both per unit step."""
+    """Rows of the stages after the first, the last of which is the step, and the weights of the error."""
     tableau = diffrax.Dopri8.tableau
-    rows = tuple(tuple(map(float, row)) for row in tableau.a_lower)
     if not tableau.fsal:
         raise RuntimeError("the last stage has to be the field at the end of the step")
-    return rows, tuple(map(float, tableau.b_error))
+    return tuple(tuple(map(float, row)) for row in tableau.a_lower), tuple(map(float, tableau.b_error))
 
 
 def _combination(weights: Sequence[float], stages: Sequence[jax.Array]) -> jax.Array:
-    total = jnp.zeros_like(stages[0])
-    for weight, stage in zip(weights, stages, strict=True):
-        if weight != 0.0:
-            total = total + weight * stage
+    first, *others = ((weight, stage) for weight, stage in zip(weights, stages, strict=True) if weight != 0.0)
+    total = first[0] * first[1]
+    for weight, stage in others:
+        total = total + weight * stage
     return total
 
 
@@ -150,36 +199,32 @@ def _norm(values: jax.Array) -> jax.Array:
 
 
 def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
-    """The integration of one block: (m, W), (W,), (P, W) to states, velocities, tangents (d, m, W), counts."""
+    """A round for a block of W lanes: times (W,), parameters (P, W) and the arrays of `_Lanes` to new ones."""
     field = field_of(system)
-    m, section = len(system.state), system.section_index
-    family = system.family_parameter
+    section, family = system.section_index, system.family_parameter
     parameter_index = None if family is None else tuple(system.parameters).index(family)
-    directions = m + (parameter_index is not None)
     rows, error_weights = _tableau()
 
-    def integrate(initial: jax.Array, times: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
-        width = times.shape[0]
-        shift = jnp.zeros((directions, len(parameters), width))
-        if parameter_index is not None:
-            shift = shift.at[m, parameter_index].set(1.0)
-
+    def advance(times: jax.Array, parameters: jax.Array, *lanes: jax.Array) -> tuple[jax.Array, ...]:
         def slopes(extended: jax.Array) -> jax.Array:
-            """The field at the orbit and its derivative along the tangents, shape (1 + d, m, W)."""
-            value, push = jax.linearize(field, extended[0], parameters)
-            return jnp.concatenate([value[None], jax.vmap(push)(extended[1:], shift)])
+            """The field at the orbit and its derivative along each tangent, shape (1 + d, m, W)."""
+            if parameter_index is None:
+                value, push = jax.linearize(lambda state: field(state, parameters), extended[0])
+                return jnp.concatenate([value[None], jax.vmap(push)(extended[1:])])
 
-        def size(values: jax.Array, *states: jax.Array) -> jax.Array:
-            """Root mean square in units of the tolerance."""
-            magnitude = jnp.max(jnp.abs(jnp.stack(states)), axis=0)
-            return _norm(values / (ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * magnitude))
+            def moved(state: jax.Array, shift: jax.Array) -> jax.Array:
+                return field(state, parameters.at[parameter_index].add(shift))
+
+            shifts = jnp.zeros((extended.shape[0] - 1, len(times))).at[-1].set(1.0)
+            value, push = jax.linearize(moved, extended[0], shifts[0])
+            return jnp.concatenate([value[None], jax.vmap(push)(extended[1:], shifts)])
 
         def going(carry: tuple[jax.Array, ...]) -> jax.Array:
-            time, *_, steps, _ = carry
-            return jnp.any((time < times) & (steps < MAX_STEPS))
+            time, _, _, _, _, steps, _, rounds = carry
+            return jnp.any((time < times) & (steps < MAX_STEPS)) & (rounds < ROUND)
 
         def step(carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-            time, now, slope, length, crossings, steps, started = carry
+            time, now, slope, length, crossings, steps, started, rounds = carry
             left = times - time
             active = (left > 0) & (steps < MAX_STEPS)
             stuck = active & ~(time + length > time)
@@ -189,7 +234,8 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
             for row in rows:
                 new = now + taken * _combination(row, stages)
                 stages.append(slopes(new))
-            error = size(taken * _combination(error_weights, [stage[0] for stage in stages]), now[0], new[0])
+            scale = ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * jnp.maximum(jnp.abs(now[0]), jnp.abs(new[0]))
+            error = _norm(taken * _combination(error_weights, [stage[0] for stage in stages]) / scale)
             error = jnp.where(jnp.isfinite(error), error, jnp.inf)
             accepted = active & (error <= 1.0)
             factor = jnp.clip(SAFETY * jnp.maximum(error, 1e-12) ** -0.125, SHRINK, GROW)
@@ -202,18 +248,17 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
                 crossings + crossed,
                 jnp.where(stuck, MAX_STEPS, steps + active),
                 started | accepted,
+                rounds + 1,
             )
 
-        start = jnp.concatenate([initial[None], jnp.zeros((directions, m, width))])
-        start = start.at[1 : 1 + m].set(jnp.broadcast_to(jnp.eye(m)[:, :, None], (m, m, width)))
-        slope = slopes(start)
+        time, now, _, length, crossings, steps, started = lanes
+        slope = slopes(now)
         # A first step over which the orbit moves by some percent of its distance from the origin.
-        length = 0.03 * _norm(initial) / _norm(slope[0])
-        length = jnp.where(length > 0, jnp.minimum(times, length), times)
-        none = jnp.zeros(width, dtype=int)
-        time, end, slope, _, crossings, steps, _ = jax.lax.while_loop(
-            going, step, (jnp.zeros(width), start, slope, length, none, none, jnp.zeros(width, dtype=bool))
+        first = 0.03 * _norm(now[0]) / _norm(slope[0])
+        length = jnp.where(length > 0, length, jnp.where(first > 0, jnp.minimum(times, first), times))
+        time, now, slope, length, crossings, steps, started, _ = jax.lax.while_loop(
+            going, step, (time, now, slope, length, crossings, steps, started, 0)
         )
-        return end[0], slope[0], end[1:], crossings + 1, steps, time >= times
+        return time, now, slope[0], length, crossings, steps, started
 
-    return integrate
+    return advance

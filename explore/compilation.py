@@ -21,9 +21,9 @@ from typing import Any
 
 import jax
 
-KERNEL_BYTES = 4_000_000
-"""Loops that touch less memory become one kernel. XLA otherwise calls a kernel for every few operations, which
-costs several times the arithmetic of a single orbit."""
+KERNEL_BYTES = 1_000_000_000
+"""Loops that touch less memory become one kernel, which all loops over orbits do. XLA otherwise calls a kernel for
+every few operations; for a single orbit that costs several times the arithmetic."""
 
 _OPTION = "--xla_backend_extra_options"
 _accelerated: list[bool] = []
@@ -101,12 +101,11 @@ def compiling() -> Iterator[None]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         yield
-    folder = cache_folder()
     for warning in caught:
         message = str(warning.message)
         if not message.startswith(("Error reading persistent", "Error writing persistent")):
             warnings.warn_explicit(warning.message, warning.category, warning.filename, warning.lineno)
-        elif message.startswith(_CORRUPT) and folder is not None:
+        elif message.startswith(_CORRUPT) and (folder := cache_folder()) is not None:
             name = message.split("'")[1]
             for entry in folder.glob(f"{name}-*"):
                 with suppress(OSError):
