@@ -3,11 +3,12 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint test-slow bench clean
+.PHONY: help demo figures test lint test-slow bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
 OUT := demo-out
+PICTURES := figures-out
 BLOCKED := $(OUT)/blocked
 SEARCH_SIDE := explore figures jax jaxlib diffrax equinox mpmath matplotlib
 JOBS := 2
@@ -18,6 +19,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 help:
 	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
+	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; more than an hour, goes on where it stopped)"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make test-slow  the longer proofs and campaigns"
 	@echo "make bench      benchmarks; each prints its numbers"
@@ -74,6 +76,11 @@ demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
 	echo "time: $$(($$(date +%s) - start)) s"; \
 	[ $$failed -eq 0 ] || echo "not everything was found or proved: the reasons stand above" >&2; \
 	exit $$failed
+
+# The data are kept by `make clean`: they hold the proofs of all rows.
+figures: $(VENV)/demo.stamp
+	@$(BIN)/python -m figures data $(PICTURES)/data || [ $$? -eq 1 ]
+	@$(BIN)/python -m figures all $(PICTURES)/data -o $(PICTURES)
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff check .

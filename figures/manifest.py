@@ -38,20 +38,20 @@ def _step(products: str, command: str, cost: str, needs: str = "") -> Step:
 
 
 STEPS: tuple[Step, ...] = (
-    _step("portraits.json", "explore portraits -o portraits.json", "seconds"),
+    _step("portraits.json", "explore portraits -o portraits.json", "a few seconds"),
     _step(
         "lyapunov.json",
         "explore family --system cr3bp --mass sun-jupiter --family L1-lyapunov --jacobi-min 3.0 -o lyapunov.json",
-        "seconds",
+        "a few seconds",
     ),
     _step(
         "l3-halo.json",
         "explore family --system cr3bp --mass earth-moon --family L3-halo --vy-max 40 -o l3-halo.json",
-        "seconds",
+        "a few seconds",
     ),
     _step(
         "mass-curve.json",
-        "explore mass-curve --extrema L2 L3 --digits 30 -o mass-curve.json",
+        "explore mass-curve --extrema L2 --digits 30 -o mass-curve.json",
         "a minute",
     ),
     _step(
