@@ -214,7 +214,11 @@ def _advance(
     new_tangent = problem.tangent(correction.jacobian, tangent)
     angle = float(np.arccos(min(1.0, float(new_tangent @ tangent))))
     moved = (correction.unknowns - last.unknowns) / problem.scales
-    if angle > control.turning or float(np.linalg.norm(moved)) > 1.5 * step:
+    # Where a branch leaves Fix(S) it may turn within less than the accuracy of its tangent. The hyperplane across its
+    # direction has no orbits of Fix(S) but the first, so that a longer way than the step is no sign of another family.
+    leaving = in_fixed_space(problem, last)
+    turning, reach = (0.5 * np.pi, control.maximum) if leaving else (control.turning, 1.5 * step)
+    if angle > turning or float(np.linalg.norm(moved)) > max(reach, 1.5 * step):
         raise CorrectionFailure("the family turns too sharply")
     states = _samples(problem, correction)
     orbit = problem.orbit(correction, crossings=crossings(problem, states))
@@ -223,6 +227,14 @@ def _advance(
     if angle < 0.6 * control.turning:
         growth = {0: 2.0, 1: 2.0, 2: 1.6, 3: 1.3, 4: 1.0}.get(correction.iterations, 0.7)
     return orbit, new_tangent, states, growth
+
+
+def in_fixed_space(problem: ShootingProblem, orbit: SymmetricOrbit) -> bool:
+    """Whether an orbit lies in Fix(S) for a symmetry S that its family does not have."""
+    if problem.symmetry is not None:
+        return False
+    odd = [problem.odd_unknowns(name) for name in problem.system.symmetries]
+    return any(indices and all(orbit.unknowns[i] == 0 for i in indices) for indices in odd)
 
 
 def _samples(problem: ShootingProblem, correction: Correction) -> Matrix:

@@ -19,7 +19,7 @@ from fractions import Fraction
 import numpy as np
 
 from explore.branching import Sign, after_breakings, branch_seed
-from explore.continuation import Family, Start, Stop, describe, extend, trace
+from explore.continuation import Family, Start, Stop, describe, extend, in_fixed_space, trace
 from explore.detection import symmetry_breaking_near, symmetry_breakings
 from explore.falkner_skan import limit_orbit
 from explore.family_names import branch_number, is_family_name
@@ -88,7 +88,7 @@ def continue_family(
         raise FamilyFailure(f"the last orbit cannot be integrated: {error}") from None
     if family.outcome == "closed" or limits.reached(problem, last, states) is not None:
         return family
-    if problem.symmetry is None and len(family.orbits) > 1 and _in_fixed_space(problem, last):
+    if len(family.orbits) > 1 and in_fixed_space(problem, last):
         return family
     more = extend(
         replace(family, problem=problem), _stop(problem, limits, family.orbits), control=control,
@@ -224,12 +224,6 @@ class _Tracer:
 
 
 RETURNED = "the family returns to Fix(S)"
-
-
-def _in_fixed_space(problem: ShootingProblem, orbit: SymmetricOrbit) -> bool:
-    return any(
-        all(orbit.unknowns[i] == 0 for i in odd) for odd in map(problem.odd_unknowns, problem.system.symmetries) if odd
-    )
 
 
 def _stop(problem: ShootingProblem, limits: Limits, orbits: tuple[SymmetricOrbit, ...]) -> Stop:

@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from explore.family_file import FamilyRecord, read_families, write_families
+from explore.branch_tasks import branch_tasks, shared_branches
+from explore.catalogue_start import CatalogueStart, catalogue_start
+from explore.family_file import FamilyRecord, read_families
 from explore.family_names import mirrored_name
+from explore.family_outputs import write_outputs
 from explore.flow import Vector
 from explore.limits import Limits
 from explore.progress import Reporter
-from explore.records import family_of, family_record
+from explore.records import family_of
 from explore.refining import refine_tasks
 from explore.request import FamilyRequest, Request
 from explore.stability_curve import BAND, largest_changes
@@ -36,23 +39,37 @@ def run(request: Request) -> int:
     kept: list[Candidate] = []
     if request.command == "candidates" and options.append and options.output.exists():
         kept = read_candidates(options.output)
-    tasks = _trace_tasks(request)
+    lines: tuple[str, ...] = ()
     with Reporter(options.quiet) as report:
-        code, rows = _search(request, tasks, kept, report)
+        if options.from_catalogue is None:
+            tasks, complete = _trace_tasks(request), True
+        else:
+            start = catalogue_start(options.from_catalogue, options.catalogue_orbit, request.control.tolerance, report)
+            tasks, lines, complete = _catalogue_tasks(request, start), start.table, start.complete
+        code, rows = _search(request, tasks, kept, report) if tasks else (1, [])
     # Only now: a running progress display would take what is printed to standard output.
+    for line in lines:
+        print(line)
     _print_rows(rows)
-    return code
+    return code or (0 if complete else 1)
 
 
 def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], report: Reporter) -> tuple[int, list[Row]]:
     """Trace, detect, refine and write; the exit code and the lines of the result table."""
     results = _trace_all(tasks, request.options.jobs, report)
+    if request.options.branches and not _interrupted(tasks, results):
+        more = branch_tasks(results)
+        results += _trace_all(more, request.options.jobs, report) if more else []
+        tasks = tasks + more
+        for line in shared_branches(results):
+            report.message(line)
     traced = [result.item for result in results if result.item is not None]
     complete = False not in [_is_complete(result, report) for result in results]
-    if request.family_output is not None and traced:
-        write_families(request.family_output, [family_record(item) for item in traced])
-        report.message(f"families written to {request.family_output}")
-    if len(results) < len(tasks) or any(result.interrupted for result in results):
+    if traced:
+        options = request.options
+        files = (getattr(options, name, None) for name in ("csv", "catalogue"))
+        write_outputs(traced, request.family_output, *files, report)
+    if _interrupted(tasks, results):
         written = request.family_output is not None and traced
         where = f"resume with --from-family {request.family_output}" if written else "nothing is written"
         report.error(f"interrupted while tracing; {where}")
@@ -61,6 +78,24 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
         return (0 if complete else 1), [row for item in traced for row in _float_rows(item)]
     code, rows = _refine_all(request, traced, kept, report)
     return max(code, 0 if complete else 1), rows
+
+
+def _interrupted(tasks: list[TraceTask], results: list[Traced]) -> bool:
+    return len(results) < len(tasks) or any(result.interrupted for result in results)
+
+
+def _catalogue_tasks(request: Request, start: CatalogueStart) -> list[TraceTask]:
+    if start.seed is None:
+        return []
+    options, problem = request.options, start.seed.problem
+    speed = options.vy_max[0] if options.vy_max else None
+    return [
+        TraceTask(
+            system=problem.system.name, name=start.name, label=start.label, parameters=dict(problem.parameters),
+            limits=_limits(options, speed), multiplicities=request.multiplicities, start=start.seed, both_ways=True,
+            control=request.control,
+        )
+    ]  # fmt: skip
 
 
 def _trace_tasks(request: Request) -> list[TraceTask]:
@@ -166,14 +201,19 @@ def _refine_all(
     """Refine what the output file does not hold yet; every point is written as soon as it is refined."""
     options = request.options
     known = {candidate.id: candidate for candidate in kept}
-    targets = [target for item in traced for target in targets_of(item, request.points)]
+    found = [target for item in traced for target in targets_of(item, request.points)]
+    targets = [target for target in found if target.resonance.orbit.crossings == 1]
+    for target in found:
+        crossings = target.resonance.orbit.crossings
+        if crossings != 1:
+            report.error(f"{target.id}: not refined: its half orbit crosses the section {crossings} times, not once")
     tasks = [target.task(options.digits) for target in targets]
     done = {i: known[task.id] for i, task in enumerate(tasks) if task.id in known and is_refined(task, known[task.id])}
     missing = [i for i in range(len(tasks)) if i not in done]
     if done:
         report.message(f"{len(done)} points are refined in {options.output} already")
     new: dict[int, Candidate] = {}
-    code = 0
+    code = 0 if len(targets) == len(found) else 1
     try:
         if missing:
             report.stage(f"refining {len(missing)} points")

@@ -206,7 +206,10 @@ class ShootingProblem:
         `jacobian` as in `evaluate`. Raises `CorrectionFailure` where the family has no unique tangent.
         """
         free = list(self.free_unknowns)
-        _, values, rows = np.linalg.svd(jacobian * self.scales[free])
+        scaled = jacobian * self.scales[free]
+        # Near a collision the equations are of very different sizes, which says nothing about the family.
+        sizes = np.linalg.norm(scaled, axis=1, keepdims=True)
+        _, values, rows = np.linalg.svd(scaled / np.where(sizes > 0, sizes, 1.0))
         if values[-1] <= 1e-12 * values[0]:
             raise CorrectionFailure("the family's tangent cannot be told: a branch point, or an orbit near a collision")
         result = np.zeros(self.size)

@@ -1,0 +1,51 @@
+"""Tracing the families that branch off from the planar families of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from explore.branching import branch_seed, breaking_at_end
+from explore.detection import LocatedResonance, symmetry_breakings
+from explore.family_names import branch_name, branch_number
+from explore.tracing import Traced, TracedFamily, TraceTask
+
+
+def branch_tasks(results: Sequence[Traced]) -> list[TraceTask]:
+    """A task for each symmetry breaking of each planar family, in order, without what is traced already."""
+    done = {(result.task.name, result.task.label) for result in results}
+    tasks = []
+    for result, item in _planar(results):
+        task, problem = result.task, item.family.problem
+        for number, breaking in enumerate(symmetry_breakings(item.family), start=1):
+            seed = branch_seed(problem, breaking, -1 if task.mirrored else 1)
+            branch = replace(task, name=branch_name(item.name, number), start=seed, both_ways=False)
+            if (branch.name, branch.label) not in done:
+                tasks.append(branch)
+    return tasks
+
+
+def shared_branches(results: Sequence[Traced]) -> list[str]:
+    """A line for each branch that comes back to its planar family where another branch leaves it."""
+    lines = []
+    breakings: dict[tuple[str, str], list[LocatedResonance]] = {}
+    for _, item in _planar(results):
+        breakings[item.label, _point(item)] = symmetry_breakings(item.family)
+    for result in results:
+        branch, number = result.item, branch_number(result.task.name)
+        if branch is None or number is None:
+            continue
+        end = breaking_at_end(branch.family, breakings.get((branch.label, _point(branch)), ()))
+        if end is not None and end != number - 1:
+            lines.append(f"{branch.title}: ends where {branch_name(branch.name, end + 1)} begins; both are one family")
+    return lines
+
+
+def _planar(results: Sequence[Traced]) -> Iterator[tuple[Traced, TracedFamily]]:
+    for result in results:
+        if result.item is not None and result.item.family.problem.symmetry is not None:
+            yield result, result.item
+
+
+def _point(item: TracedFamily) -> str:
+    return item.name.partition("-")[0]
