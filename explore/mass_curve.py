@@ -83,6 +83,27 @@ def point_at(libration: str, points: Sequence[PointRecord], mu: float) -> PointR
     raise CorrectionFailure(f"mu = {mu:.6g} does not lie on the curve")
 
 
+def extremum_between(libration: str, a: PointRecord, b: PointRecord) -> PointRecord:
+    """The point with dC/dmu = 0 between two points of `extremum_brackets`; raises `CorrectionFailure`.
+
+    By the secant method kept inside the bracket (Illinois), to a relative accuracy of the mass of 1e-8.
+    """
+    ends = [(log(point.mu), point.jacobi_derivative) for point in (a, b)]
+    point = a
+    for _ in range(60):
+        (left, f), (right, g) = ends
+        middle = (left * g - right * f) / (g - f)
+        if not min(left, right) < middle < max(left, right):
+            break
+        point = point_at(libration, (a, b), exp(middle))
+        slope = point.jacobi_derivative
+        moved = abs(middle - right)
+        ends = [(right, g) if slope * g < 0 else (left, f / 2), (middle, slope)]
+        if moved < 1e-8 or slope == 0:
+            break
+    return point
+
+
 def trace_curve(
     libration: str,
     start: Sequence[PointRecord],

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from explore.families import FamilyFailure
 from explore.mass_charts import Chart
-from explore.mass_curve import chart_of, extremum_brackets, first_breaking, point_at, trace_curve
+from explore.mass_curve import chart_of, extremum_between, extremum_brackets, first_breaking, point_at, trace_curve
 from explore.mass_curve_file import (
     CurveRecord,
     ExtremumRecord,
@@ -196,13 +196,13 @@ def _extremum_tasks(request: MassCurveRequest, curve: CurveRecord, report: Repor
         low, high = sorted((a.mu, b.mu))
         if any(low <= row.mu <= high and row.digits >= request.digits for row in curve.extrema):
             continue
-        weight = a.jacobi_derivative / (a.jacobi_derivative - b.jacobi_derivative)
-        mu = a.mu + weight * (b.mu - a.mu)
-        place = (a.scaled[0] + weight * (b.scaled[0] - a.scaled[0]), a.scaled[1] + weight * (b.scaled[1] - a.scaled[1]))
-        bits, order, tolerance = request.extremum_settings
-        tasks.append(
-            _Task(curve.libration, Fraction(mu), place, request.digits, Settings(bits, order, tolerance), True)
-        )
+        try:
+            near = extremum_between(curve.libration, a, b)
+        except CorrectionFailure as failure:
+            report.error(f"{curve.libration}: extremum between mu = {low:.6g} and {high:.6g}: {failure}")
+            continue
+        settings = Settings(*request.extremum_settings)
+        tasks.append(_Task(curve.libration, Fraction(near.mu), near.scaled, request.digits, settings, True))
     return tasks
 
 

@@ -266,7 +266,8 @@ def _newton(
             if not size < 1e-2 or (iteration > 1 and size > 10 * last and size > wanted):
                 raise PrecisionFailure("Newton's method leaves the neighbourhood of the guess")
             known, last = -log2(max(size, 2.0 ** -(2 * settings.bits))), size
-            if here.bits == settings.bits and size < 10.0 ** -((digits + MARGIN_DIGITS) / 2):
+            # Near L3 the second derivatives are larger than the first ones of F_2 by 1/mu: what is left is size^2/mu.
+            if here.bits == settings.bits and 2 * known - lost > (digits + MARGIN_DIGITS) * log2(10):
                 break
         else:
             raise PrecisionFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
