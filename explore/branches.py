@@ -9,7 +9,7 @@ for odd k >= 3 they are different orbits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,9 @@ FIRST_AMPLITUDE = 1e-2
 LAST_AMPLITUDE = 1e-8
 AGREEMENT = 0.1
 """Relative difference of the level's coefficient at an amplitude and at half of it that is accepted."""
+
+FARTHER = 2**0.5
+"""Ratio of successive amplitudes away from the bifurcation."""
 
 RESOLVED = 1e-3
 """Largest Newton step at an orbit, relative to its distance from the bifurcation or from the orbit before it."""
@@ -87,9 +90,20 @@ class _Tracer:
         """Units of arclength."""
         return self.start.scale
 
-    def at_amplitude(self, amplitude: float) -> SegmentedOrbit:
-        """The new orbit with this amplitude. Raises `CorrectionFailure`."""
+    def at_amplitude(self, amplitude: float, known: Sequence[tuple[float, SegmentedOrbit]] = ()) -> SegmentedOrbit:
+        """The new orbit with this amplitude, two others with theirs on the same side being `known` or none.
+
+        Raises `CorrectionFailure`.
+        """
         prediction = self.origin + amplitude * self.tangent
+        if known:
+            # (unknowns - origin - amplitude tangent) / amplitude^2, extrapolated linearly in the amplitude.
+            (a, left), (b, right) = known
+            bent = [
+                (o.unknowns - self.origin) / x**2 - self.tangent / x
+                for x, o in ((np.sign(amplitude) * a, left), (np.sign(amplitude) * b, right))
+            ]
+            prediction += amplitude**2 * (bent[1] + (bent[1] - bent[0]) * (abs(amplitude) - b) / (b - a))
         orbit = self.problem.correct(
             prediction, self.start.amplitude_form, max(NEWTON_ACCEPTED, RESOLVED * abs(amplitude))
         )
@@ -197,23 +211,53 @@ def _tracer(start: BranchPoint) -> tuple[_Tracer, Vector]:
 
 
 def _birth(tracer: _Tracer, amplitude: float) -> tuple[Birth, dict[float, SegmentedOrbit]]:
-    """The largest amplitude, halved from the given one, at which the level follows its leading power."""
-    failure, seen = "Newton's method does not converge", False
+    """The largest amplitude, halved from the given one, at which the level follows its leading power.
+
+    Where orbits are found only so near to the bifurcation that their levels cannot be told apart, they lead to
+    orbits farther away.
+    """
+    largest, failure = amplitude, "Newton's method does not converge"
+    seeds: tuple[float, dict[float, SegmentedOrbit]] | None = None
     while amplitude >= LAST_AMPLITUDE:
         try:
             orbits = {part: tracer.at_amplitude(part * amplitude) for part in (0.5, -0.5, 1.0, -1.0)}
         except CorrectionFailure as error:
-            failure = failure if seen else str(error)
+            failure = failure if seeds else str(error)
         else:
             birth = _birth_from(tracer, orbits, amplitude)
             if birth is not None:
                 return birth, orbits
-            failure, seen = "orbits are found, but how the level changes along them is lost in their errors", True
+            seeds = seeds or (amplitude, orbits)
+            failure = "orbits are found, but how the level changes along them is lost in their errors"
         amplitude /= 2
+    found = _birth_farther(tracer, *seeds, largest) if seeds else None
+    if found is not None:
+        return found
     raise NoBranch(
         f"the new orbits cannot be followed in double precision: {failure} (amplitudes {LAST_AMPLITUDE:.0e} to "
-        f"{FIRST_AMPLITUDE:.0e}; at the bifurcation itself an error of {tracer.defect:.1e} remains)"
+        f"{largest:.0e}; at the bifurcation itself an error of {tracer.defect:.1e} remains)"
     )
+
+
+def _birth_farther(
+    tracer: _Tracer, amplitude: float, seeds: dict[float, SegmentedOrbit], largest: float
+) -> tuple[Birth, dict[float, SegmentedOrbit]] | None:
+    """The smallest amplitude above that of the seeds at which the level follows its leading power."""
+    chains = {sign: [(part * amplitude, seeds[sign * part]) for part in (0.5, 1.0)] for sign in (-1, 1)}
+    while amplitude * FARTHER <= largest:
+        amplitude *= FARTHER
+        for sign, chain in chains.items():
+            try:
+                chain.append((amplitude, tracer.at_amplitude(sign * amplitude, chain[-2:])))
+            except CorrectionFailure:
+                return None
+        # Two steps double the amplitude.
+        if abs(chains[1][-3][0] / amplitude - 0.5) < 1e-6:
+            orbits = {part * sign: chains[sign][place][1] for sign in (-1, 1) for part, place in ((1.0, -1), (0.5, -3))}
+            birth = _birth_from(tracer, orbits, amplitude)
+            if birth is not None:
+                return birth, orbits
+    return None
 
 
 def _birth_from(tracer: _Tracer, orbits: dict[float, SegmentedOrbit], amplitude: float) -> Birth | None:
