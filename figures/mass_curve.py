@@ -85,16 +85,29 @@ def _crossings(axes: Axes, curve: CurveRecord) -> None:
     second = np.array([point.second for point in curve.points])
     axes.plot(second[:, 0], second[:, 1], color=SECOND_CURVE)
     axes.plot(first[:, 0], first[:, 1], color=CURVE)
-    axes.margins(x=0.17, y=0.12)
+    axes.margins(x=0.17, y=0.17)
     axes.set_xlabel(label_of("x"))
     axes.set_ylabel(label_of("vy", unit=False))
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.autoscale_view()
-    places = [(float(row.mu), float(row.x), float(row.vy)) for row in curve.precise]
-    if not places:
-        return
-    axes.plot(*np.array(places)[:, 1:].T, **_hollow("o", 3.6))
-    _label_masses(axes, places, first, second)
+    if curve.precise:
+        axes.plot(
+            [float(row.x) for row in curve.precise], [float(row.vy) for row in curve.precise], **_hollow("o", 3.6)
+        )
+    _label_masses(axes, _decades(curve), first, second)
+
+
+def _decades(curve: CurveRecord) -> list[tuple[float, float, float]]:
+    """Largest mass and powers of ten with their points (mu, x, vy), interpolated; good enough for a label."""
+    masses = np.log10([point.mu for point in curve.points])
+    places = [(curve.points[0].mu, curve.points[0].x, curve.points[0].vy)]
+    for exponent in range(int(np.ceil(masses[0])) - 1, int(np.floor(masses.min())) - 1, -1):
+        inside = np.flatnonzero((masses[:-1] >= exponent) & (masses[1:] < exponent))
+        for index in inside[:1]:
+            weight = (exponent - masses[index]) / (masses[index + 1] - masses[index])
+            a, b = curve.points[index], curve.points[index + 1]
+            places.append((10.0**exponent, a.x + weight * (b.x - a.x), a.vy + weight * (b.vy - a.vy)))
+    return places
 
 
 def _label_masses(axes: Axes, places: list[tuple[float, float, float]], first: Array, second: Array) -> None:
@@ -107,8 +120,9 @@ def _label_masses(axes: Axes, places: list[tuple[float, float, float]], first: A
         is_round = abs(exponent - round(exponent)) < 1e-9
         position = np.array([x, vy]) / size
         near = any(float(np.linalg.norm(position - other)) < _LABEL_DISTANCE for other in shown)
-        if near or not (is_round or mu == 0.5):
+        if near:
             continue
+        axes.plot(x, vy, marker=".", markersize=3.5, color=CURVE, linestyle="none", zorder=3)
         shown.append(position)
         index = int(np.argmin(np.linalg.norm(first / size - position, axis=1)))
         along = (first[min(index + 4, len(first) - 1)] - first[max(index - 4, 0)]) / size
@@ -117,8 +131,11 @@ def _label_masses(axes: Axes, places: list[tuple[float, float, float]], first: A
             sign: float(np.linalg.norm(both / size - position - 0.12 * sign * across, axis=1).min())
             for sign in (1.0, -1.0)
         }
+        # Nearly equal room: to the right, so that the labels of one panel stand on one side.
+        rightwards = 1.0 if across[0] > 0 else -1.0
+        room[rightwards] += 0.02
         across = across * max(room, key=lambda sign: room[sign])
-        text = rf"$10^{{{round(exponent)}}}$" if is_round else f"{mu:g}"
+        text = rf"$10^{{{round(exponent)}}}$" if is_round else rf"$\mu$ = {mu:g}"
         axes.annotate(
             text, (x, vy), xytext=(5 * across[0], 9 * across[1]), textcoords="offset points",
             ha="left" if across[0] > 0 else "right", va="center", fontsize=7, color=INK,
@@ -161,7 +178,7 @@ def _legend(figure: Figure, curves: list[CurveRecord]) -> None:
     ]
     if any(curve.precise for curve in curves):
         digits = min(row.digits for curve in curves for row in curve.precise)
-        handles.append(Line2D([], [], **_hollow("o", 3.6), label=rf"$\mu$ as written, to {digits} digits"))
+        handles.append(Line2D([], [], **_hollow("o", 3.6), label=f"located to {digits} digits"))
     for kind, marker in (("minimum", _MINIMUM), ("maximum", _MAXIMUM)):
         if any(row.kind == kind for curve in curves for row in curve.extrema):
             handles.append(Line2D([], [], **_hollow(marker, 5.0), label=f"{kind} of the Jacobi constant"))
