@@ -1,9 +1,8 @@
 """The flow of many orbits at once, with derivatives: one adaptive Runge-Kutta loop over lanes.
 
 Each orbit is a lane with a step size, a parameter and a time of its own. Arrays have the lanes last, so that each
-operation of the vector field works on neighbouring numbers. The derivatives are carried by the linearised field
-(forward mode), and the error that chooses the steps is that of the orbit alone, as in `explore.flow`: same method
-(Dormand-Prince 8, its tableau from diffrax), same tolerances.
+operation of the vector field works on neighbouring numbers. Method, derivatives and tolerances are those of a single
+orbit (`explore.flow`).
 
 Lanes are handed to the device in blocks: small ones that stay in the processor's cache, large ones on a GPU. A block
 advances a few steps at a time. Between these rounds the unfinished orbits are grouped anew by the steps that they
@@ -13,19 +12,17 @@ still need: an orbit close to a collision needs twenty times as many as another,
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
-import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from explore.compilation import compiling, configure_jax
-from explore.fields import field_of
-from explore.flow import ABSOLUTE_TOLERANCE, MAX_STEPS, RELATIVE_TOLERANCE, Matrix, Vector
+from explore.flow import Matrix, Vector
+from explore.runge_kutta import MAX_STEPS, attempt, extended_field, first_step, growth, identity
 from shared.systems import ReversibleSystem
 
 BLOCK = 64
@@ -35,8 +32,6 @@ QUEUE = 4
 
 ROUND = 48
 """Steps of a round."""
-
-SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
 
 Matrices = np.ndarray[tuple[int, int, int], np.dtype[np.float64]]
 Counts = np.ndarray[tuple[int], np.dtype[np.int64]]
@@ -119,9 +114,8 @@ def flow_batch(
 
 def _start(system: ReversibleSystem, initial: Matrix) -> _Lanes:
     count, m = initial.shape
-    extended = np.zeros((1 + m + (system.family_parameter is not None), m, count))
-    extended[0] = initial.T
-    extended[1 + np.arange(m), np.arange(m)] = 1.0
+    start = np.repeat(identity(system)[:, :, None], count, axis=2)
+    extended = np.concatenate([initial.T[None], start])
     none = np.zeros(count, dtype=np.int64)
     return _Lanes(
         time=np.zeros(count), extended=extended, slope=np.zeros((m, count)), length=np.zeros(count),
@@ -177,47 +171,12 @@ def _compiled(system: ReversibleSystem) -> Callable[..., Any]:
     return advance
 
 
-@cache
-def _tableau() -> tuple[tuple[tuple[float, ...], ...], tuple[float, ...]]:
-    """Rows of the stages after the first, the last of which is the step, and the weights of the error."""
-    tableau = diffrax.Dopri8.tableau
-    if not tableau.fsal:
-        raise RuntimeError("the last stage has to be the field at the end of the step")
-    return tuple(tuple(map(float, row)) for row in tableau.a_lower), tuple(map(float, tableau.b_error))
-
-
-def _combination(weights: Sequence[float], stages: Sequence[jax.Array]) -> jax.Array:
-    first, *others = ((weight, stage) for weight, stage in zip(weights, stages, strict=True) if weight != 0.0)
-    total = first[0] * first[1]
-    for weight, stage in others:
-        total = total + weight * stage
-    return total
-
-
-def _norm(values: jax.Array) -> jax.Array:
-    return jnp.sqrt(jnp.mean(values * values, axis=0))
-
-
 def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
     """A round for a block of W lanes: times (W,), parameters (P, W) and the arrays of `_Lanes` to new ones."""
-    field = field_of(system)
-    section, family = system.section_index, system.family_parameter
-    parameter_index = None if family is None else tuple(system.parameters).index(family)
-    rows, error_weights = _tableau()
+    section = system.section_index
 
     def advance(times: jax.Array, parameters: jax.Array, *lanes: jax.Array) -> tuple[jax.Array, ...]:
-        def slopes(extended: jax.Array) -> jax.Array:
-            """The field at the orbit and its derivative along each tangent, shape (1 + d, m, W)."""
-            if parameter_index is None:
-                value, push = jax.linearize(lambda state: field(state, parameters), extended[0])
-                return jnp.concatenate([value[None], jax.vmap(push)(extended[1:])])
-
-            def moved(state: jax.Array, shift: jax.Array) -> jax.Array:
-                return field(state, parameters.at[parameter_index].add(shift))
-
-            shifts = jnp.zeros((extended.shape[0] - 1, len(times))).at[-1].set(1.0)
-            value, push = jax.linearize(moved, extended[0], shifts[0])
-            return jnp.concatenate([value[None], jax.vmap(push)(extended[1:], shifts)])
+        slopes = extended_field(system, parameters)
 
         def going(carry: tuple[jax.Array, ...]) -> jax.Array:
             time, _, _, _, _, steps, _, rounds = carry
@@ -230,21 +189,14 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
             stuck = active & ~(time + length > time)
             last = length >= left
             taken = jnp.where(last, left, length)
-            stages, new = [slope], now
-            for row in rows:
-                new = now + taken * _combination(row, stages)
-                stages.append(slopes(new))
-            scale = ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * jnp.maximum(jnp.abs(now[0]), jnp.abs(new[0]))
-            error = _norm(taken * _combination(error_weights, [stage[0] for stage in stages]) / scale)
-            error = jnp.where(jnp.isfinite(error), error, jnp.inf)
-            accepted = active & (error <= 1.0)
-            factor = jnp.clip(SAFETY * jnp.maximum(error, 1e-12) ** -0.125, SHRINK, GROW)
-            crossed = accepted & started & ~last & (now[0, section] * new[0, section] < 0)
+            new = attempt(slopes, now, slope, taken)
+            accepted = active & (new.error <= 1.0)
+            crossed = accepted & started & ~last & (now[0, section] * new.end[0, section] < 0)
             return (
                 jnp.where(accepted, jnp.where(last, times, time + taken), time),
-                jnp.where(accepted, new, now),
-                jnp.where(accepted, stages[-1], slope),
-                jnp.where(active, taken * factor, length),
+                jnp.where(accepted, new.end, now),
+                jnp.where(accepted, new.slope, slope),
+                jnp.where(active, taken * growth(new.error), length),
                 crossings + crossed,
                 jnp.where(stuck, MAX_STEPS, steps + active),
                 started | accepted,
@@ -253,9 +205,7 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
 
         time, now, _, length, crossings, steps, started = lanes
         slope = slopes(now)
-        # A first step over which the orbit moves by some percent of its distance from the origin.
-        first = 0.03 * _norm(now[0]) / _norm(slope[0])
-        length = jnp.where(length > 0, length, jnp.where(first > 0, jnp.minimum(times, first), times))
+        length = jnp.where(length > 0, length, first_step(now, slope, times))
         time, now, slope, length, crossings, steps, started, _ = jax.lax.while_loop(
             going, step, (time, now, slope, length, crossings, steps, started, 0)
         )

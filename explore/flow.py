@@ -1,4 +1,4 @@
-"""Half returns of a reversible system in float64: diffrax, compiled once per system.
+"""Half returns of a reversible system in float64, compiled once per system.
 
 The flow map over a given time and its derivative in the initial state and in the family parameter
 come from one call. Parameters and times are traced arguments, so that every mass parameter and
@@ -11,22 +11,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from explore.compilation import compiled, configure_jax
-from explore.fields import field_of
+from explore.runge_kutta import MAX_STEPS, attempt, extended_field, first_step, growth, identity
 from shared.systems import ReversibleSystem
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-RELATIVE_TOLERANCE = 1e-13
-ABSOLUTE_TOLERANCE = 1e-14
-MAX_STEPS = 4000
 
 
 class FlowFailure(Exception):
@@ -51,13 +46,13 @@ class FlowResult:
     parameter_derivative: Vector
 
 
-@dataclass(frozen=True)
+@dataclass
 class Flow:
     """The flow of a system, compiled; made by `flow_of`."""
 
     system: ReversibleSystem
-    _derivative: Callable[..., Any]
-    _samples: Callable[..., Any]
+    _integrate: Callable[..., Any]
+    _last: tuple[tuple[bytes, float, bytes], Matrix] | None = None
 
     def derivative(self, initial: Sequence[float] | Vector, time: float, parameters: Sequence[float]) -> FlowResult:
         """Flow over `time` (any sign) with its derivatives.
@@ -69,28 +64,29 @@ class Flow:
 
         Raises `FlowFailure` near a singularity.
         """
-        state, velocity, columns, ok = self._derivative(
-            np.asarray(initial, dtype=float), float(time), np.asarray(parameters, dtype=float)
+        start, values = np.asarray(initial, dtype=float), np.asarray(parameters, dtype=float)
+        extended, velocity, path, count, done = (
+            np.asarray(part) for part in self._integrate(start, float(time), values)
         )
-        m = len(self.system.state)
-        jacobian = np.asarray(columns)
-        if not bool(ok) or not np.all(np.isfinite(jacobian)) or not np.all(np.isfinite(np.asarray(state))):
+        if not done or not np.all(np.isfinite(extended)):
             raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g} (near a singularity)")
-        parameter_derivative = jacobian[m] if len(jacobian) > m else np.zeros(m)
-        return FlowResult(np.asarray(state), np.asarray(velocity), jacobian[:m].T, parameter_derivative)
+        self._last = (start.tobytes(), float(time), values.tobytes()), path[:count].copy()
+        m = len(start)
+        parameter_derivative = extended[1 + m] if len(extended) > 1 + m else np.zeros(m)
+        return FlowResult(extended[0], velocity, extended[1 : 1 + m].T, parameter_derivative)
 
     def samples(self, initial: Sequence[float] | Vector, time: float, parameters: Sequence[float]) -> Matrix:
         """States at the integrator's own steps from 0 to `time`, both ends included, shape (steps + 1, m).
 
-        The steps are short where the orbit passes a singularity. Raises `FlowFailure` as above.
+        The steps are short where the orbit passes a singularity. Those of the last `derivative` are at hand.
+        Raises `FlowFailure` as above.
         """
-        states, count, ok = self._samples(
-            np.asarray(initial, dtype=float), float(time), np.asarray(parameters, dtype=float)
-        )
-        result = np.asarray(states)[: int(count)]
-        if not bool(ok) or not np.all(np.isfinite(result)):
-            raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g} (near a singularity)")
-        return result
+        start, values = np.asarray(initial, dtype=float), np.asarray(parameters, dtype=float)
+        key = start.tobytes(), float(time), values.tobytes()
+        if self._last is None or self._last[0] != key:
+            self.derivative(start, time, values)
+        assert self._last is not None
+        return self._last[1].copy()
 
 
 _FLOWS: dict[int, Flow] = {}
@@ -106,45 +102,39 @@ def flow_of(system: ReversibleSystem) -> Flow:
 
 def _compile(system: ReversibleSystem) -> Flow:
     configure_jax()
-    field = field_of(system)
     m = len(system.state)
-    names = tuple(system.parameters)
-    parameter_index = None if system.family_parameter is None else names.index(system.family_parameter)
-    directions = m + (parameter_index is not None)
-    term = diffrax.ODETerm(lambda t, state, parameters: field(state, parameters))
-    controller = diffrax.PIDController(rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)
 
-    def solve(initial: jax.Array, time: jax.Array, parameters: jax.Array, save: diffrax.SaveAt) -> diffrax.Solution:
-        return diffrax.diffeqsolve(
-            term,
-            diffrax.Dopri8(),
-            t0=0.0,
-            t1=time,
-            dt0=None,
-            y0=initial,
-            args=parameters,
-            saveat=save,
-            stepsize_controller=controller,
-            adjoint=diffrax.ForwardMode(),
-            max_steps=MAX_STEPS,
-            throw=False,
+    def integrate(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
+        slopes = extended_field(system, parameters)
+        whole, sign = jnp.abs(time), jnp.sign(time)
+
+        def going(carry: tuple[jax.Array, ...]) -> jax.Array:
+            done, _, _, length, steps, _, _ = carry
+            return (done < whole) & (done + length > done) & (steps < MAX_STEPS)
+
+        def step(carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
+            done, now, slope, length, steps, count, path = carry
+            last = length >= whole - done
+            taken = jnp.where(last, whole - done, length)
+            new = attempt(slopes, now, slope, sign * taken)
+            accepted = new.error <= 1.0
+            return (
+                jnp.where(accepted, jnp.where(last, whole, done + taken), done),
+                jnp.where(accepted, new.end, now),
+                jnp.where(accepted, new.slope, slope),
+                taken * growth(new.error),
+                steps + 1,
+                count + accepted,
+                # A rejected state is overwritten by the next one.
+                path.at[count].set(new.end[0]),
+            )
+
+        start = jnp.concatenate([initial[None], identity(system)])
+        slope = slopes(start)
+        path = jnp.zeros((MAX_STEPS + 1, m)).at[0].set(initial)
+        done, end, slope, _, _, count, path = jax.lax.while_loop(
+            going, step, (jnp.zeros(()), start, slope, first_step(start, slope, whole), 0, 1, path)
         )
+        return end, slope[0], path, count, done >= whole
 
-    def derivative(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
-        def end(state: jax.Array, shift: jax.Array) -> tuple[jax.Array, jax.Array]:
-            moved = parameters if parameter_index is None else parameters.at[parameter_index].add(shift)
-            solution = solve(state, time, moved, diffrax.SaveAt(t1=True))
-            return solution.ys[0], solution.result == diffrax.RESULTS.successful
-
-        def push(direction: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
-            value, tangent, ok = jax.jvp(end, (initial, jnp.zeros(())), (direction[:m], direction[m]), has_aux=True)
-            return value, tangent, ok
-
-        values, tangents, ok = jax.vmap(push, out_axes=(None, 0, None))(jnp.eye(directions, m + 1))
-        return values, field(values, parameters), tangents, ok
-
-    def samples(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
-        solution = solve(initial, time, parameters, diffrax.SaveAt(t0=True, steps=True))
-        return solution.ys, 1 + solution.stats["num_accepted_steps"], solution.result == diffrax.RESULTS.successful
-
-    return Flow(system, compiled(derivative), compiled(samples))
+    return Flow(system, compiled(integrate))

@@ -43,7 +43,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from explore.compilation import compiled, configure_jax
-from explore.flow import ABSOLUTE_TOLERANCE, MAX_STEPS, RELATIVE_TOLERANCE, FlowFailure, Matrix, Vector
+from explore.flow import FlowFailure, Matrix, Vector
+from explore.runge_kutta import ABSOLUTE_TOLERANCE, MAX_STEPS, RELATIVE_TOLERANCE
 
 UNKNOWNS = 4
 LOG_MU = 3
