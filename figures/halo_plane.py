@@ -19,7 +19,7 @@ from shared.systems import MASS_PARAMETERS
 
 _WIDTH = 7.2
 _SAME_ORBIT = 1e-3
-_CROWDED = 0.15
+_TOUCHING = 0.025
 _WHERE = "at $z>0$: period tupling; at $z<0$: touch-and-go, and period tupling near the other crossing of Fix($R$)"
 _FAMILY_COLOURS = {"L1": CURVE, "L2": "#b2182b", "L3": "#1b7837"}
 
@@ -131,13 +131,15 @@ def draw_resonant_families(halos: Mapping[str, Family], marks: Mapping[str, Sequ
 
 
 def _resonance_panel(axes: Axes, family: Family, spots: Sequence[Spot], letter: str, title: str) -> list[Spot]:
-    low, high = min(spot.arclength for spot in spots), max(spot.arclength for spot in spots)
-    pad = 0.12 * (high - low)
+    # Around the spots, or the whole family if there is none.
+    places = [spot.arclength for spot in spots] or [float(family.arclength[0]), float(family.arclength[-1])]
+    low, high = min(places), max(places)
+    pad = max(0.12 * (high - low), 0.01 * float(np.ptp(family.arclength)))
     window = (family.arclength >= low - pad) & (family.arclength <= high + pad)
     for sign in (1, -1):
         axes.plot(family.points[window, 0], sign * family.points[window, 1], color=CURVE)
     _draw_spots(axes, spots)
-    crowd = [spot for spot in spots if spot.mark.k > 1 and spot.position[1] < _CROWDED * family.points[window, 1].max()]
+    crowd = _crowd(spots, np.ptp(family.points[window, :2], axis=0) * np.array([1.0, 2.0]))
     if len(crowd) > 1:
         _magnify(axes, family, crowd)
     axes.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
@@ -156,9 +158,24 @@ def _shown_at(spot: Spot) -> Array:
     return np.asarray(spot.position * np.array([1.0, -1.0 if below else 1.0]))
 
 
+def _crowd(spots: Sequence[Spot], extent: Array) -> list[Spot]:
+    """The largest group of spots that touch each other in a panel of the given extent."""
+    if not spots:
+        return []
+    places = np.array([_shown_at(spot) for spot in spots]) / extent
+    touching = np.linalg.norm(places[:, None] - places[None], axis=2) < _TOUCHING
+    groups = [{i} for i in range(len(spots))]
+    for i, j in np.argwhere(touching):
+        if groups[i] is not groups[j]:
+            groups[i] |= groups[j]
+            for member in groups[j]:
+                groups[member] = groups[i]
+    return [spots[i] for i in sorted(max(groups, key=len))]
+
+
 def _magnify(axes: Axes, family: Family, spots: Sequence[Spot]) -> None:
     """An inset around points that touch each other."""
-    inset = axes.inset_axes((0.32, 0.32, 0.42, 0.38))
+    inset = axes.inset_axes((0.36, 0.35, 0.42, 0.3))
     for sign in (1, -1):
         inset.plot(family.points[:, 0], sign * family.points[:, 1], color=CURVE)
     _draw_spots(inset, spots)
@@ -169,8 +186,8 @@ def _magnify(axes: Axes, family: Family, spots: Sequence[Spot]) -> None:
     inset.set_ylim(low[1] - pad[1], high[1] + pad[1])
     inset.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
     inset.tick_params(labelsize=6, pad=1.5, length=2)
-    for axis in (inset.xaxis, inset.yaxis):
-        axis.set_major_locator(MaxNLocator(3))
+    inset.xaxis.set_major_locator(MaxNLocator(2))
+    inset.yaxis.set_major_locator(MaxNLocator(3))
     for side in ("top", "right"):
         inset.spines[side].set_visible(True)
     axes.indicate_inset_zoom(inset, edgecolor="#888888", linewidth=0.6)
@@ -178,6 +195,8 @@ def _magnify(axes: Axes, family: Family, spots: Sequence[Spot]) -> None:
 
 def _parted(spots: Sequence[Spot]) -> tuple[Sequence[Spot], Sequence[Spot]]:
     """The spots before and after the longest stretch without one."""
+    if len(spots) < 2:
+        return spots, []
     gaps = [after.arclength - before.arclength for before, after in pairwise(spots)]
     cut = int(np.argmax(gaps)) + 1
     return spots[:cut], spots[cut:]

@@ -9,6 +9,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from figures.branches import write as write_branches
+from figures.certified_branches import write as write_certified_branches
 from figures.data_folder import DataFolder
 from figures.falkner_skan import draw_crossings, draw_resonant_orbits
 from figures.gallery import draw_gallery
@@ -121,7 +122,12 @@ def _galleries(data: DataFolder) -> Drawn:
 
 def _branches(data: DataFolder, folder: Path) -> Iterator[Path]:
     families = [data.path("families.json"), data.path("falkner-skan.json")]
-    yield from write_branches(data.path("branches.json"), families, folder)
+    yield from write_branches(data.path("branches.json"), families, folder / "branches")
+
+
+def _certified_branches(data: DataFolder, folder: Path) -> Iterator[Path]:
+    branches = [data.path("branches.json")]
+    yield from write_certified_branches(data.path("certificates.json"), branches, folder / "certified-branches")
 
 
 PICTURES: tuple[Picture, ...] = (
@@ -167,6 +173,10 @@ PICTURES: tuple[Picture, ...] = (
     Picture(
         "branches", "the new orbits at each bifurcation: where they branch off, their points on Fix(R), in space",
         ("branches.json", "families.json", "falkner-skan.json"), _branches, marked=True,
+    ),
+    Picture(
+        "certified-branches", "both curves of each certified point in the box of its certificate",
+        ("certificates.json", "branches.json"), _certified_branches,
     ),
     Picture(
         "gallery", "orbits along each halo family, with Jacobi constant and period",

@@ -133,12 +133,13 @@ def _turn(axes: Axes, curve: StabilityCurve, places: Sequence[Place], extremum: 
     gap = abs(extremum.stability_parameter - extremum.level)
     arclength = curve.family.arclength
     crossings = [item for item in places if item.k == extremum.k and item.resonant_value == extremum.level]
-    distances = sorted(abs(item.arclength - extremum.arclength) for item in crossings)[:2]
+    distances = sorted({abs(item.arclength - extremum.arclength) for item in crossings})[:2]
     half = 2.2 * max([*distances, 1e-6]) if distances and distances[-1] < 0.2 else 0.02
     window = np.abs(arclength - extremum.arclength) <= 3 * half
     if np.count_nonzero(window) < 4:
         nearest = np.argsort(np.abs(arclength - extremum.arclength))[:8]
         window = np.isin(np.arange(len(arclength)), nearest)
+    crossings = [item for item in crossings if abs(item.arclength - extremum.arclength) <= 3 * half]
     rows = curve.parameters[window]
     column = int(np.argmin(np.abs(np.median(rows.real, axis=0) - extremum.level)))
     # The samples, the extremum and the crossings, in units of the distance by which the curve turns beyond the value.
@@ -157,7 +158,7 @@ def _turn(axes: Axes, curve: StabilityCurve, places: Sequence[Place], extremum: 
     axes.set_ylim(*((-2.0, 3.0) if beyond else (-3.0, 2.0)))
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_xlabel(f"arclength $-$ {extremum.arclength:.5g}")
-    axes.set_ylabel(f"distance from 1:{extremum.k}  ({gap:.2g})")
+    axes.set_ylabel(f"above 1:{extremum.k}  (unit {gap:.2g})")
     axes.set_title(f"({letter})  turns close to 1:{extremum.k}", color=INK)
 
 

@@ -291,6 +291,9 @@ def test_halo_plane_pictures_mark_each_orbit_once_and_fill_it_if_certified(
     figure = draw_resonant_families(by_name, dict.fromkeys(by_name, halo_marks))
     assert verdicts_drawn(figure) == verdicts
     close(figure)
+    figure = draw_resonant_families(by_name, {name: [] for name in by_name})
+    assert verdicts_drawn(figure) == {}
+    close(figure)
     figure = draw_closed_curves([family], [halo_marks])
     assert verdicts_drawn(figure) == {
         spot.mark.candidate.id: {spot.mark.certified} for spot in spots if spot.mark.k == 1
