@@ -38,7 +38,8 @@ class BranchOrbit:
         point: shape (1 + n,), the start on Fix(R), in the order of `ReversibleSystem.centre_coordinates`.
         second_point: shape (1 + n,), where the orbit is on Fix(R) half a period later.
         crossings: shape (k - 1, m), states where the half orbit crosses the section between the two.
-        half_period: the time between the two points.
+        times: shape (k,), times from each of these states to the next.
+        half_period: the time between the two points, their sum.
         level: first integral or family parameter.
         level_difference: level minus that of the bifurcation, without the loss of digits of the difference.
         stability: the n stability parameters (lambda + 1/lambda)/2.
@@ -48,6 +49,7 @@ class BranchOrbit:
     point: Array
     second_point: Array
     crossings: Array
+    times: Array
     half_period: float
     level: float
     level_difference: float
@@ -157,6 +159,7 @@ def _to_json(branch: BranchRecord) -> dict[str, Any]:
                         "point": orbit.point.tolist(),
                         "second_point": orbit.second_point.tolist(),
                         "crossings": orbit.crossings.tolist(),
+                        "times": orbit.times.tolist(),
                         "half_period": orbit.half_period,
                         "level": orbit.level,
                         "level_difference": orbit.level_difference,
@@ -216,6 +219,7 @@ def _branch(entry: Mapping[str, Any], source: str) -> BranchRecord:
             point=array(f"{where}.point", value["point"], size),
             second_point=array(f"{where}.second_point", value["second_point"], size),
             crossings=array(f"{where}.crossings", value["crossings"], k - 1, m),
+            times=array(f"{where}.times", value["times"], k),
             stability=tuple(complex(*pair) for pair in pairs),
         )
 

@@ -10,13 +10,13 @@ for odd k >= 3 they are different orbits.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from explore.branch_file import Birth, BranchOrbit, BranchRecord, BranchSide, Outcome
 from explore.branch_point import BranchPoint, NoBranch
-from explore.flow import FlowFailure, Vector, flow_of
+from explore.flow import FlowFailure, Matrix, Vector, flow_of
 from explore.multiple_shooting import NEWTON_ACCEPTED, MultipleShooting, SegmentedOrbit
 from explore.prediction import predict
 from explore.shooting import CorrectionFailure
@@ -29,8 +29,8 @@ AGREEMENT = 0.1
 FARTHER = 2**0.5
 """Ratio of successive amplitudes away from the bifurcation."""
 
-RESOLVED = 1e-3
-"""Largest Newton step at an orbit, relative to its distance from the bifurcation or from the orbit before it."""
+RESOLVED, BARELY_RESOLVED = 1e-3, 3e-2
+"""See `_Tracer.resolved`; the second where nothing better is found, on orbits that pass near a collision."""
 
 TURNING = 0.15
 """Largest angle between the tangents at both ends of a step."""
@@ -67,6 +67,10 @@ class Branch:
         )  # fmt: skip
 
 
+class _SmallerPeriod(CorrectionFailure):
+    """An orbit was found, but not one of the full period."""
+
+
 @dataclass(frozen=True)
 class _Tracer:
     """What following one branch needs.
@@ -77,6 +81,7 @@ class _Tracer:
         origin: their solution there, the resonant orbit passed k/2 times.
         tangent: tangent of the branch there.
         defect: largest residual of the equations at `origin`.
+        resolved: largest Newton step at an orbit, relative to its distance from the bifurcation or from the one before.
     """
 
     start: BranchPoint
@@ -84,6 +89,7 @@ class _Tracer:
     origin: Vector
     tangent: Vector
     defect: float
+    resolved: float = RESOLVED
 
     @property
     def scale(self) -> Vector:
@@ -99,40 +105,33 @@ class _Tracer:
         if known:
             # (unknowns - origin - amplitude tangent) / amplitude^2, extrapolated linearly in the amplitude.
             (a, left), (b, right) = known
-            bent = [
-                (o.unknowns - self.origin) / x**2 - self.tangent / x
-                for x, o in ((np.sign(amplitude) * a, left), (np.sign(amplitude) * b, right))
-            ]
-            prediction += amplitude**2 * (bent[1] + (bent[1] - bent[0]) * (abs(amplitude) - b) / (b - a))
+            sign = np.sign(amplitude)
+            bent, more = (
+                (orbit.unknowns - self.origin - sign * x * self.tangent) / x**2 for x, orbit in ((a, left), (b, right))
+            )
+            prediction += amplitude**2 * (more + (more - bent) * (abs(amplitude) - b) / (b - a))
         orbit = self.problem.correct(
-            prediction, self.start.amplitude_form, max(NEWTON_ACCEPTED, RESOLVED * abs(amplitude))
+            prediction, self.start.amplitude_form, max(NEWTON_ACCEPTED, self.resolved * abs(amplitude))
         )
         moved = (orbit.unknowns - self.origin)[: self.problem.point_size]
         if np.linalg.norm(moved / self.scale) > 3 * abs(amplitude):
             raise CorrectionFailure("Newton's method finds another orbit")
-        if np.linalg.norm(self.separation(orbit.unknowns)) < 1e-3 * abs(amplitude):
-            raise CorrectionFailure("Newton's method finds the family and no new orbit")
+        if np.min(np.linalg.norm(self.separations(orbit), axis=1)) < 1e-3 * abs(amplitude):
+            raise _SmallerPeriod("Newton's method finds orbits of the family, or others of a smaller period")
         return orbit
 
-    def separation(self, unknowns: Vector) -> Vector:
-        """A vector that vanishes on the family and not on the branch.
+    def separations(self, orbit: SegmentedOrbit) -> Matrix:
+        """Vectors, one in each row, none of which vanishes if the orbit is new and has the full period.
 
-        The point two crossings after the start, minus the start; for k = 1 the coordinates that S negates.
+        The points 2, 4, .. k crossings after the start, minus the start; for k = 1 the coordinates that S negates.
+        Farther returns are images of these under R.
         """
         start, problem = self.start, self.problem
-        fixed = list(start.system.fixed_coordinates)
+        states = np.vstack([problem.states(orbit.unknowns), orbit.evaluation.flows[-1].state])
         if start.k == 1:
             signs = start.system.symmetries[str(start.symmetry)]
-            state = problem.initial_state(unknowns)
-            return np.array([state[i] for i in fixed if signs[i] == -1])
-        states = problem.states(unknowns)
-        if start.k > 2:
-            return np.asarray((states[2] - states[0])[list(problem.section_coordinates)])
-        flow = flow_of(start.system)
-        last = flow.samples(
-            states[1], float(problem.times(unknowns)[1]), problem.parameter_values(unknowns)
-        )[-1]  # fmt: skip
-        return np.asarray((last - states[0])[fixed])
+            return states[:1, [i for i in start.system.fixed_coordinates if signs[i] == -1]]
+        return np.asarray((states[2::2] - states[0])[:, list(problem.section_coordinates)])
 
     def branch_orbit(self, orbit: SegmentedOrbit, arclength: float) -> BranchOrbit:
         """What is recorded of an orbit."""
@@ -140,7 +139,8 @@ class _Tracer:
         difference, _ = self.start.level_difference(point)
         return BranchOrbit(
             arclength=arclength, point=point, second_point=problem.end(orbit),
-            crossings=problem.states(orbit.unknowns)[1:], half_period=float(problem.times(orbit.unknowns).sum()),
+            crossings=problem.states(orbit.unknowns)[1:],
+            times=problem.times(orbit.unknowns), half_period=float(problem.times(orbit.unknowns).sum()),
             level=float(self.start.level) + difference, level_difference=difference,
             stability=problem.stability(orbit),
         )  # fmt: skip
@@ -164,10 +164,15 @@ def follow(
     """
     report = progress if progress is not None else (lambda _fraction: None)
     tracer, second_point = _tracer(start)
+    amplitude = min(FIRST_AMPLITUDE, length)
     try:
-        birth, first = _birth(tracer, min(FIRST_AMPLITUDE, length))
-    except NoBranch as failure:
-        return Branch(start, second_point, None, str(failure), ())
+        birth, first = _birth(tracer, amplitude)
+    except NoBranch:
+        tracer = replace(tracer, resolved=BARELY_RESOLVED)
+        try:
+            birth, first = _birth(tracer, amplitude)
+        except NoBranch as failure:
+            return Branch(start, second_point, None, str(failure), ())
     report(0.2)
     sides: list[BranchSide] = []
     for number, sign in enumerate((-1, 1)):
@@ -216,13 +221,14 @@ def _birth(tracer: _Tracer, amplitude: float) -> tuple[Birth, dict[float, Segmen
     Where orbits are found only so near to the bifurcation that their levels cannot be told apart, they lead to
     orbits farther away.
     """
-    largest, failure = amplitude, "Newton's method does not converge"
+    largest, failure, smaller = amplitude, "Newton's method does not converge", ""
     seeds: tuple[float, dict[float, SegmentedOrbit]] | None = None
     while amplitude >= LAST_AMPLITUDE:
         try:
             orbits = {part: tracer.at_amplitude(part * amplitude) for part in (0.5, -0.5, 1.0, -1.0)}
         except CorrectionFailure as error:
             failure = failure if seeds else str(error)
+            smaller = smaller or (str(error) if isinstance(error, _SmallerPeriod) else "")
         else:
             birth = _birth_from(tracer, orbits, amplitude)
             if birth is not None:
@@ -234,8 +240,8 @@ def _birth(tracer: _Tracer, amplitude: float) -> tuple[Birth, dict[float, Segmen
     if found is not None:
         return found
     raise NoBranch(
-        f"the new orbits cannot be followed in double precision: {failure} (amplitudes {LAST_AMPLITUDE:.0e} to "
-        f"{largest:.0e}; at the bifurcation itself an error of {tracer.defect:.1e} remains)"
+        f"the new orbits cannot be followed in double precision: {smaller or failure} (at the bifurcation itself an "
+        f"error of {tracer.defect:.1e} remains; amplitudes from {LAST_AMPLITUDE:.0e} to {largest:.0e} were tried)"
     )
 
 
@@ -317,6 +323,7 @@ def _side(
     try:
         for seed in seeds:
             accept(seed, problem.tangent(seed.evaluation, scale, sign * tracer.tangent))
+        apart = tracer.separations(seeds[-1])
         step, longest = abs(found[-1].arclength), 1.5 * length / limit
         step = min(step, longest)
         while len(found) < limit:
@@ -330,10 +337,11 @@ def _side(
                 if step < SMALLEST_STEP:
                     return ended("failed", f"{error} (after the arclength {abs(found[-1].arclength):.3g})")
                 continue
-            last, here = (tracer.separation(vector) for vector in (vectors[-1], orbit.unknowns))
-            if float(last @ here) <= 0:
+            here = tracer.separations(orbit)
+            if np.min(np.sum(here * apart, axis=1)) <= 0:
                 return ended("meets family", "the branch meets orbits of smaller period, or of more symmetry, again")
             accept(orbit, tangent)
+            apart = here
             step = min(longest, 1.5 * step)
     except CorrectionFailure as error:
         return ended("failed", str(error))
@@ -354,7 +362,7 @@ def _advance(
     direction[:size] = (tangents[-1] / units)[:size]
     places = [vector / units for vector in reversed(vectors)]
     prediction = predict(places, [tangent / units for tangent in reversed(tangents)], direction, step) * units
-    orbit = problem.correct(prediction, direction[:size] / tracer.scale, max(NEWTON_ACCEPTED, RESOLVED * step))
+    orbit = problem.correct(prediction, direction[:size] / tracer.scale, max(NEWTON_ACCEPTED, tracer.resolved * step))
     tangent = problem.tangent(orbit.evaluation, tracer.scale, tangents[-1])
     old, new = ((vector / units)[:size] for vector in (tangents[-1], tangent))
     moved = float(np.linalg.norm(((orbit.unknowns - vectors[-1]) / units)[:size]))

@@ -10,7 +10,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from explore.branch_file import BranchRecord, write_branches
+from explore.branch_file import Birth, BranchRecord, write_branches
 from explore.progress import Reporter
 from shared.formats import (
     Candidate,
@@ -33,6 +33,10 @@ compared with that of the certificate. Lengths are those of the starting points 
 units of its own size where it exceeds 1.
 Exit codes: 0 all branches found, 1 one was not found or contradicts its certificate, 2 bad input.
 """
+
+
+NEAR_FOLD = 0.05
+"""Part of the length that was followed within which a fold of the level is worth a message."""
 
 
 @dataclass(frozen=True)
@@ -169,10 +173,21 @@ def _announce(claim: Claim, branch: BranchRecord | None, report: Reporter) -> bo
             f"{branch.birth.curvature:.6g} a^2, measured at a = {branch.birth.amplitude:.3g})"
         )
         return False
+    fold = _fold(branch.birth)
+    if fold is not None and fold < NEAR_FOLD * max(abs(side.orbits[-1].arclength) for side in branch.sides):
+        report.message(
+            f"{name}: the level turns back already at the arclength {fold:.2g}: farther away the new orbits are "
+            f"{'above' if branch.birth.curvature > 0 else 'below'} on both sides of the branch"
+        )
     for side, sign in zip(branch.sides, "-+", strict=True):
         if side.outcome == "failed":
             report.message(f"{name}: side {sign} ends early: {side.reason}")
     return True
+
+
+def _fold(birth: Birth) -> float | None:
+    """Where the level along a touch-and-go branch turns back, by its first two coefficients."""
+    return abs(birth.slope / (2 * birth.curvature)) if birth.slope and birth.curvature else None
 
 
 _COLUMNS = ("k", "side", "certified", "slope", "curvature", "orbits -", "orbits +", "id")
@@ -180,7 +195,7 @@ _COLUMNS = ("k", "side", "certified", "slope", "curvature", "orbits -", "orbits 
 
 def _print_rows(branches: Sequence[BranchRecord]) -> None:
     """One line for each branch on standard output."""
-    rows = [_COLUMNS]
+    rows: list[tuple[str, ...]] = [_COLUMNS]
     for branch in branches:
         birth, counts = branch.birth, [str(len(side.orbits)) for side in branch.sides] or ["0", "0"]
         certified = branch.certified_side or ("-" if branch.verdict is None else branch.verdict)

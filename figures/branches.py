@@ -296,11 +296,15 @@ def _curve(branch: BranchRecord) -> _Curve:
     nodes = np.insert(np.array([orbit.arclength for orbit in orbits]), middle, 0.0)
     points = np.insert(np.array([orbit.point for orbit in orbits]), middle, branch.point, axis=0)
     differences = np.insert(np.array([orbit.level_difference for orbit in orbits]), middle, 0.0)
-    # The resonant pair leaves the bifurcation from 1; the others may be anywhere.
-    elliptic = np.array([abs(min(orbit.stability, key=lambda s: abs(s - 1.0))) < 1.0 for orbit in orbits])
+    elliptic = np.array([abs(_new_pair(orbit)) < 1.0 for orbit in orbits])
     dense = np.concatenate([np.linspace(a, b, _PARTS, endpoint=False) for a, b in pairwise(nodes)] + [nodes[-1:]])
     nearest = np.searchsorted(0.5 * (np.delete(nodes, middle)[:-1] + np.delete(nodes, middle)[1:]), dense)
     return _Curve(interpolate(nodes, points, dense), interpolate(nodes, differences, dense), elliptic[nearest])
+
+
+def _new_pair(orbit: BranchOrbit) -> complex:
+    """The stability parameter that is 1 at the bifurcation: the others may be anywhere."""
+    return min(orbit.stability, key=lambda s: float(abs(s - 1.0)))
 
 
 def _coordinate(branch: BranchRecord) -> int:
