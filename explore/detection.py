@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
@@ -97,6 +98,9 @@ def detect(
         found += symmetry_breakings(family)
     orbits: tuple[SymmetricOrbit, ...] = ()
     extrema: list[Extremum] = []
+    if any(k > 1 for k in wanted):
+        family, unresolved = resolved_part(family)
+        undecided += unresolved
     if any(k > 1 for k in wanted) and len(family.orbits) > 1:
         curve = StabilityCurve(family)
         samples = curve.samples(progress)
@@ -110,6 +114,35 @@ def detect(
         undecided += curve.failures
     found.sort(key=lambda resonance: resonance.orbit.arclength)
     return Detection(tuple(found), tuple(undecided), orbits, tuple(extrema))
+
+
+def resolved_part(family: Family) -> tuple[Family, list[str]]:
+    """The longest part of a family on which float64 resolves the stability, and a line for each part left out.
+
+    Where a half return contracts by more than float64 can hold, as in the Falkner-Skan equation towards beta = 1, the
+    stability parameter of its orbit is nothing but rounding errors. With more than one stability parameter the others
+    may still be resolved: such families are left whole.
+    """
+    if len(family.problem.system.kernel_coordinates) > 1:
+        return family, []
+    problem = family.problem
+    orbits = [problem.with_derivative(orbit) for orbit in family.orbits]
+    resolved = [orbit.derivative is not None and orbit.derivative.resolved for orbit in orbits]
+    parts: list[tuple[int, int, bool]] = []
+    for known, group in groupby(range(len(orbits)), key=resolved.__getitem__):
+        indices = list(group)
+        parts.append((indices[0], indices[-1] + 1, known))
+    kept = max((part for part in parts if part[2]), key=lambda part: part[1] - part[0], default=(0, 0, True))
+    lines = [
+        f"no resonances are looked for from {describe(problem, orbits[start])} to "
+        f"{describe(problem, orbits[end - 1])}: float64 does not resolve the stability there"
+        for start, end, known in parts
+        if (start, end, known) != kept
+    ]
+    if len(parts) == 1 and kept[1]:
+        return family, []
+    part = slice(kept[0], kept[1])
+    return replace(family, orbits=tuple(orbits[part]), tangents=family.tangents[part]), lines
 
 
 def _tuplings(

@@ -219,7 +219,7 @@ class ShootingProblem:
     def orbit(self, correction: Correction, arclength: float = 0.0, crossings: int = 1) -> SymmetricOrbit:
         """The orbit of a solution, with its stability data."""
         system, flow = self.system, correction.flow
-        derivative = half_return(system, flow, (-1) ** crossings)
+        derivative = half_return(system, flow)
         integral = None
         if system.first_integral is not None:
             values = self.parameter_values(correction.unknowns)
@@ -249,7 +249,7 @@ class ShootingProblem:
         if orbit.derivative is not None:
             return orbit
         _, _, flow = self.evaluate(orbit.unknowns)
-        return replace(orbit, derivative=half_return(self.system, flow, (-1) ** orbit.crossings))
+        return replace(orbit, derivative=half_return(self.system, flow))
 
     def symmetry_breaking_function(self, orbit: SymmetricOrbit) -> float:
         """det of the S-odd block of D_p pi_q P for an orbit in Fix(S); zero where S breaks.

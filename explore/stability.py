@@ -33,8 +33,11 @@ from shared.systems import ReversibleSystem
 
 Side = Literal["first", "second"]
 
-RESOLVED = 1e-15
+SMALLEST_VALUE = 1e-15
 """Singular values of DP below this fraction of the largest are rounding errors."""
+
+LARGEST_CONDITION = 1e11
+"""Condition number of DP beyond which stability parameters have no certain digit, given the integration's accuracy."""
 
 
 @dataclass(frozen=True)
@@ -45,27 +48,27 @@ class HalfReturn:
         derivative: shape (m - 1, m - 1), DP(x_0); p in the order of `fixed_coordinates`, then q in
             the order of `kernel_coordinates` of the system.
         fixed_dimension: number of the coordinates p.
-        orientation: sign of det DP, (-1)^crossings for an orbit that crosses the section so often, or `None`.
     """
 
     derivative: Matrix
     fixed_dimension: int
-    orientation: int | None = None
+
+    @property
+    def resolved(self) -> bool:
+        """Whether rounding errors leave anything of the inverse."""
+        return bool(np.linalg.cond(self.derivative) < LARGEST_CONDITION)
 
     @property
     def inverse(self) -> Matrix:
         """DP(x_0)^-1, shape (m - 1, m - 1).
 
-        Where DP is singular to working precision its smallest singular values are noise. They are then replaced by
-        the smallest that could be told from zero, with the known orientation, so that stability parameters beyond
-        about 1e14 are of the right sign and too small instead of arbitrary.
+        Where DP is singular to working precision, the smallest singular value that can be told from zero stands in
+        for its own: finite numbers, but see `resolved`.
         """
         left, values, right = np.linalg.svd(self.derivative)
-        floor = RESOLVED * values[0]
+        floor = SMALLEST_VALUE * values[0]
         if values[-1] >= floor:
             return np.linalg.inv(self.derivative)
-        if self.orientation is not None and np.linalg.det(left) * np.linalg.det(right) * self.orientation < 0:
-            left[:, -1] *= -1.0
         return (right.T / np.maximum(values, floor)) @ left.T
 
     @property
@@ -92,10 +95,10 @@ class HalfReturn:
         return float(values[-1] / values[0]) if len(values) > 1 else float(values[0])
 
 
-def half_return(system: ReversibleSystem, flow: FlowResult, orientation: int | None = None) -> HalfReturn:
+def half_return(system: ReversibleSystem, flow: FlowResult) -> HalfReturn:
     """Project the state transition matrix over the half period onto the section.
 
-    `orientation` as in `HalfReturn`. Raises `ZeroDivisionError` if the orbit is tangent to the section at its end.
+    Raises `ZeroDivisionError` if the orbit is tangent to the section at its end.
     """
     section = system.section_index
     speed = float(flow.velocity[section])
@@ -103,7 +106,7 @@ def half_return(system: ReversibleSystem, flow: FlowResult, orientation: int | N
         raise ZeroDivisionError("the orbit is tangent to the section")
     projected = flow.state_transition - np.outer(flow.velocity, flow.state_transition[section]) / speed
     order = [*system.fixed_coordinates, *system.kernel_coordinates]
-    return HalfReturn(projected[np.ix_(order, order)], len(system.fixed_coordinates), orientation)
+    return HalfReturn(projected[np.ix_(order, order)], len(system.fixed_coordinates))
 
 
 def characteristic_coefficients(matrix: Matrix) -> Vector:
