@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -58,10 +59,9 @@ def run(options: argparse.Namespace) -> int:
     data = DataFolder(options.data)
     check_folder(options.output)
 
-    code = 0
+    code, started = 0, time.monotonic()
     for number, picture in enumerate(chosen, 1):
-        if not options.quiet:
-            print(f"[{number}/{len(chosen)}] {picture.name}", file=sys.stderr)
+        before = time.monotonic()
         try:
             # First of all, so that one missing file is not found only after the drawing of half a picture.
             for name in picture.data:
@@ -74,6 +74,11 @@ def run(options: argparse.Namespace) -> int:
         except InputError as error:
             print(f"{picture.name}: not drawn: error: {error}", file=sys.stderr)
             code = 2
+        if not options.quiet:
+            now = time.monotonic()
+            left = (now - started) / number * (len(chosen) - number)
+            estimate = f"; about {left:.0f} s left" if number < len(chosen) else ""
+            print(f"[{number}/{len(chosen)}] {picture.name}: {now - before:.1f} s{estimate}", file=sys.stderr)
     if any(picture.marked for picture in chosen) and not data.has_certificates:
         from figures.manifest import step_of
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from figures.family import Array, Family
-from figures.halo_plane import mass_title
+from figures.halo_plane import family_title, mass_title
 from figures.orbit import symmetric_orbits
 from figures.space import bounds_of, set_box
 from figures.style import CURVE, INK
@@ -20,14 +20,16 @@ _COLUMNS, _ROWS = 4, 3
 _SHADOW = "#b9c4cb"
 
 
-def draw_gallery(family: Family, title: str) -> Figure:
+def draw_gallery(family: Family) -> Figure:
     """Orbits spread evenly over the family, from its first to its last, each in a box with equal scales."""
     indices = _evenly(family, _COLUMNS * _ROWS)
     orbits = symmetric_orbits(family.system, family.parameters, family.points[indices], 0.5 * family.periods[indices])
     bottom, cell, picture = 0.5, 2.15, 1.62
     height = _ROWS * cell + 0.3 + bottom
     figure = plt.figure(figsize=(_WIDTH, height))
-    figure.text(0.012, 1 - 0.2 / height, f"{mass_title(family)} {title}", fontsize=8.5, color=INK, va="bottom")
+    figure.text(
+        0.012, 1 - 0.2 / height, f"{mass_title(family)}: {family_title(family)}", fontsize=8.5, color=INK, va="bottom"
+    )
     for number, (index, orbit) in enumerate(zip(indices, orbits, strict=True)):
         row, column = divmod(number, _COLUMNS)
         left, base = column / _COLUMNS, (bottom + (_ROWS - 1 - row) * cell) / height

@@ -64,6 +64,15 @@ def mass_title(family: Family) -> str:
     return f"$\\mu={float(family.parameters['mu']):.6g}$"
 
 
+def family_title(family: Family) -> str:
+    """For example L1 halo orbits, from the name of the family."""
+    parts = family.name.split("-")
+    first = next((i for i, part in enumerate(parts) if part in ("L1", "L2", "L3")), None)
+    if first is None:
+        return f"{family.name} orbits"
+    return f"$L_{parts[first][1]}$ {' '.join(parts[first + 1 :])} orbits"
+
+
 def draw_closed_curves(families: Sequence[Family], marks: Sequence[Sequence[MarkedPoint]]) -> Figure:
     """Each family with its mirror image under S, a closed curve, and where S breaks (k = 1)."""
     figure = plt.figure(figsize=(_WIDTH, 4.5))
@@ -86,7 +95,7 @@ def draw_closed_curves(families: Sequence[Family], marks: Sequence[Sequence[Mark
             first = axes
         else:
             axes.tick_params(labelleft=False)
-        axes.set_title(f"({'abcdef'[j]})  {mass_title(family)} $L_1$ halo orbits", color=INK)
+        axes.set_title(f"({'abcdef'[j]})  {mass_title(family)}: {family_title(family)}", color=INK)
     lines = [
         Line2D([], [], color=CURVE, label="halo orbits on Fix($R$)"),
         Line2D([], [], color=CURVE, linestyle=(0, (4, 1.5)), label="their images under $S$"),
@@ -164,13 +173,13 @@ def _crowd(spots: Sequence[Spot], extent: Array) -> list[Spot]:
         return []
     places = np.array([_shown_at(spot) for spot in spots]) / extent
     touching = np.linalg.norm(places[:, None] - places[None], axis=2) < _TOUCHING
-    groups = [{i} for i in range(len(spots))]
+    groups: list[set[int]] = [{i} for i in range(len(spots))]
     for i, j in np.argwhere(touching):
         if groups[i] is not groups[j]:
             groups[i] |= groups[j]
             for member in groups[j]:
                 groups[member] = groups[i]
-    return [spots[i] for i in sorted(max(groups, key=len))]
+    return [spots[i] for i in sorted(max(groups, key=lambda group: len(group)))]
 
 
 def _magnify(axes: Axes, family: Family, spots: Sequence[Spot]) -> None:

@@ -185,5 +185,5 @@ def _step(
     for row in _STAGES:
         following = state + step * sum(c * k for c, k in zip(row, slopes, strict=True))
         slopes.append(field(following))
-    error = step * sum(c * k for c, k in zip(_ERROR, slopes, strict=True))
+    error = np.asarray(step * sum(c * k for c, k in zip(_ERROR, slopes, strict=True)))
     return following, slopes[-1], error

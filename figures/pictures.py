@@ -115,9 +115,7 @@ def _stability(data: DataFolder) -> Drawn:
 
 def _galleries(data: DataFolder) -> Drawn:
     for family in [*data.families("families.json"), *data.families("l3-halo.json")]:
-        point, kind = family.name.split("-")[-2:]
-        title = f"${point[0]}_{point[1:]}$ {kind} orbits"
-        yield f"gallery-{family.name}", draw_gallery(family, title)
+        yield f"gallery-{family.name}", draw_gallery(family)
 
 
 def _branches(data: DataFolder, folder: Path) -> Iterator[Path]:

@@ -316,7 +316,7 @@ def test_two_candidates_of_one_orbit_share_a_spot(halo: Family, halo_marks: list
 
 
 def test_pictures_in_space_show_each_orbit_of_their_choice(halo: Family) -> None:
-    torus, gallery = draw_torus(halo), draw_gallery(halo, "$L_1$ halo orbits")
+    torus, gallery = draw_torus(halo), draw_gallery(halo)
     assert sum(len(axes.lines) for axes in torus.axes) > 40
     panels = [axes for axes in gallery.axes if hasattr(axes, "get_zlim")]
     assert len(panels) == 12
