@@ -26,7 +26,7 @@ from explore.runge_kutta import MAX_STEPS, attempt, extended_field, first_step, 
 from shared.systems import ReversibleSystem
 
 BLOCK = 64
-GPU_BLOCK = 16384
+GPU_BLOCKS = (1024, 16384)
 QUEUE = 4
 """Blocks under way at the same time."""
 
@@ -99,10 +99,10 @@ def flow_batch(
     """
     configure_jax()
     advance = _compiled(system)
-    lanes = _start(system, initial)
+    lanes, width = _start(system, initial), _width(len(times))
     pending = np.flatnonzero(times > 0)
     while len(pending):
-        _round(advance, lanes, times, parameters, pending)
+        _round(advance, lanes, times, parameters, pending, width)
         left = times[pending] - lanes.time[pending]
         going = (left > 0) & (lanes.steps[pending] < MAX_STEPS)
         needed = (lanes.steps[pending] * left)[going] / np.maximum(lanes.time[pending][going], 1e-300)
@@ -110,6 +110,14 @@ def flow_batch(
         if progress is not None:
             progress(len(times) - len(pending))
     return _result(system, lanes, times)
+
+
+def _width(count: int) -> int:
+    """Lanes of a block; few different ones, as each is compiled on its own."""
+    device = jax.config.jax_default_device or jax.devices()[0]
+    if device.platform == "cpu":
+        return BLOCK
+    return next((width for width in GPU_BLOCKS if count <= width), GPU_BLOCKS[-1])
 
 
 def _start(system: ReversibleSystem, initial: Matrix) -> _Lanes:
@@ -134,10 +142,10 @@ def _result(system: ReversibleSystem, lanes: _Lanes, times: Vector) -> FlowBatch
     )  # fmt: skip
 
 
-def _round(advance: Callable[..., Any], lanes: _Lanes, times: Vector, parameters: Matrix, pending: np.ndarray) -> None:
+def _round(
+    advance: Callable[..., Any], lanes: _Lanes, times: Vector, parameters: Matrix, pending: np.ndarray, width: int
+) -> None:
     """Advance the pending orbits by at most `ROUND` steps each."""
-    on_processor = jax.default_backend() == "cpu"
-    width = BLOCK if on_processor else min(GPU_BLOCK, max(BLOCK, 1 << (len(pending) - 1).bit_length()))
     waiting: deque[tuple[np.ndarray, Any]] = deque()
 
     def collect() -> None:

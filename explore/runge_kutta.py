@@ -21,7 +21,8 @@ from shared.systems import ReversibleSystem
 
 RELATIVE_TOLERANCE = 1e-13
 ABSOLUTE_TOLERANCE = 1e-14
-MAX_STEPS = 4000
+MAX_STEPS = 5000
+"""Attempted steps. Some 4200 lead through the orbits closest to a primary that shooting in float64 reaches."""
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
 
