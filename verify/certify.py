@@ -35,7 +35,7 @@ GUARD_BITS = 64
 """Bits that the conditions are evaluated with beyond those of the integration."""
 
 _SPARE = 8
-_RESERVE = 24
+_RESERVE = 32
 _RESERVE_PER_RETURN = 6
 """Bits that errors were found to gain along an orbit, and a little more."""
 
@@ -103,10 +103,11 @@ def first_precision(candidate: Candidate, digits: int) -> int:
     first grade of a series is known to 5/6 of its bits.
     """
     value, slope = accuracy_bits(candidate, digits)
+    reserve = _RESERVE + _RESERVE_PER_RETURN * candidate.k
     # A box much smaller than the digits ask for was made for an orbit along which errors grow.
-    wanted = max(value, slope) + _RESERVE + _RESERVE_PER_RETURN * candidate.k
-    wanted += max(0, value - ceil(digits * _BITS_PER_DIGIT)) // 3
-    return max(LEAST_PRECISION, -(-wanted * 6 // 40) * 8)
+    growth = max(0, slope - ceil(digits * _BITS_PER_DIGIT)) // 3
+    wanted = max(value + reserve, (slope + reserve) * 6 // 5 + growth)
+    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
 def accuracy_bits(candidate: Candidate, digits: int) -> tuple[int, int]:
@@ -225,7 +226,7 @@ def _escalate(
         except _OutOfTime:
             best = _stopped(best, precision, limits)
             break
-        more = _more_precision(attempt, previous, limits)
+        more = _more_precision(candidate, attempt, previous, limits)
         best, previous = _better(best, attempt), attempt
         if more is None:
             break
@@ -254,7 +255,7 @@ def _stopped(best: _Attempt | None, precision: int, limits: Limits) -> _Attempt:
     return replace(best, outcome=replace(best.outcome, reason=Reason("time", message, remedy)))
 
 
-def _more_precision(attempt: _Attempt, previous: _Attempt | None, limits: Limits) -> int | None:
+def _more_precision(candidate: Candidate, attempt: _Attempt, previous: _Attempt | None, limits: Limits) -> int | None:
     """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
     precision, outcome = attempt.precision, attempt.outcome
     if isinstance(outcome, Proved):
@@ -272,7 +273,18 @@ def _more_precision(attempt: _Attempt, previous: _Attempt | None, limits: Limits
         return min(2 * precision, limits.max_precision)
     if previous is not None and not _narrower(enclosures, previous.outcome, outcome.reason.condition):
         return None
-    return min(precision + max(32, precision // 4), limits.max_precision)
+    short = _bits_to_fit(candidate, enclosures)
+    return min(precision + (max(32, precision // 4) if short is None else short * 6 // 5), limits.max_precision)
+
+
+def _bits_to_fit(candidate: Candidate, enclosures: Mapping[str, arb]) -> int | None:
+    """Bits by which the images of interval Newton operators are too wide for the box, and a few more."""
+    images = {"p_0(P_1)": 0, "p_1": 1, "p_2": 2}
+    ratios = [
+        enclosures[name].abs_upper() / enclose(candidate.radii[j]) for name, j in images.items() if name in enclosures
+    ]
+    widest = max((float(ratio.log_base(2).mid()) for ratio in ratios if ratio.is_finite()), default=0.0)
+    return ceil(widest) + _SPARE if widest > 0.0 and isfinite(widest) else None
 
 
 def _narrower(enclosures: dict[str, arb], previous: Outcome, condition: str) -> bool:

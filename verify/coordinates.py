@@ -23,7 +23,7 @@ PHYSICAL = "physical"
 
 _ROUGH_DEGREE = 24
 _MOST_STEPS = 400
-_COST = 3.2
+_COST = 2.0
 """A step in regularised coordinates was found to take about so many times as long as one in the system's own."""
 
 

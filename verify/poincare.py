@@ -36,6 +36,7 @@ AUTO, REGULARISED = "auto", "regularised"
 _MAX_STEPS = 4000
 _STEP_BITS = 12
 _LEAST_STEP = 1e-8
+_LEAST_SHARE = 1 / 8
 _LOSS_DIVISOR = 6
 _ROUGH_DEGREE = 24
 
@@ -160,6 +161,7 @@ class _Integration:
         self.time = arb(0)
         self.steps = 0
         self.at_section = True
+        self.share = 1.0
         self.return_times: list[arb] = []
 
     def _zero(self) -> Series:
@@ -249,8 +251,10 @@ class _Integration:
         bits, degree = self.arithmetic.bits, self.arithmetic.degree
         centre = [int(x.coefs[0][0]) for x in self.state]
         constants = [int(p.coefs[0][0]) for p in self.constants]
-        program, section = self.coordinates.program, self.coordinates.section
-        rough = float_coefficients(program, _rough(centre, bits), _rough(constants, bits), _ROUGH_DEGREE)
+        section = self.coordinates.section
+        rough = float_coefficients(
+            self.coordinates.program, _rough(centre, bits), _rough(constants, bits), _ROUGH_DEGREE
+        )
         size = step_size(rough, self.tolerance, degree)
         if size < _LEAST_STEP:
             raise IntegrationFailure(
@@ -258,13 +262,11 @@ class _Integration:
                 f"at time {float(self.time):.9g} the Taylor expansions allow only a step of {size:.1e}",
                 "the orbit comes too close to a singularity of the vector field: give another centre",
             )
-        step = _dyadic_below(size)
-        coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
-        root = _next_crossing(coefficients[section], bits, self.at_section)
-        if root is not None:
-            step = step * root
-            coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
-        flow = advance(program, self.arithmetic, coefficients, self.state, self.constants, step)
+        while True:
+            step, root, flow = self._try(_dyadic_below(size * self.share), centre, constants)
+            if flow is not None:
+                break
+            self.share /= 2
         self._check_time(flow)
         self.counter.cover(flow.solution[section], flow.slopes[section], self.time, rational_ball(step))
         self.state = list(flow.end)
@@ -274,6 +276,28 @@ class _Integration:
             self.first_error_bits = self._error_bits()
         self.at_section = root is not None
         return self.at_section
+
+    def _try(
+        self, step: Fraction, centre: Sequence[int], constants: Sequence[int]
+    ) -> tuple[Fraction, Fraction | None, FlowStep | None]:
+        """A step of that length, or to the next crossing if that comes first.
+
+        Returns its length, the crossing as a fraction of the given length, and the flow; no flow if it was not
+        enclosed and a shorter step may do.
+        """
+        program, arithmetic = self.coordinates.program, self.arithmetic
+        bits, degree = arithmetic.bits, arithmetic.degree
+        coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        root = _next_crossing(coefficients[self.coordinates.section], bits, self.at_section)
+        if root is not None:
+            step = step * root
+            coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        try:
+            return step, root, advance(program, arithmetic, coefficients, self.state, self.constants, step)
+        except IntegrationFailure:
+            if self.share <= _LEAST_SHARE:
+                raise
+            return step, root, None
 
     def _crossing(self, number: int) -> tuple[DerivativeTable, ...]:
         """Derivatives of the kernel coordinates at crossing `number`, with the proof that it is that crossing."""
@@ -371,7 +395,7 @@ def _log2(value: Fraction) -> float:
 
 def default_order(precision: int) -> int:
     """Degree of the time expansions that was found fast for a precision in bits."""
-    return max(16, precision * 7 // 16)
+    return max(16, precision // 2)
 
 
 def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tuple[int, int]:

@@ -130,15 +130,19 @@ def linear_solution(
 
     Coefficients are found in blocks. Inside a block the convolutions with J are sums term by term;
     what a finished block contributes to later ones is one polynomial product, of blocks that double
-    as often as the position allows (relaxed multiplication).
+    as often as the position allows (relaxed multiplication). Components on which no slope depends are
+    integrated at the end.
     """
     bits = arithmetic.bits - spare
     degree = arithmetic.degree
-    size = len(start)
     numerator, denominator = step.numerator, step.denominator
     solution: list[list[int]] = [[int(p[0])] if p.length() else [0] for p in start]
     forces = [[int(c) << bits for c in p.coeffs()] + [0] * (degree + 1 - p.length()) for p in forcing]
-    varying = [[(j, entries) for j, entries in row.items() if len(entries) > 1] for row in jacobian]
+    coupled = sorted({j for row in jacobian for j in row})
+    varying = [
+        [(j, entries) for j, entries in row.items() if len(entries) > 1] if i in coupled else []
+        for i, row in enumerate(jacobian)
+    ]
     factors = [[(j, fmpz_poly(entries)) for j, entries in row] for row in varying]
     for first in range(0, degree, _BLOCK):
         if first:
@@ -158,7 +162,7 @@ def linear_solution(
                 [(entries[0], latest[j]) for j, entries in jacobian[i].items() if len(entries) == 1],
                 [(entries, latest[j]) for j, entries in varying[i]],
             )
-            for i in range(size)
+            for i in coupled
         ]
         for n in range(first, min(first + _BLOCK, degree)):
             divisor = denominator * (n + 1)
@@ -170,7 +174,12 @@ def linear_solution(
                 for entries, values in convolutions:
                     slope += sum(map(mul, entries, values))
                 slopes.append((slope >> bits) * numerator // divisor)
-            for own, values, slope in zip(solution, latest, slopes, strict=True):
-                own.append(slope)
-                values.insert(0, slope)
+            for component, slope in zip(coupled, slopes, strict=True):
+                solution[component].append(slope)
+                latest[component].insert(0, slope)
+    for component in set(range(len(solution))).difference(coupled):
+        terms = (fmpz_poly(e).mul_low(fmpz_poly(solution[j]), degree) for j, e in jacobian[component].items())
+        exact = sum(terms, _ZERO)
+        slopes = [(int(exact[n]) + forces[component][n] >> bits) * numerator for n in range(degree)]
+        solution[component] += [slope // (denominator * (n + 1)) for n, slope in enumerate(slopes)]
     return [fmpz_poly(values) for values in solution]
