@@ -129,7 +129,7 @@ def draw_branch(branch: BranchRecord, family: Family | None) -> Figure:
     _diagram(figure.add_subplot(grid[0, 0]), branch, family)
     if spatial:
         _starts(figure.add_subplot(grid[0, 1]), branch, family)
-        axes = figure.add_axes((0.66, 0.2, 0.31, 0.73), projection="3d", computed_zorder=False)
+        axes = figure.add_axes((0.66, 0.235, 0.31, 0.69), projection="3d", computed_zorder=False)
     else:
         _section(figure.add_subplot(grid[0, 1]), branch)
         axes = figure.add_subplot(grid[0, 2])
@@ -205,7 +205,8 @@ def _section(axes: Axes, branch: BranchRecord) -> None:
             rows.append(np.array(near)[:, kept])
         for index in range(len(rows[0])):
             axes.plot(*np.array([row[index] for row in rows]).T, color=colour, linewidth=1.2)
-        axes.plot(*rows[-1].T, linestyle="none", marker=".", color=INK, markersize=5, zorder=5)
+        if side is branch.sides[1]:
+            axes.plot(*rows[-1].T, linestyle="none", marker=".", color=INK, markersize=6, zorder=5)
     axes.axvline(0.0, color=_BASE, linewidth=1.0, linestyle=(0, (1, 1.5)), zorder=1.8)
     axes.annotate("Fix($R$)", (0.0, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -2),
                   textcoords="offset points", fontsize=7, color=INK, va="top")  # fmt: skip
@@ -296,15 +297,19 @@ def _curve(branch: BranchRecord) -> _Curve:
     nodes = np.insert(np.array([orbit.arclength for orbit in orbits]), middle, 0.0)
     points = np.insert(np.array([orbit.point for orbit in orbits]), middle, branch.point, axis=0)
     differences = np.insert(np.array([orbit.level_difference for orbit in orbits]), middle, 0.0)
-    elliptic = np.array([abs(_new_pair(orbit)) < 1.0 for orbit in orbits])
+    elliptic = np.concatenate([_elliptic(branch.sides[0].orbits)[::-1], _elliptic(branch.sides[1].orbits)])
     dense = np.concatenate([np.linspace(a, b, _PARTS, endpoint=False) for a, b in pairwise(nodes)] + [nodes[-1:]])
     nearest = np.searchsorted(0.5 * (np.delete(nodes, middle)[:-1] + np.delete(nodes, middle)[1:]), dense)
     return _Curve(interpolate(nodes, points, dense), interpolate(nodes, differences, dense), elliptic[nearest])
 
 
-def _new_pair(orbit: BranchOrbit) -> complex:
-    """The stability parameter that is 1 at the bifurcation: the others may be anywhere."""
-    return min(orbit.stability, key=lambda s: float(abs(s - 1.0)))
+def _elliptic(orbits: Sequence[BranchOrbit]) -> Array:
+    """Whether the pair is elliptic whose stability parameter is 1 at the bifurcation, followed outwards."""
+    value, result = 1.0 + 0.0j, []
+    for orbit in orbits:
+        value = min(orbit.stability, key=lambda s: float(abs(s - value)))
+        result.append(value.imag == 0 and abs(value) < 1.0)
+    return np.array(result)
 
 
 def _coordinate(branch: BranchRecord) -> int:
