@@ -3,26 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 from explore.branching import branch_seed, breaking_at_end
 from explore.detection import LocatedResonance, symmetry_breakings
 from explore.family_names import branch_name, branch_number
+from explore.shooting import CorrectionFailure
 from explore.tracing import Traced, TracedFamily, TraceTask
 
 
-def branch_tasks(results: Sequence[Traced]) -> list[TraceTask]:
-    """A task for each symmetry breaking of each planar family, in order, without what is traced already."""
+@dataclass(frozen=True)
+class Branches:
+    """What branches off from the planar families of a run.
+
+    Attributes:
+        tasks: one for each symmetry breaking, in order, without what is traced already.
+        failures: a line for each planar family whose symmetry breakings could not be located.
+    """
+
+    tasks: tuple[TraceTask, ...]
+    failures: tuple[str, ...]
+
+
+def branches_of(results: Sequence[Traced]) -> Branches:
+    """The families to trace from the symmetry breakings of the planar families among the results."""
     done = {(result.task.name, result.task.label) for result in results}
-    tasks = []
+    tasks, failures = [], []
     for result, item in _planar(results):
         task, problem = result.task, item.family.problem
-        for number, breaking in enumerate(symmetry_breakings(item.family), start=1):
+        try:
+            breakings = symmetry_breakings(item.family)
+        except CorrectionFailure as error:
+            failures.append(f"{item.title}: no branches: a symmetry breaking could not be located: {error}")
+            continue
+        for number, breaking in enumerate(breakings, start=1):
             seed = branch_seed(problem, breaking, -1 if task.mirrored else 1)
             branch = replace(task, name=branch_name(item.name, number), start=seed, both_ways=False)
             if (branch.name, branch.label) not in done:
                 tasks.append(branch)
-    return tasks
+    return Branches(tuple(tasks), tuple(failures))
 
 
 def shared_branches(results: Sequence[Traced]) -> list[str]:
@@ -30,7 +50,8 @@ def shared_branches(results: Sequence[Traced]) -> list[str]:
     lines = []
     breakings: dict[tuple[str, str], list[LocatedResonance]] = {}
     for _, item in _planar(results):
-        breakings[item.label, _point(item)] = symmetry_breakings(item.family)
+        with suppress(CorrectionFailure):
+            breakings[item.label, _point(item)] = symmetry_breakings(item.family)
     for result in results:
         branch, number = result.item, branch_number(result.task.name)
         if branch is None or number is None:

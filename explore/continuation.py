@@ -22,6 +22,9 @@ from explore.step_control import DEFAULT, StepControl
 
 Outcome = Literal["limit", "closed", "failed", "interrupted"]
 
+ON_SECTION = 1e-12
+"""Distance from the section, relative to the largest of the orbit, below which a sample has no side."""
+
 Stop = Callable[[SymmetricOrbit, Matrix], str | None]
 """Called with each new orbit and samples of its states; a reason ends the family after this orbit."""
 
@@ -243,8 +246,12 @@ def _samples(problem: ShootingProblem, correction: Correction) -> Matrix:
 
 def crossings(problem: ShootingProblem, states: Matrix) -> int:
     """How often a sampled half orbit meets the section after its start, its end included."""
-    interior = states[1:-1, problem.system.section_index]
-    return 1 + int(np.count_nonzero(interior[1:] * interior[:-1] < 0))
+    *inner, end = states[1:, problem.system.section_index]
+    heights = np.array(inner)
+    # Samples next to the end may lie on the wrong side of the section, by as much as the end itself is off it.
+    error = max(10 * abs(end), ON_SECTION * float(np.max(np.abs(heights), initial=0.0)))
+    signs = np.sign(heights[np.abs(heights) > error])
+    return 1 + int(np.count_nonzero(signs[1:] != signs[:-1]))
 
 
 def tangency(problem: ShootingProblem, before: SymmetricOrbit, after: SymmetricOrbit) -> str:

@@ -173,6 +173,8 @@ def symmetry_breakings(family: Family) -> list[LocatedResonance]:
 
     On a family within Fix(S): the sign changes of the S-odd block. On any other: its ends that lie
     in Fix(S), where it branches off from orbits in Fix(S).
+
+    Raises `CorrectionFailure` if the orbit at a sign change cannot be computed.
     """
     problem, system = family.problem, family.problem.system
     found: list[LocatedResonance] = []
@@ -184,11 +186,15 @@ def symmetry_breakings(family: Family) -> list[LocatedResonance]:
                     found.append(_breaking(orbit, name))
         return found
 
-    def function(arclength: float) -> float:
-        return problem.symmetry_breaking_function(family.orbit_at(arclength))
-
     orbits = [problem.with_derivative(orbit) for orbit in family.orbits]
     values = [problem.symmetry_breaking_function(orbit) for orbit in orbits]
+
+    def function(arclength: float) -> float:
+        try:
+            return problem.symmetry_breaking_function(family.orbit_at(arclength))
+        except CorrectionFailure:
+            return float(np.interp(arclength, family.arclengths, values))
+
     zeros = find_zeros(function, family.arclengths, values).zeros if len(orbits) > 1 else ()
     return [_breaking(family.orbit_at(place), problem.symmetry) for place in zeros]
 

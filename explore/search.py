@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from explore.branch_tasks import branch_tasks, shared_branches
+from explore.branch_tasks import branches_of, shared_branches
 from explore.catalogue_start import CatalogueStart, catalogue_start
 from explore.family_file import FamilyRecord, read_families
 from explore.family_names import mirrored_name
@@ -56,15 +57,18 @@ def run(request: Request) -> int:
 
 def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], report: Reporter) -> tuple[int, list[Row]]:
     """Trace, detect, refine and write; the exit code and the lines of the result table."""
-    results = _trace_all(tasks, request.options.jobs, report)
+    results, unlocated = _trace_all(tasks, request.options.jobs, report), False
     if request.options.branches and not _interrupted(tasks, results):
-        more = branch_tasks(results)
-        results += _trace_all(more, request.options.jobs, report) if more else []
-        tasks = tasks + more
+        branches = branches_of(results)
+        results += _trace_all(branches.tasks, request.options.jobs, report) if branches.tasks else []
+        tasks = [*tasks, *branches.tasks]
         for line in shared_branches(results):
             report.message(line)
+        for line in branches.failures:
+            report.error(line)
+        unlocated = bool(branches.failures)
     traced = [result.item for result in results if result.item is not None]
-    complete = False not in [_is_complete(result, report) for result in results]
+    complete = False not in [_is_complete(result, report) for result in results] and not unlocated
     if traced:
         options = request.options
         files = (getattr(options, name, None) for name in ("csv", "catalogue"))
@@ -146,7 +150,7 @@ def _limits(options: Any, velocity_max: float | None) -> Limits:
     )
 
 
-def _trace_all(tasks: list[TraceTask], jobs: int, report: Reporter) -> list[Traced]:
+def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> list[Traced]:
     """The results in the order of the tasks; fewer of them after an interrupt."""
     report.stage(", ".join(task.title for task in tasks) if len(tasks) < 3 else f"{len(tasks)} families")
     results: dict[int, Traced] = {}

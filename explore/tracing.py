@@ -13,6 +13,7 @@ from explore.families import FamilyFailure, continue_both_ways, continue_family,
 from explore.family_names import mirrored_name
 from explore.limits import Limits
 from explore.processes import Job, Lost, Progress, run_all
+from explore.shooting import CorrectionFailure
 from explore.step_control import CONTROL, StepControl
 from shared.systems import SYSTEMS, ReversibleSystem
 
@@ -120,7 +121,7 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
 
             item = replace(item, detection=detect(family, task.multiplicities, progress=searching))
         return result()
-    except FamilyFailure as error:
+    except (FamilyFailure, CorrectionFailure) as error:
         return result(failure=str(error))
     except KeyboardInterrupt:
         return result(interrupted=True)
