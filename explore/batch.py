@@ -29,12 +29,12 @@ from explore.flow import Matrix, Vector
 from explore.shooting import (
     NEWTON_ACCEPTED,
     NEWTON_LIMIT,
-    NEWTON_TOLERANCE,
     CorrectionFailure,
     ShootingProblem,
     SymmetricOrbit,
 )
 from explore.stability import HalfReturn
+from explore.step_control import NEWTON_TOLERANCE
 from shared.systems import ReversibleSystem
 
 Progress = Callable[[str, float], None]
@@ -119,6 +119,11 @@ def correct_batch(
     """
     unknowns = np.array(unknowns, dtype=float)
     count = len(unknowns)
+    if set(parameters) != set(system.fixed_parameters):
+        wanted = ", ".join(system.fixed_parameters) or "none"
+        raise ValueError(
+            f"parameters {', '.join(parameters) or 'none'}: the fixed parameters of {system.name} are {wanted}"
+        )
     fixed = {name: np.broadcast_to(np.asarray(parameters[name], float), count) for name in system.fixed_parameters}
     problem = ShootingProblem(system, dict.fromkeys(fixed, Fraction(0)), symmetry=symmetry)
     if unknowns.shape != (count, problem.size):

@@ -215,7 +215,7 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
         slope = slopes(now)
         length = jnp.where(length > 0, length, first_step(now, slope, times))
         time, now, slope, length, crossings, steps, started, _ = jax.lax.while_loop(
-            going, step, (time, now, slope, length, crossings, steps, started, 0)
+            going, step, (time, now, slope, length, crossings, steps, started, jnp.zeros((), dtype=int))
         )
         return time, now, slope[0], length, crossings, steps, started
 

@@ -132,8 +132,9 @@ def _compile(system: ReversibleSystem) -> Flow:
         start = jnp.concatenate([initial[None], identity(system)])
         slope = slopes(start)
         path = jnp.zeros((MAX_STEPS + 1, m)).at[0].set(initial)
+        none = jnp.zeros((), dtype=int)
         done, end, slope, _, _, count, path = jax.lax.while_loop(
-            going, step, (jnp.zeros(()), start, slope, first_step(start, slope, whole), 0, 1, path)
+            going, step, (jnp.zeros(()), start, slope, first_step(start, slope, whole), none, none + 1, path)
         )
         return end, slope[0], path, count, done >= whole
 

@@ -164,6 +164,41 @@ def test_a_system_with_a_family_parameter_is_corrected_in_it() -> None:
         assert batch.orbit(i).first_integral is None
 
 
+def test_results_do_not_depend_on_blocks_and_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    limit, betas = limit_orbit(), np.geomspace(200, 1e4, 10)
+    states = np.column_stack([np.zeros(10), np.full(10, limit.upper), np.zeros(10)])
+    times = np.linspace(0.5, 6.0, 10) * limit.half_period / np.sqrt(betas)
+    whole = flow_batch(FALKNER_SKAN, states, times, betas[:, None])
+    assert whole.finished.all()
+    assert whole.steps.max() > 2 * whole.steps.min()
+    assert whole.crossings.max() > 3
+    # As on a GPU: another width; and fewer steps a round than any orbit needs.
+    monkeypatch.setattr("explore.batch_flow.BLOCK", 3)
+    monkeypatch.setattr("explore.batch_flow.ROUND", 4)
+    monkeypatch.setattr("explore.batch_flow._COMPILED", {})
+    done: list[int] = []
+    parts = flow_batch(FALKNER_SKAN, states, times, betas[:, None], done.append)
+    assert done == sorted(done)
+    assert done[-1] == 10
+    assert len(done) > 3
+    assert parts.finished.all()
+    assert np.array_equal(parts.crossings, whole.crossings)
+    for name in ("states", "velocities", "state_transitions", "parameter_derivatives"):
+        size = np.abs(getattr(whole, name)).max()
+        assert getattr(parts, name) == pytest.approx(getattr(whole, name), abs=1e-10 * size)
+    for i in (0, 9):
+        one = flow_of(FALKNER_SKAN).derivative(states[i], times[i], [betas[i]])
+        size = np.abs(one.state_transition).max()
+        assert parts.states[i] == pytest.approx(one.state, abs=1e-10 * size)
+        assert parts.parameter_derivatives[i] == pytest.approx(one.parameter_derivative, rel=1e-7, abs=1e-9)
+
+
+def test_parameters_that_are_missing_or_unknown_are_refused() -> None:
+    for parameters in ({}, {"mu": MU, "beta": 1.0}):
+        with pytest.raises(ValueError, match="fixed parameters of cr3bp are mu"):
+            correct_batch(CR3BP, parameters, np.zeros((3, 4)))
+
+
 def test_unknowns_of_the_wrong_shape_are_refused() -> None:
     with pytest.raises(ValueError, match="needs"):
         correct_batch(CR3BP, {"mu": MU}, np.zeros((3, 3)))
