@@ -74,7 +74,8 @@ def point_at(libration: str, points: Sequence[PointRecord], mu: float) -> PointR
     """The point at a mass between two points of a curve (the first such place); raises `CorrectionFailure`."""
     chart = chart_of(libration)
     for a, b in pairwise(points):
-        if min(a.mu, b.mu) <= mu <= max(a.mu, b.mu):
+        # The masses at the ends come from their logarithms.
+        if min(a.mu, b.mu) * (1 - 1e-12) <= mu <= max(a.mu, b.mu) * (1 + 1e-12):
             weight = log(mu / a.mu) / log(b.mu / a.mu)
             left, right = _unknowns(chart, a), _unknowns(chart, b)
             guess = left + weight * (right - left)

@@ -21,14 +21,8 @@ from explore.mass_curve_file import (
     rounded,
     write_curves,
 )
-from explore.mass_precision import (
-    PrecisePoint,
-    PrecisionFailure,
-    Settings,
-    bits_for,
-    precise_breaking,
-    precise_extremum,
-)
+from explore.mass_expansion import Settings
+from explore.mass_precision import PrecisePoint, PrecisionFailure, bits_for, precise_breaking, precise_extremum
 from explore.processes import Job, Lost, Progress, run_all
 from explore.progress import Reporter
 from explore.shooting import CorrectionFailure

@@ -37,7 +37,8 @@ from explore.mass_curve_file import (
     rounded,
     write_curves,
 )
-from explore.mass_precision import PrecisePoint, PrecisionFailure, Settings, precise_breaking, precise_extremum
+from explore.mass_expansion import Settings
+from explore.mass_precision import PrecisePoint, PrecisionFailure, precise_breaking, precise_extremum
 from explore.shooting import CorrectionFailure
 from explore.stability import half_return
 from figures.mass_curve import draw_mass_curves, read_mass_curves
