@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import inf, isfinite, log2
+from math import ceil, floor, inf, isfinite, log2
 from operator import mul
 from typing import Any
 
-from flint import arb, ctx
+from flint import arb, arb_poly, ctx
 
 from verify.evaluation import PreparedProgram, integer_part
 from verify.failure import IntegrationFailure
+
+_STEP_BITS = 12
 
 
 def float_coefficients(
@@ -161,3 +163,53 @@ def step_size(coefficients: Sequence[Sequence[float]], log2_tolerance: float, de
     decay = (late - early) / (order - half) if early > -inf else 0.0
     last = late + decay * (degree - order)
     return float(2.0 ** min((log2_tolerance - last) / degree, 20.0))
+
+
+def rough(values: Sequence[int], bits: int) -> list[float]:
+    """Fixed-point numbers in float64."""
+    try:
+        return [value / (1 << bits) for value in values]
+    except OverflowError:
+        raise IntegrationFailure(
+            "size", "the orbit leaves the range of floating-point numbers", "give another centre"
+        ) from None
+
+
+def dyadic_below(size: float) -> Fraction:
+    """A dyadic number just below `size` with few bits."""
+    exponent = floor(log2(size)) - _STEP_BITS
+    return Fraction(floor(size / 2.0**exponent)) * Fraction(2) ** exponent
+
+
+def next_crossing(coefficients: Sequence[int], bits: int, starts_on_section: bool) -> Fraction | None:
+    """The first root of a time polynomial in (0, 1], dyadic with about `bits` bits; not rigorous."""
+    values = rough(coefficients, bits)
+    samples = 64
+
+    def value(theta: float) -> float:
+        result = 0.0
+        for c in reversed(values):
+            result = result * theta + c
+        return result
+
+    first = 1 if starts_on_section else 0
+    before = value(first / samples)
+    for index in range(first + 1, samples + 1):
+        after = value(index / samples)
+        if (before < 0) != (after < 0):
+            return _polish(coefficients, bits, (index - 0.5) / samples)
+        before = after
+    return None
+
+
+def _polish(coefficients: Sequence[int], bits: int, guess: float) -> Fraction | None:
+    polynomial = arb_poly([arb(c) * arb(2) ** -bits for c in coefficients])
+    slope = polynomial.derivative()
+    root = arb(guess)
+    for _ in range(3 + ceil(log2(bits))):
+        root = (root - polynomial(root) / slope(root)).mid()
+        if not root.is_finite():
+            return None
+    scaled = integer_part(root * arb(2) ** bits)
+    result = Fraction(0 if scaled is None else int(scaled), 2**bits)
+    return result if 0 < result <= 1 else None

@@ -173,13 +173,15 @@ def _certify(
         if isinstance(best.outcome, Proved) or best.outcome.reason.condition not in _AT_THE_PARAMETER:
             break
     form, best = tried[-1] if isinstance(tried[-1][1].outcome, Proved) else tried[0]
-    computation = {
+    computation: dict[str, float | str] = {
         "precision": best.precision,
         "order": best.order,
         "steps": best.steps,
         "attempts": attempts,
         "seconds": round(time.monotonic() - start, 3),
     }
+    if best.enclosures is not None:
+        computation["coordinates"] = best.enclosures.coordinates
     return make_certificate(candidate, best.outcome, computation, best.enclosures, form)
 
 

@@ -11,16 +11,23 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor, isfinite, log2
 
-from flint import arb, arb_poly, ctx
+from flint import arb, ctx
 
 from shared.formats import Candidate
 from shared.program import Program
 from verify.algebra import Arithmetic, Series
-from verify.centre import fixed_coefficients, float_coefficients, step_size
+from verify.centre import (
+    dyadic_below,
+    fixed_coefficients,
+    float_coefficients,
+    next_crossing,
+    rough,
+    step_size,
+)
 from verify.coordinates import PHYSICAL, Coordinates, choose, physical, regularised
 from verify.crossing import CrossingCounter, stays_positive
 from verify.derivatives import DerivativeTable, derivative_table, rational_ball
-from verify.evaluation import Evaluation, integer_part, prepare
+from verify.evaluation import Evaluation, prepare
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.level import level_program, quadratic_coefficient
@@ -34,7 +41,6 @@ BOX_RATIO = Fraction(1, 4)
 AUTO, REGULARISED = "auto", "regularised"
 
 _MAX_STEPS = 4000
-_STEP_BITS = 12
 _LEAST_STEP = 1e-8
 _LEAST_SHARE = 1 / 8
 _LOSS_DIVISOR = 6
@@ -199,7 +205,7 @@ class _Integration:
         if wanted == PHYSICAL or level is None:
             return physical(self.system)
         state, parameters, (value,) = (
-            _rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
+            rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
         )
         if wanted == REGULARISED:
             return regularised(self.system, state, parameters) or physical(self.system)
@@ -252,18 +258,18 @@ class _Integration:
         centre = [int(x.coefs[0][0]) for x in self.state]
         constants = [int(p.coefs[0][0]) for p in self.constants]
         section = self.coordinates.section
-        rough = float_coefficients(
-            self.coordinates.program, _rough(centre, bits), _rough(constants, bits), _ROUGH_DEGREE
+        series = float_coefficients(
+            self.coordinates.program, rough(centre, bits), rough(constants, bits), _ROUGH_DEGREE
         )
-        size = step_size(rough, self.tolerance, degree)
+        size = step_size(series, self.tolerance, degree)
         if size < _LEAST_STEP:
             raise IntegrationFailure(
                 "singularity",
-                f"at time {float(self.time):.9g} the Taylor expansions allow only a step of {size:.1e}",
+                f"at time {self._clock():.9g} the Taylor expansions allow only a step of {size:.1e}",
                 "the orbit comes too close to a singularity of the vector field: give another centre",
             )
         while True:
-            step, root, flow = self._try(_dyadic_below(size * self.share), centre, constants)
+            step, root, flow = self._try(dyadic_below(size * self.share), centre, constants)
             if flow is not None:
                 break
             self.share /= 2
@@ -288,7 +294,7 @@ class _Integration:
         program, arithmetic = self.coordinates.program, self.arithmetic
         bits, degree = arithmetic.bits, arithmetic.degree
         coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
-        root = _next_crossing(coefficients[self.coordinates.section], bits, self.at_section)
+        root = next_crossing(coefficients[self.coordinates.section], bits, self.at_section)
         if root is not None:
             step = step * root
             coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
@@ -304,7 +310,7 @@ class _Integration:
         if not self.counter.arrives(number):
             raise IntegrationFailure(
                 "crossing count",
-                f"the orbit at time {float(self.time):.6g} was not proved to be at crossing {number}",
+                f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}",
                 "the orbit may touch the section: give smaller radii or another centre",
                 needs_precision=True,
             )
@@ -335,10 +341,17 @@ class _Integration:
         if regularisation is not None and not stays_positive(flow.slopes[regularisation.time_index]):
             raise IntegrationFailure(
                 "collision",
-                f"the orbits of the box are not separated from a collision at time {float(self.time):.6g}",
+                f"the orbits of the box are not separated from a collision at time {self._clock():.6g}",
                 "give smaller radii or another centre",
                 needs_precision=True,
             )
+
+    def _clock(self) -> float:
+        """About the system's time, for messages."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return float(self.time)
+        return rough([int(self.state[regularisation.time_index].coefs[0][0])], self.arithmetic.bits)[0]
 
     def _time(self, image: Sequence[Series]) -> arb:
         """The system's time at a state that does not depend on the integration's own."""
@@ -409,53 +422,3 @@ def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tupl
     size = max(0, floor(max(logs)))
     loss = min(size, spare)
     return size - loss, loss
-
-
-def _rough(values: Sequence[int], bits: int) -> list[float]:
-    """Fixed-point numbers in float64."""
-    try:
-        return [value / (1 << bits) for value in values]
-    except OverflowError:
-        raise IntegrationFailure(
-            "size", "the orbit leaves the range of floating-point numbers", "give another centre"
-        ) from None
-
-
-def _dyadic_below(size: float) -> Fraction:
-    """A dyadic number just below `size` with few bits."""
-    exponent = floor(log2(size)) - _STEP_BITS
-    return Fraction(floor(size / 2.0**exponent)) * Fraction(2) ** exponent
-
-
-def _next_crossing(coefficients: Sequence[int], bits: int, starts_on_section: bool) -> Fraction | None:
-    """The first root of a time polynomial in (0, 1], dyadic with about `bits` bits; not rigorous."""
-    rough = _rough(coefficients, bits)
-    samples = 64
-
-    def value(theta: float) -> float:
-        result = 0.0
-        for c in reversed(rough):
-            result = result * theta + c
-        return result
-
-    first = 1 if starts_on_section else 0
-    before = value(first / samples)
-    for index in range(first + 1, samples + 1):
-        after = value(index / samples)
-        if (before < 0) != (after < 0):
-            return _polish(coefficients, bits, (index - 0.5) / samples)
-        before = after
-    return None
-
-
-def _polish(coefficients: Sequence[int], bits: int, guess: float) -> Fraction | None:
-    polynomial = arb_poly([arb(c) * arb(2) ** -bits for c in coefficients])
-    slope = polynomial.derivative()
-    root = arb(guess)
-    for _ in range(3 + ceil(log2(bits))):
-        root = (root - polynomial(root) / slope(root)).mid()
-        if not root.is_finite():
-            return None
-    scaled = integer_part(root * arb(2) ** bits)
-    result = Fraction(0 if scaled is None else int(scaled), 2**bits)
-    return result if 0 < result <= 1 else None

@@ -1,0 +1,181 @@
+"""Regularised coordinates: the same orbits, the same Poincare map, and no way through a collision."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+
+import pytest
+from flint import arb, ctx, fmpz_poly
+
+from shared.formats import Candidate
+from shared.regularised import KUSTAANHEIMO_STIEFEL
+from shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from tests.flow_checks import (
+    ball,
+    box,
+    contains,
+    falkner_skan_box,
+    halo,
+    initial_state,
+    kernel_values,
+    orbits,
+    random_point,
+    taylor_enclosure,
+)
+from verify.algebra import Arithmetic, Series
+from verify.certify import certify
+from verify.coordinates import PHYSICAL, regularised
+from verify.crossing import stays_positive
+from verify.failure import IntegrationFailure
+from verify.grading import Grading
+from verify.poincare import REGULARISED, Enclosures, IntegratorSettings, enclose_iterates
+
+MU = MASS_PARAMETERS["earth-moon"]
+RADII = tuple(Fraction(r) for r in ("1e-16", "1e-9", "1e-16"))
+
+
+def near(kind: str, centre: tuple[str, str, str], seed: int) -> Candidate:
+    """A box of the Earth-Moon system."""
+    return box(CR3BP, kind, 2, centre, RADII, {"mu": MU}, seed)
+
+
+# On both sides of the smaller primary, hence both formulas of the embedding; the last one starts at 0.03 from it.
+BOXES = {
+    "inside": lambda: halo("earth-moon", "period_tupling", ("1e-16", "1e-9", "1e-16"), seed=2),
+    "outside": lambda: near("touch_and_go", ("1.10935", "0.20", "-0.26"), 3),
+    "close": lambda: near("period_tupling", ("0.98801", "0.0309", "0.8473"), 4),
+}
+
+
+@cache
+def enclosures(name: str, coordinates: str) -> tuple[Candidate, Enclosures]:
+    """A box with its enclosures."""
+    candidate = BOXES[name]()
+    return candidate, enclose_iterates(candidate, IntegratorSettings(110, coordinates=coordinates))
+
+
+def power(base: arb, exponent: Fraction) -> arb:
+    """For running programs on balls."""
+    return base ** ball(exponent)
+
+
+@pytest.mark.parametrize("branch", [1, -1])
+def test_the_projection_undoes_the_embedding(branch: int) -> None:
+    source = random.Random(branch)
+    with ctx.workprec(200):
+        for _ in range(50):
+            x, z, vy = (ball(Fraction(source.randint(-(10**6), 10**6), 10**6)) for _ in range(3))
+            state = [x, arb(0), z, arb(0), vy, arb(0)]
+            spinors = KUSTAANHEIMO_STIEFEL.embedding_program(branch).evaluate([*state, ball(MU)], ball, power)
+            again = KUSTAANHEIMO_STIEFEL.projection_program.evaluate([*spinors, ball(MU)], ball, power)
+            for given, found in zip(state, again, strict=True):
+                assert found.overlaps(given)
+                assert found.rad() < 1e-30
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_regularised_enclosures_contain_random_physical_orbits(name: str) -> None:
+    candidate, found = enclosures(name, REGULARISED)
+    assert found.coordinates == KUSTAANHEIMO_STIEFEL.name
+    source, accuracy = random.Random(name), Fraction(1, 2**130)
+    flow = orbits(CR3BP, 170)
+    with ctx.workprec(400):
+        for _ in range(10):
+            p = random_point(source, candidate)
+            crossings = flow.crossings(*initial_state(candidate, p), candidate.k)
+            for crossing, tables, time in zip(crossings, found.iterates, found.return_times, strict=True):
+                assert contains(time, crossing.time, accuracy)
+                for table, value in zip(tables, kernel_values(candidate, crossing.state), strict=True):
+                    assert contains(taylor_enclosure(table, p), value, accuracy)
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_both_coordinates_give_overlapping_derivatives(name: str) -> None:
+    _, own = enclosures(name, PHYSICAL)
+    _, other = enclosures(name, REGULARISED)
+    assert own.coordinates != other.coordinates
+    for one, two in zip(sum(own.iterates, ()), sum(other.iterates, ()), strict=True):
+        for alpha in one.box:
+            assert one.box[alpha].overlaps(two.box[alpha])
+            assert one.centre[alpha].overlaps(two.centre[alpha])
+        for alpha in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 2, 0), (1, 1, 0)):
+            assert two.centre[alpha].rad() < 1e-3 * max(1.0, abs(float(two.centre[alpha].mid())))
+
+
+def test_another_mass_or_orbit_does_not_overlap() -> None:
+    candidate, found = enclosures("inside", REGULARISED)
+    for wrong in (
+        replace(candidate, parameters={"mu": MU + Fraction(1, 10**6)}),
+        replace(candidate, centre=(candidate.centre[0] + Fraction(1, 10**6), *candidate.centre[1:])),
+    ):
+        other = enclose_iterates(wrong, IntegratorSettings(110, coordinates=PHYSICAL))
+        assert not other.iterates[0][0].box[0, 0, 0].overlaps(found.iterates[0][0].box[0, 0, 0])
+
+
+def collision() -> Candidate:
+    """A box around a planar orbit that falls into the smaller primary: from 0.01 inside, with the speed for it."""
+    field = KUSTAANHEIMO_STIEFEL.vector_field
+    mu = float(MU)
+
+    def closest(speed: float) -> tuple[float, float]:
+        state = [1 - mu - 0.01, 0.0, 0.0, 0.0, speed, 0.0]
+        assert CR3BP.first_integral is not None
+        level = CR3BP.first_integral(state, (mu,))
+        v = [float(value) for value in KUSTAANHEIMO_STIEFEL.embedding(state, (mu,), -1)]
+        best, step = (1.0, 0.0), 1e-2
+        for _ in range(300):
+            k1 = field(v, (mu,), level)
+            k2 = field([a + step / 2 * b for a, b in zip(v, k1, strict=True)], (mu,), level)
+            k3 = field([a + step / 2 * b for a, b in zip(v, k2, strict=True)], (mu,), level)
+            k4 = field([a + step * b for a, b in zip(v, k3, strict=True)], (mu,), level)
+            v = [a + step / 6 * (b + 2 * c + 2 * d + e) for a, b, c, d, e in zip(v, k1, k2, k3, k4, strict=True)]
+            distance = sum(a * a for a in v[:4])
+            turn = v[2] * v[7] - v[3] * v[6]
+            best = min(best, (distance, turn))
+        return best
+
+    low, high = -0.2, 0.2
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if (closest(middle)[1] < 0) == (closest(low)[1] < 0) else (low, middle)
+    return box(CR3BP, "touch_and_go", 1, (1 - MU - Fraction(1, 100), Fraction(0), Fraction((low + high) / 2)),
+               [Fraction(1, 10**6)] * 3, {"mu": MU})  # fmt: skip
+
+
+def test_an_orbit_that_may_collide_is_refused() -> None:
+    candidate = collision()
+    with pytest.raises(IntegrationFailure, match="collision"):
+        enclose_iterates(candidate, IntegratorSettings(110, coordinates=REGULARISED))
+    assert certify(candidate)["verdict"] == "not proved"
+
+
+def test_an_orbit_near_the_primary_is_followed_in_regularised_coordinates_by_itself() -> None:
+    close, far = BOXES["close"](), BOXES["inside"]()
+    assert enclose_iterates(close, IntegratorSettings(110)).coordinates == KUSTAANHEIMO_STIEFEL.name
+    assert enclose_iterates(far, IntegratorSettings(110)).coordinates == PHYSICAL
+
+
+def test_systems_without_regularisation_keep_their_own_coordinates() -> None:
+    assert regularised(FALKNER_SKAN, [0.0] * 3, [400.0]) is None
+    candidate = falkner_skan_box("period_tupling", 1, ("1e-7", "1e-9"))
+    assert enclose_iterates(candidate, IntegratorSettings(64, coordinates=REGULARISED)).coordinates == PHYSICAL
+
+
+def test_positivity_is_seen_only_where_it_is_certain() -> None:
+    arithmetic = Arithmetic(Grading((1,), 2), 60, 0, 4)
+    one = int(arithmetic.one)
+    blank = [fmpz_poly([])] * (len(arithmetic.grading.monomials) - 1)
+
+    def series(coefficients: list[int], error: float) -> Series:
+        return Series(arithmetic, [fmpz_poly(coefficients), *blank], [error, 0.0, 0.0, 0.0])
+
+    # (theta - 1/2)^2 + 1/100, whose minimum is well inside.
+    quadratic = [one // 4 + one // 100, -one, one]
+    assert stays_positive(series(quadratic, 0.005))
+    assert not stays_positive(series(quadratic, 0.02))
+    assert not stays_positive(series([-one], 0.0))
+    assert not stays_positive(series([0], 0.0))
+    assert not stays_positive(series([one], float("nan")))
