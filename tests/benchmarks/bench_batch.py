@@ -3,7 +3,7 @@
 All integrate the same halo orbits over the half period, with the same tolerance, in the same run; times are processor
 seconds (wall seconds for a GPU), the best of a few. heyoka is used where it is installed (pip install heyoka).
 
-python tests/benchmarks/bench_batch.py [number of orbits]
+python tests/benchmarks/bench_batch.py [number of orbits, at least 200]
 """
 
 from __future__ import annotations
@@ -159,4 +159,4 @@ def main(count: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 2048)
+    main(max(SINGLES, int(sys.argv[1])) if len(sys.argv) > 1 else 2048)
