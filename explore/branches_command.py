@@ -31,7 +31,8 @@ The new orbits of a point with multiplicity k close after k times the period. Ea
 sides of the point, and the side of the Jacobi constant (or beta) on which the first new orbits are is
 compared with that of the certificate. Lengths are those of the starting points on Fix(R), a coordinate in
 units of its own size where it exceeds 1.
-Exit codes: 0 all branches found, 1 one was not found or contradicts its certificate, 2 bad input.
+Exit codes: 0 all branches found, 1 one was not found or contradicts its certificate, 2 bad input, 130 interrupted
+(what was found by then is written).
 """
 
 
