@@ -11,7 +11,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
@@ -191,7 +191,7 @@ def _catalogue(mass_ratio: Fraction, rows: Sequence[Sequence[Any]], where: Any, 
     return Catalogue(mass_ratio, values[:, :6], values[:, 6], values[:, 7], values[:, 8], **names)
 
 
-def write_catalogue_json(path: Path, catalogue: Catalogue, points: dict[str, Sequence[float]]) -> None:
+def write_catalogue_json(path: Path, catalogue: Catalogue, points: Mapping[str, Iterable[float]]) -> None:
     """Write the JSON form, whole or not at all.
 
     Arguments:

@@ -71,8 +71,8 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
     complete = False not in [_is_complete(result, report) for result in results] and not unlocated
     if traced:
         options = request.options
-        files = (getattr(options, name, None) for name in ("csv", "catalogue"))
-        write_outputs(traced, request.family_output, *files, report)
+        csv, catalogue = getattr(options, "csv", None), getattr(options, "catalogue", None)
+        write_outputs(traced, request.family_output, csv, catalogue, report)
     if _interrupted(tasks, results):
         written = request.family_output is not None and traced
         where = f"resume with --from-family {request.family_output}" if written else "nothing is written"
