@@ -29,6 +29,7 @@ from explore.flow import Matrix, Vector
 from explore.shooting import (
     NEWTON_ACCEPTED,
     NEWTON_LIMIT,
+    NEWTON_RESIDUAL,
     CorrectionFailure,
     ShootingProblem,
     SymmetricOrbit,
@@ -233,7 +234,8 @@ class _Newton:
             1.0 + np.linalg.norm(self.unknowns[which] / self.scales[which], axis=1)
         )
         last = self.last[which]
-        found = (size < self.tolerance) | ((size < floor) & (size > 0.25 * last))
+        small = (size < self.tolerance) & (self.residuals[which] < NEWTON_RESIDUAL * self.tolerance)
+        found = small | ((size < floor) & (size > 0.25 * last))
         lost = ~np.isfinite(size) | ((iteration > 0) & (size > 2 * last) & (size > floor))
         self.last[which] = size
         proposal = self.unknowns[which]

@@ -30,6 +30,7 @@ from explore.step_control import NEWTON_TOLERANCE
 from shared.systems import ReversibleSystem
 
 NEWTON_ACCEPTED = 1e-10
+NEWTON_RESIDUAL = 1e3
 NEWTON_LIMIT = 8
 
 
@@ -101,8 +102,9 @@ class ShootingProblem:
         parameters: exact values of its fixed parameters, by name.
         symmetry: name of a symmetry S of the system: only orbits in Fix(S); `None`: all.
         scale: shape (2 + n,), typical sizes of the unknowns; arclength is measured in units of them.
-        tolerance: length of the last Newton step in scaled unknowns at which an orbit counts as found;
-            a longer one that no further step makes shorter also counts, up to `NEWTON_ACCEPTED`.
+        tolerance: length of the last Newton step in scaled unknowns at which an orbit counts as found, if the
+            equations hold to `NEWTON_RESIDUAL` times as much (orbits close to a collision are sensitive); a longer
+            one that no further step makes shorter also counts, up to `NEWTON_ACCEPTED`.
     """
 
     system: ReversibleSystem
@@ -189,7 +191,8 @@ class ShootingProblem:
                 raise CorrectionFailure("the shooting equations are singular") from None
             size = float(np.linalg.norm(step / self.scales[free]))
             floor = max(NEWTON_ACCEPTED, self.tolerance) * (1.0 + float(np.linalg.norm(unknowns / self.scales)))
-            if size < self.tolerance or (size < floor and size > 0.25 * last):
+            small = size < self.tolerance and float(np.max(np.abs(residual))) < NEWTON_RESIDUAL * self.tolerance
+            if small or (size < floor and size > 0.25 * last):
                 return Correction(unknowns, jacobian, flow, iteration)
             if not np.isfinite(size) or (iteration > 0 and size > 2 * last and size > floor):
                 break
