@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache
 
 from flint import arb, arb_mat, ctx
 
 from shared.formats import Candidate
 from shared.numbers import round_dyadic
-from tests.claims import known
 from tests.flow_checks import initial_state, kernel_values, orbits
 from verify.ball_text import exact_value
 from verify.balls import enclose
@@ -18,6 +16,7 @@ from verify.balls import enclose
 BITS = 200
 _STEP = Fraction(1, 2**80)
 _DISTANCE = Fraction(1, 2**28)
+_FAR = Fraction(1, 2**8)
 _NEWTON_STEPS = 3
 
 
@@ -43,6 +42,7 @@ def on_the_branch(candidate: Candidate, p_1: Fraction) -> tuple[Fraction, ...]:
             step = matrix.solve(arb_mat([[enclose(x)] for x in value]))
             for i, j in enumerate(free):
                 p[j] -= round_dyadic(exact_value(step[i, 0].mid()), 120)
+        assert max(map(abs, p)) < _FAR, "there is no branch here"
     return tuple(p)
 
 
@@ -57,10 +57,8 @@ def parameter_at(candidate: Candidate, p: Sequence[Fraction]) -> arb:
     return value
 
 
-@cache
-def side_of(name: str) -> str:
-    """Parameter values, compared with that at the bifurcation, at which a known claim has new orbits."""
-    claim = known(name)
+def side_of(claim: Candidate) -> str:
+    """Parameter values, compared with that at the centre, a bifurcation, at which there are new orbits."""
     middle = tuple(Fraction(0) for _ in claim.radii)
     signs = set()
     with ctx.workprec(2 * BITS):
