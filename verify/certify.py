@@ -47,6 +47,9 @@ _NARROW_BITS = 4
 _MOST_SPREAD = 8
 """The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
 
+_MOST_BITS_ACROSS = 32
+"""It is not if P_2 is narrower than P_0 by more bits than that."""
+
 _AT_THE_PARAMETER = (
     *("candidate-box", "C2", "C3", "C4", "HC2", "HC3", "HC4", "point"),
     *("dH/dp_0", "h_fp'", "h_b'", "h_b''", "G_11", "G_01", "G_111"),
@@ -166,7 +169,7 @@ def _certify(
 ) -> Certificate:
     tried: list[tuple[Candidate | None, _Attempt]] = []
     attempts = 0
-    for form in _forms(candidate, limits.level):
+    for form in _forms(candidate, limits):
         best, more = _escalate(candidate, form, limits, start, progress, integrate)
         attempts += more
         tried.append((form, best))
@@ -185,14 +188,17 @@ def _certify(
     return make_certificate(candidate, best.outcome, computation, best.enclosures, form)
 
 
-def _forms(candidate: Candidate, level: str) -> list[Candidate | None]:
+def _forms(candidate: Candidate, limits: Limits) -> list[Candidate | None]:
     """What to try, in this order: level forms of the candidate, or `None` for the candidate as it is."""
-    form = None if level == "coordinates" else level_form(candidate)
+    form = None if limits.level == "coordinates" else level_form(candidate)
     if form is None:
         return [None]
-    if level == "integral":
+    if limits.level == "integral":
         return [form]
-    return [form, None] if level_spread(candidate, form) <= _MOST_SPREAD else [None, form]
+    # The point that the level form finds has to be known to the narrowest radius of the candidate's own box.
+    value, slope = accuracy_bits(candidate, limits.digits)
+    wide = level_spread(candidate, form) > _MOST_SPREAD
+    return [None, form] if wide or value > slope + _MOST_BITS_ACROSS else [form, None]
 
 
 def _escalate(
