@@ -107,7 +107,13 @@ def _family_options(target: argparse.ArgumentParser) -> None:
     target.add_argument(
         "--preset", choices=tuple(PRESETS), help=f"in place of --system, --mass, --family and --vy-max: {meanings}"
     )
-    target.add_argument("--family", nargs="+", metavar="NAME", help=f"families to trace ({families})")
+    target.add_argument(
+        "--family",
+        nargs="+",
+        metavar="NAME",
+        help=f"families to trace ({families}); L1-halo-2, L1-halo-3, .. branch off at the next symmetry breakings of "
+        "L1-lyapunov, the same for L2 and L3",
+    )
     target.add_argument(
         "--from-family", type=Path, metavar="FILE",
         help="start from the families in a family file and continue them up to the limits, instead of from their "
@@ -119,8 +125,8 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         "corrected and compared with the file, and the family is traced both ways from one of them",
     )  # fmt: skip
     target.add_argument(
-        "--catalogue-orbit", type=option_types.index, default=1, metavar="N",
-        help="the orbit of that file, counted from 1, from which the family is traced (default: %(default)s)",
+        "--catalogue-orbit", type=option_types.index, metavar="N",
+        help="the orbit of that file, counted from 1, from which the family is traced (default: the middle one)",
     )  # fmt: skip
     target.add_argument(
         "--mirror", action="store_true", help="halo families: the mirror image, z < 0 at the first point"

@@ -9,7 +9,7 @@ import numpy as np
 
 from explore.catalogue import decimal_text, read_catalogue
 from explore.catalogue_orbits import CorrectedCatalogue, correct_catalogue
-from explore.continuation import Family
+from explore.continuation import Family, in_fixed_space
 from explore.progress import Reporter
 from explore.shooting import CorrectionFailure
 from shared.formats import InputError
@@ -36,9 +36,14 @@ class CatalogueStart:
     complete: bool
 
 
-def catalogue_start(path: Path, number: int, tolerance: float, report: Reporter) -> CatalogueStart:
-    """Read a catalogue, correct its orbits and take orbit `number`, counted from 1. Raises `InputError`."""
+def catalogue_start(path: Path, number: int | None, tolerance: float, report: Reporter) -> CatalogueStart:
+    """Read a catalogue, correct its orbits and take orbit `number`, counted from 1, or the middle one.
+
+    Raises `InputError`.
+    """
     catalogue = read_catalogue(path)
+    if number is None:
+        number = (len(catalogue) + 1) // 2
     if number > len(catalogue):
         raise InputError(f"--catalogue-orbit {number}: {path} has {len(catalogue)} orbits; give a smaller number")
     report.stage(f"correcting {len(catalogue)} orbits of {path}")
@@ -50,15 +55,21 @@ def catalogue_start(path: Path, number: int, tolerance: float, report: Reporter)
         report.error(f"{path}: {len(failed) - MOST_LINES} more orbits are not corrected")
     seed = None
     try:
-        if not corrected.failures[number - 1]:
-            seed = corrected.seed(number - 1)
+        seed = _seed(corrected, number - 1)
     except CorrectionFailure as error:
-        report.error(f"{path}: orbit {number}: {error}")
-    if seed is None:
-        report.error(f"--catalogue-orbit {number}: no family is traced from an orbit that was not corrected")
+        report.error(f"--catalogue-orbit {number}: no family is traced from it: {error}")
     return CatalogueStart(
         catalogue.title, decimal_text(catalogue.mass_ratio), seed, tuple(agreement_table(corrected)), not failed
     )
+
+
+def _seed(corrected: CorrectedCatalogue, index: int) -> Family:
+    if corrected.failures[index]:
+        raise CorrectionFailure("it was not corrected")
+    seed = corrected.seed(index)
+    if in_fixed_space(seed.problem, seed.orbits[0]):
+        raise CorrectionFailure("it lies in the plane, where two families meet; choose another orbit")
+    return seed
 
 
 def agreement_table(corrected: CorrectedCatalogue) -> list[str]:

@@ -165,6 +165,16 @@ def test_command_starts_from_a_catalogue_and_writes_one(tmp_path: Path, capsys: 
     assert "--catalogue-orbit 9" in capsys.readouterr().err
 
 
+def test_family_is_not_traced_from_the_orbit_at_which_it_is_born(tmp_path: Path, capsys: Any) -> None:
+    path = tmp_path / "family.json"
+    arguments = ["--from-catalogue", str(OWN["json"]), "--catalogue-orbit", "1", "-o", str(path), "--jobs", "1"]
+    assert main(["family", *arguments]) == 1
+    output, errors = capsys.readouterr()
+    assert "7 of 7 orbits corrected" in output
+    assert "--catalogue-orbit 1: no family is traced from it: it lies in the plane" in errors
+    assert not path.exists()
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
