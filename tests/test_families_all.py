@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import explore.search
 from explore.__main__ import main
 from explore.branching import branch_seed, breaking_at_end
 from explore.continuation import Family
@@ -21,6 +22,8 @@ from explore.flow import flow_of
 from explore.libration import LIBRATION_POINTS, distance_to_primaries, libration_point, vertical_orbit
 from explore.limits import Limits
 from explore.records import family_of
+from explore.targets import Target
+from explore.tracing import TracedFamily
 from shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
@@ -234,6 +237,26 @@ def test_both_ends_of_a_family_are_in_its_file(tmp_path: Path, capsys: Any) -> N
     path.write_text(json.dumps(document))
     assert main(["family", "--from-family", str(path), "-o", str(tmp_path / "b.json")]) == 2
     assert "beginning.outcome" in capsys.readouterr().err
+
+
+def test_resonance_of_orbits_that_cross_more_than_once_is_reported_and_not_refined(
+    tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A claim counts crossings: its k is that of the orbit only if the half orbit crosses once."""
+    plain = explore.search.targets_of
+
+    def crossing_twice(item: TracedFamily, points: str) -> list[Target]:
+        return [
+            replace(target, resonance=replace(target.resonance, orbit=replace(target.resonance.orbit, crossings=2)))
+            for target in plain(item, points)
+        ]
+
+    monkeypatch.setattr(explore.search, "targets_of", crossing_twice)
+    path = tmp_path / "candidates.json"
+    arguments = ["--system", "falkner-skan", "--beta-min", "300", "--beta-max", "345", "-k", "2", "-o", str(path)]
+    assert main(["candidates", *arguments, "--jobs", "1", "--quiet"]) == 1
+    assert "its half orbit crosses the section 2 times, not once" in capsys.readouterr().err
+    assert not path.exists()
 
 
 def test_steps_and_tolerances_are_options(tmp_path: Path) -> None:
