@@ -245,14 +245,17 @@ def test_a_point_in_the_new_box_only_is_not_proved() -> None:
 
 def test_the_better_conditioned_form_comes_first() -> None:
     candidate = known("em3")
-    assert [form is None for form in _forms(candidate, "auto")] == [False, True]
-    assert _forms(candidate, "coordinates") == [None]
-    assert [form is None for form in _forms(candidate, "integral")] == [False]
+    assert [form is None for form in _forms(candidate, Limits(level="auto"))] == [False, True]
+    assert _forms(candidate, Limits(level="coordinates")) == [None]
+    assert [form is None for form in _forms(candidate, Limits(level="integral"))] == [False]
     # p_1 along the family as well, and much longer than p_0: the levels then say little about p_0.
     frame = tuple((row[0], row[1] + row[0], row[2]) for row in candidate.frame)
     tangent = replace(candidate, frame=frame, radii=(candidate.radii[0] / 1024, *candidate.radii[1:]))
-    assert [form is None for form in _forms(tangent, "auto")] == [True, False]
-    assert _forms(known("fs2"), "integral") == [None]
+    assert [form is None for form in _forms(tangent, Limits(level="auto"))] == [True, False]
+    assert _forms(known("fs2"), Limits(level="integral")) == [None]
+    # P_2 so narrow that the level form would have to find the point far more accurately than it needs to itself.
+    narrow = replace(candidate, radii=(*candidate.radii[:2], candidate.radii[0] / 2**160))
+    assert [form is None for form in _forms(narrow, Limits())] == [True, False]
 
 
 def test_a_candidate_without_a_level_form_is_taken_as_it_is() -> None:
@@ -262,7 +265,7 @@ def test_a_candidate_without_a_level_form_is_taken_as_it_is() -> None:
     wide = replace(candidate, radii=(F(1), F(1), F(1)))
     for changed in (at_rest, wide):
         assert level_form(changed) is None
-        assert _forms(changed, "integral") == [None]
+        assert _forms(changed, Limits(level="integral")) == [None]
 
 
 def test_a_level_form_is_a_candidate_of_its_own(tmp_path: Path) -> None:
