@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
+from typing import Any
 
 import pytest
-from flint import arb, ctx, fmpz_poly
+from claims import known
+from flint import arb, arb_series, ctx, fmpz_poly
 
 from shared.formats import Candidate
 from shared.regularised import KUSTAANHEIMO_STIEFEL
@@ -23,15 +26,17 @@ from tests.flow_checks import (
     kernel_values,
     orbits,
     random_point,
+    series_at,
     taylor_enclosure,
 )
 from verify.algebra import Arithmetic, Series
-from verify.certify import certify
+from verify.certify import Limits, certify
 from verify.coordinates import PHYSICAL, regularised
 from verify.crossing import stays_positive
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.poincare import REGULARISED, Enclosures, IntegratorSettings, enclose_iterates
+from verify.recheck import recheck
 
 MU = MASS_PARAMETERS["earth-moon"]
 RADII = tuple(Fraction(r) for r in ("1e-16", "1e-9", "1e-16"))
@@ -62,6 +67,41 @@ def power(base: arb, exponent: Fraction) -> arb:
     return base ** ball(exponent)
 
 
+def bilinear(u: Sequence[Any], w: Sequence[Any]) -> Any:
+    """l(u, w), which vanishes along the orbits that the equations describe."""
+    return u[0] * w[3] - u[1] * w[2] + u[2] * w[1] - u[3] * w[0]
+
+
+def vanishes(value: arb) -> bool:
+    """Whether a ball is about zero."""
+    return bool(value.contains(0)) and bool(abs(value) < 1e-30)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_equations_are_those_of_the_three_body_problem(seed: int) -> None:
+    """Where l = 0 and C is the Jacobi constant: d/ds of the projection is r_2 times the vector field, dl/ds = 0."""
+    source = random.Random(seed)
+    with ctx.workprec(300):
+        mu, *u, w1, w2, w3, time = (ball(Fraction(source.randint(1, 10**6), 10**6)) for _ in range(9))
+        rho2 = 2 * (u[0] * u[1] - u[2] * u[3])
+        w = [w1, w2, w3, (u[1] * w3 - u[2] * w2 + u[3] * w1) / u[0]]
+        v = [*u, *w, rho2, time]
+        state = KUSTAANHEIMO_STIEFEL.projection_program.evaluate([*v, mu], ball, power)
+        assert CR3BP.first_integral_program is not None
+        level = CR3BP.first_integral_program.evaluate([*state, mu], ball, power)
+        slopes = KUSTAANHEIMO_STIEFEL.program.evaluate([*v, mu, *level], ball, power)
+        line = [arb_series([value, slope], 2) for value, slope in zip(v, slopes, strict=True)]
+        moved = KUSTAANHEIMO_STIEFEL.projection_program.evaluate(
+            [*line, arb_series([mu], 2)], lambda value: arb_series([ball(value)], 2)
+        )
+        distance = sum((value * value for value in u), arb(0))
+        for along, wanted in zip(moved, CR3BP.program.evaluate([*state, mu], ball, power), strict=True):
+            assert vanishes(along[1] - distance * wanted)
+        assert vanishes(bilinear(u, slopes[4:8]))
+        assert all(vanishes(slope - value) for slope, value in zip(slopes[:4], w, strict=True))
+        assert vanishes(slopes[9] - distance)
+
+
 @pytest.mark.parametrize("branch", [1, -1])
 def test_the_projection_undoes_the_embedding(branch: int) -> None:
     source = random.Random(branch)
@@ -72,8 +112,19 @@ def test_the_projection_undoes_the_embedding(branch: int) -> None:
             spinors = KUSTAANHEIMO_STIEFEL.embedding_program(branch).evaluate([*state, ball(MU)], ball, power)
             again = KUSTAANHEIMO_STIEFEL.projection_program.evaluate([*spinors, ball(MU)], ball, power)
             for given, found in zip(state, again, strict=True):
-                assert found.overlaps(given)
-                assert found.rad() < 1e-30
+                assert vanishes(found - given)
+            assert vanishes(bilinear(spinors[:4], spinors[4:8]))
+            assert spinors[8:] == [0, 0]
+
+
+def test_both_formulas_of_the_embedding_agree_where_both_are_valid() -> None:
+    """Next to rho_1 = 0 a box may reach across; up to the sign of u, the formulas give one point."""
+    with ctx.workprec(200):
+        for z in (Fraction(1, 3), Fraction(-1, 3)):
+            state = [ball(1 - MU), arb(0), ball(z), arb(0), arb(-2), arb(0), ball(MU)]
+            one, two = (KUSTAANHEIMO_STIEFEL.embedding_program(b).evaluate(state, ball, power) for b in (1, -1))
+            sign = 1 if z > 0 else -1
+            assert all(vanishes(a - sign * b) for a, b in zip(one, two, strict=True))
 
 
 @pytest.mark.parametrize("name", BOXES)
@@ -152,6 +203,41 @@ def test_an_orbit_that_may_collide_is_refused() -> None:
     assert certify(candidate)["verdict"] == "not proved"
 
 
+def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -> None:
+    candidate, settings = known("em1"), IntegratorSettings(110, coordinates=REGULARISED)
+    seen: list[Series] = []
+
+    def check(series: Series, refused: int = -1) -> bool:
+        seen.append(series)
+        return len(seen) - 1 != refused and stays_positive(series)
+
+    monkeypatch.setattr("verify.poincare.stays_positive", check)
+    steps = enclose_iterates(candidate, settings).steps
+    assert len(seen) == steps
+    # What is checked is the distance from the primary.
+    x, z = (candidate.centre[candidate.coordinates.index(name)] - start for name, start in (("x", 1 - MU), ("z", 0)))
+    assert series_at(seen[0], Fraction(0), ()).overlaps(ball(x * x + z * z).sqrt())
+    assert series_at(seen[0], Fraction(0), ()).rad() < 1e-9
+    for refused in range(steps):
+        seen.clear()
+        monkeypatch.setattr("verify.poincare.stays_positive", partial(check, refused=refused))
+        with pytest.raises(IntegrationFailure, match="collision"):
+            enclose_iterates(candidate, settings)
+
+
+@pytest.mark.parametrize("level", ["integral", "coordinates"])
+def test_what_is_proved_in_regularised_coordinates_is_proved_again_in_the_systems_own(level: str) -> None:
+    def integrate(candidate: Candidate, settings: IntegratorSettings, progress: Any) -> Enclosures:
+        return enclose_iterates(candidate, replace(settings, coordinates=REGULARISED), progress)
+
+    certificate = certify(known("em1"), Limits(level=level), None, integrate)
+    assert certificate["verdict"] == "proved"
+    assert certificate["computation"]["coordinates"] == KUSTAANHEIMO_STIEFEL.name
+    assert ("level_form" in certificate["statement"]) == (level == "integral")
+    again = recheck(certificate, integrate=True)
+    assert again.stands, again.findings
+
+
 def test_an_orbit_near_the_primary_is_followed_in_regularised_coordinates_by_itself() -> None:
     close, far = BOXES["close"](), BOXES["inside"]()
     assert enclose_iterates(close, IntegratorSettings(110)).coordinates == KUSTAANHEIMO_STIEFEL.name
@@ -162,6 +248,14 @@ def test_systems_without_regularisation_keep_their_own_coordinates() -> None:
     assert regularised(FALKNER_SKAN, [0.0] * 3, [400.0]) is None
     candidate = falkner_skan_box("period_tupling", 1, ("1e-7", "1e-9"))
     assert enclose_iterates(candidate, IntegratorSettings(64, coordinates=REGULARISED)).coordinates == PHYSICAL
+
+
+def test_another_system_of_the_same_name_has_no_regularisation(monkeypatch: pytest.MonkeyPatch) -> None:
+    other = replace(CR3BP, title="another system")
+    assert regularised(other, [0.84, 0.0, 0.16, 0.0, 0.26, 0.0], [float(MU)]) is None
+    monkeypatch.setattr("shared.systems.SYSTEMS", {CR3BP.name: other})
+    monkeypatch.setattr("verify.coordinates.SYSTEMS", {CR3BP.name: other}, raising=False)
+    assert regularised(other, [0.84, 0.0, 0.16, 0.0, 0.26, 0.0], [float(MU)]) is None
 
 
 def test_positivity_is_seen_only_where_it_is_certain() -> None:

@@ -13,7 +13,7 @@ from functools import cache
 
 from shared.program import Program
 from shared.regularised import REGULARISATIONS, Regularisation
-from shared.systems import SYSTEMS, ReversibleSystem
+from shared.systems import ReversibleSystem
 from verify.centre import float_coefficients, step_size
 from verify.evaluation import PreparedProgram, prepare
 from verify.failure import IntegrationFailure
@@ -65,7 +65,8 @@ def _prepared(name: str) -> tuple[PreparedProgram, PreparedProgram]:
 def regularised(system: ReversibleSystem, state: Sequence[float], parameters: Sequence[float]) -> Coordinates | None:
     """Regularised coordinates of the system, if it has any, that suit a point of Fix(R)."""
     regularisation = REGULARISATIONS.get(system.name)
-    if regularisation is None or SYSTEMS[system.name] is not system:
+    # The same name is not enough: the equations are those of this system only.
+    if regularisation is None or regularisation.system is not system:
         return None
     program, section_program = _prepared(system.name)
     embedding = regularisation.embedding_program(regularisation.branch(state, parameters))
