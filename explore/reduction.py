@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor, log2
+from math import ceil, floor, log2, log10
 from typing import Any
 
 import mpmath
@@ -21,8 +21,13 @@ from explore.jets import Jet, JetBasis
 from shared.systems import ReversibleSystem
 
 SAFETY = 8
-EASY_LOSS_BITS = 12
 """Factor by which a radius exceeds what the curvature of the branch asks for."""
+
+EASY_LOSS_BITS = 12
+EASY_CURVATURE_BITS = 8
+
+CENTRE_SHARE = 100
+"""A radius is at least so many times as large as the uncertainty of the centre."""
 
 
 @dataclass(frozen=True)
@@ -168,27 +173,42 @@ def _implicit(equations: list[Jet], unknowns: range, arguments: list[Jet], conte
     return [current[j] for j in unknowns]
 
 
-def box_radii(
-    geometry: BranchGeometry, digits: int, accuracy: float, n: int, k: int, lost_bits: int = 0
-) -> tuple[Fraction, ...]:
+def half_width(geometry: BranchGeometry, digits: int, k: int, lost_bits: int = 0) -> float:
+    """The half-width of P_1 for which third derivatives are enclosed sharply.
+
+    Along an orbit that loses many bits (`lost_bits`, near a collision), over many returns, and where the new
+    branch is strongly curved, the part of the map beyond third order is amplified, and the box is made smaller.
+    """
+    amplified = float(max(0, lost_bits - EASY_LOSS_BITS) + 4 * max(0, k - 4))
+    if k > 1 and geometry.branch_curvature:
+        amplified += max(0.0, 2 * log2(abs(geometry.branch_curvature)) - EASY_CURVATURE_BITS)
+    return float(10.0 ** (-digits / 3) * 4.0**-amplified)
+
+
+def digits_for(width: float) -> int:
+    """Decimal digits of the centre that a half-width of P_1 needs: those of P_0 and P_2 are about its square."""
+    return ceil(-2 * log10(width) + log10(CENTRE_SHARE))
+
+
+def box_radii(geometry: BranchGeometry, width: float, accuracy: float, n: int) -> tuple[Fraction, ...]:
     """Half-widths of P_0, P_1, P_2, powers of two, for a centre known to `accuracy` in the frame.
 
     They satisfy, with `SAFETY` to spare, p_1(P_0) in P_1, p_2(P_0 x P_1) in P_2 and p_0(P_1) in P_0.
-    Along an orbit that loses many bits (`lost_bits`, near a collision) and over many returns the part
-    of the map beyond third order is amplified too, and the box is made smaller for it.
+
+    Arguments:
+        width: of P_1, from `half_width`.
+        n: number of kernel coordinates.
     """
-    amplified = max(0, lost_bits - EASY_LOSS_BITS) + 4 * max(0, k - 4)
-    floor_ = 100 * accuracy
+    floor_ = CENTRE_SHARE * accuracy
     d11, d01, d00 = geometry.across
-    r1 = max(10.0 ** (-digits / 2), 10.0 ** (-digits / 3) * 4.0**-amplified)
     if geometry.branch_curvature is not None:
-        r1 = max(r1, floor_**0.5)
+        r1 = max(width, floor_**0.5)
         r0 = max(SAFETY * abs(geometry.branch_curvature) / 2 * r1**2, r1**2, floor_)
         r2 = max(SAFETY * d11 / 2 * r1**2, r1**2, floor_)
     else:
         assert geometry.family_curvature is not None
         slope = abs(geometry.branch_slope)
-        r1 = max(r1 / max(1.0, slope), floor_)
+        r1 = max(width / max(1.0, slope), floor_)
         # Both sides of p_1(P_0) in P_1 shrink with r1, the left one faster.
         widening = SAFETY * max(slope, 1 / SAFETY)
         r1 = min(r1, 2 / (SAFETY * max(geometry.family_curvature, 1e-300) * widening**2))

@@ -17,7 +17,7 @@ import numpy as np
 
 from explore.frames import Frame, Parity, RefinementFailure, parity_of
 from explore.half_return import LinearIterates
-from explore.reduction import BranchGeometry, box_radii, branch_geometry
+from explore.reduction import BranchGeometry, box_radii, branch_geometry, digits_for, half_width
 from explore.resonance import (
     LinearisedResonance,
     Resonance,
@@ -128,7 +128,7 @@ def refine(
     Arguments:
         kind, k: as in `shared.formats.Candidate`; k = 1 exactly for symmetry breaking.
         guess: 1 + n numbers in the order of `centre_coordinates`, off by 1e-5 or less.
-        digits: decimal digits of the centre.
+        digits: decimal digits of the centre; a box that has to be small for its orbit gets more.
         symmetry: the symmetry that breaks, for k = 1; may be left out if the system has only one.
         progress: called with a message and the fraction done.
 
@@ -140,9 +140,30 @@ def refine(
     problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity)
     try:
         solution = _solve(problem, guess, digits, report)
-        return _dressed(problem, solution, kind, digits, symmetry, report)
+        margins = _checked_iterates(problem, solution.frame, solution.at.iterates)
+        report("curvatures", 0.85)
+        geometry = branch_geometry(
+            system, problem.parameters, solution.point, solution.frame, k, problem.tangential,
+            working_context(GEOMETRY_BITS),
+        )  # fmt: skip
+        width = half_width(geometry, digits, k, solution.lost_bits)
+        if digits_for(width) > digits + MARGIN_DIGITS:
+            solution = _solve(problem, solution.point, digits_for(width) - MARGIN_DIGITS // 2, report)
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
+    point, frame, at = solution.point, solution.frame, solution.at
+    accuracy = max(solution.residual, 10.0 ** -(max(digits, digits_for(width) - MARGIN_DIGITS // 2) + MARGIN_DIGITS))
+    value = None
+    if system.first_integral is not None:
+        value = round_dyadic(_fraction(problem.level(point, at.context, False).coefficients[0]), at.context.prec)
+    report("done", 1.0)
+    return RefinedPoint(
+        system=system, parameters=problem.parameters, kind=kind, k=k, symmetry=symmetry,
+        centre=tuple(point), frame=_exact_rows(frame.columns), kernel_frame=_exact_rows(frame.rows),
+        radii=box_radii(geometry, width, accuracy, len(system.kernel_coordinates)),
+        residual=solution.residual, digits=digits, iterations=solution.iterations, half_period=at.half.time,
+        first_integral=value, geometry=geometry, margins=margins,
+    )  # fmt: skip
 
 
 def _checked(
@@ -202,10 +223,12 @@ class _Solution:
     lost_bits: int
 
 
-def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Callable[[str, float], None]) -> _Solution:
+def _solve(
+    problem: Resonance, guess: Sequence[float | Fraction], digits: int, report: Callable[[str, float], None]
+) -> _Solution:
     goal = ceil((digits + MARGIN_DIGITS) * log2(10))
     enough = ceil((digits + MARGIN_DIGITS / 2) * log2(10))
-    point = [Fraction(float(x)) for x in guess]
+    point = [x if isinstance(x, Fraction) else Fraction(float(x)) for x in guess]
     if problem.parity is not None:
         if abs(point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
             raise RefinementFailure("the guess does not have the symmetry that is to break")
@@ -252,34 +275,6 @@ def _solve(problem: Resonance, guess: Sequence[float], digits: int, report: Call
             slope_bits = max(FIRST_BITS, target // 2 + 8)
             slope = resonance_slope(problem, point, at, slope_bits + guard)
         correction = newton_correction(problem, at, slope)
-
-
-def _dressed(
-    problem: Resonance,
-    solution: _Solution,
-    kind: str,
-    digits: int,
-    symmetry: str | None,
-    report: Callable[[str, float], None],
-) -> RefinedPoint:
-    """Check that the point is a simple 1:k resonance, and add radii and what is worth knowing."""
-    system, point, frame, at = problem.system, solution.point, solution.frame, solution.at
-    margins = _checked_iterates(problem, frame, at.iterates)
-    report("curvatures", 0.85)
-    context = working_context(GEOMETRY_BITS)
-    geometry = branch_geometry(system, problem.parameters, point, frame, problem.k, problem.tangential, context)
-    accuracy = max(solution.residual, 10.0 ** -(digits + MARGIN_DIGITS))
-    value = None
-    if system.first_integral is not None:
-        value = round_dyadic(_fraction(problem.level(point, at.context, False).coefficients[0]), at.context.prec)
-    report("done", 1.0)
-    return RefinedPoint(
-        system=system, parameters=problem.parameters, kind=kind, k=problem.k, symmetry=symmetry,
-        centre=tuple(point), frame=_exact_rows(frame.columns), kernel_frame=_exact_rows(frame.rows),
-        radii=box_radii(geometry, digits, accuracy, len(system.kernel_coordinates), problem.k, solution.lost_bits),
-        residual=solution.residual, digits=digits, iterations=solution.iterations, half_period=at.half.time,
-        first_integral=value, geometry=geometry, margins=margins,
-    )  # fmt: skip
 
 
 def _relative_size(correction: Sequence[Any], point: Sequence[Fraction]) -> float:
