@@ -6,6 +6,7 @@ import random
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cache
+from typing import Any
 
 import mpmath
 import pytest
@@ -339,3 +340,12 @@ def test_initial_values_are_not_trusted() -> None:
     wrong = [[int(x.coefs[0][0]) + 1] + [0] * model.arithmetic.degree for x in model.state]
     with pytest.raises(ValueError, match="does not start"):
         advance(prepare(FALKNER_SKAN.program), model.arithmetic, wrong, model.state, model.parameters, Fraction(1, 64))
+
+
+@pytest.mark.parametrize(
+    "values", [{"precision": 0}, {"precision": 64, "order": 0}, {"precision": 64, "accuracy": (-1, 0)},
+               {"precision": 64, "coordinates": "spherical"}], ids=str,
+)  # fmt: skip
+def test_settings_that_mean_nothing_are_refused(values: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=str(next(reversed(values)))):
+        IntegratorSettings(**values)

@@ -13,7 +13,6 @@ from flint import arb
 from verify.algebra import Series
 from verify.balls import enclose
 
-rational_ball = enclose
 MAX_ORDER = 3
 MultiIndex = tuple[int, ...]
 

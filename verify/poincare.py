@@ -16,6 +16,7 @@ from flint import arb, ctx
 from shared.formats import Candidate
 from shared.program import Program
 from verify.algebra import Arithmetic, Series
+from verify.balls import enclose
 from verify.centre import (
     dyadic_below,
     fixed_coefficients,
@@ -26,7 +27,7 @@ from verify.centre import (
 )
 from verify.coordinates import PHYSICAL, Coordinates, choose, physical, regularised
 from verify.crossing import CrossingCounter, stays_positive
-from verify.derivatives import DerivativeTable, derivative_table, rational_ball
+from verify.derivatives import DerivativeTable, derivative_table
 from verify.evaluation import Evaluation, prepare
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
@@ -65,6 +66,14 @@ class IntegratorSettings:
     order: int | None = None
     accuracy: tuple[int, int] | None = None
     coordinates: str = AUTO
+
+    def __post_init__(self) -> None:
+        if self.precision < 1 or (self.order is not None and self.order < 1):
+            raise ValueError(f"precision {self.precision} and order {self.order} have to be positive")
+        if self.accuracy is not None and min(self.accuracy) < 0:
+            raise ValueError(f"accuracy {self.accuracy} is negative")
+        if self.coordinates not in (AUTO, PHYSICAL, REGULARISED):
+            raise ValueError(f"coordinates {self.coordinates!r} are none of {AUTO}, {PHYSICAL}, {REGULARISED}")
 
 
 @dataclass(frozen=True)
@@ -274,9 +283,9 @@ class _Integration:
                 break
             self.share /= 2
         self._check_time(flow)
-        self.counter.cover(flow.solution[section], flow.slopes[section], self.time, rational_ball(step))
+        self.counter.cover(flow.solution[section], flow.slopes[section], self.time, enclose(step))
         self.state = list(flow.end)
-        self.time = self.time + rational_ball(step)
+        self.time = self.time + enclose(step)
         self.steps += 1
         if self.steps == 1:
             self.first_error_bits = self._error_bits()
