@@ -32,11 +32,14 @@ from tests.flow_checks import (
 from verify.algebra import Arithmetic, Series
 from verify.certify import Limits, certify
 from verify.coordinates import PHYSICAL, regularised
-from verify.crossing import stays_positive
+from verify.crossing import CrossingCounter, stays_positive
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
-from verify.poincare import REGULARISED, Enclosures, IntegratorSettings, enclose_iterates
+from verify.level import point_on_fixed_set
+from verify.poincare import REGULARISED, Enclosures, IntegratorSettings, _Integration, enclose_iterates
 from verify.recheck import recheck
+from verify.section import onto_section
+from verify.step import FlowStep, advance
 
 MU = MASS_PARAMETERS["earth-moon"]
 RADII = tuple(Fraction(r) for r in ("1e-16", "1e-9", "1e-16"))
@@ -223,6 +226,104 @@ def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -
         monkeypatch.setattr("verify.poincare.stays_positive", partial(check, refused=refused))
         with pytest.raises(IntegrationFailure, match="collision"):
             enclose_iterates(candidate, settings)
+
+
+@pytest.mark.parametrize("level", ["integral", "coordinates"])
+def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level: str) -> None:
+    """The box is so wide that the part above the kept grades is seen."""
+    wide = tuple(Fraction(1, 2000) for _ in range(3))
+    candidate = halo("earth-moon", "period_tupling", ("1e-3", "1e-3", "1e-3"))
+    if level == "integral":
+        assert CR3BP.first_integral is not None
+        x, z, vy = (float(value) for value in candidate.centre)
+        (jacobi,) = CR3BP.first_integral([x, 0.0, z, 0.0, vy, 0.0], [float(MU)])
+        candidate = replace(candidate, centre=(Fraction(jacobi), *candidate.centre[:2]), radii=wide, level_sign=1)
+    entered = _Integration(candidate, IntegratorSettings(110, coordinates=REGULARISED), None)
+    assert entered.coordinates.name == KUSTAANHEIMO_STIEFEL.name
+    assert CR3BP.first_integral_program is not None
+    branch = KUSTAANHEIMO_STIEFEL.branch([float(candidate.centre[level == "integral"])], [float(MU)])
+    embedding = KUSTAANHEIMO_STIEFEL.embedding_program(branch)
+    source = random.Random(level)
+    with ctx.workprec(300):
+        for _ in range(20):
+            p = random_point(source, candidate)
+            named = dict(zip(candidate.coordinates, (
+                ball(middle + sum((a * b for a, b in zip(row, p, strict=True)), Fraction(0)))
+                for middle, row in zip(candidate.centre, candidate.frame, strict=True)
+            ), strict=True))  # fmt: skip
+            named = named if level == "coordinates" else point_on_fixed_set(candidate, named)
+            arguments = [*(named.get(name, arb(0)) for name in CR3BP.state), ball(MU)]
+            wanted = [*embedding.evaluate(arguments, ball, power), ball(MU)]
+            wanted += CR3BP.first_integral_program.evaluate(arguments, ball, power)
+            xi = [x / scale for x, scale in zip(p, entered.scales, strict=True)]
+            for series, value in zip((*entered.state, *entered.constants), wanted, strict=True):
+                assert series_at(series, Fraction(0), xi).overlaps(value)
+                assert value.rad() < 1e-60
+
+
+@pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
+def test_the_times_of_the_steps_follow_each_other(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The count of crossings speaks of the whole time from the start to the crossing."""
+    covered: list[tuple[arb, arb]] = []
+
+    class Counter(CrossingCounter):
+        def cover(self, position: Series, velocity: Series, time: arb, step: arb) -> None:
+            covered.append((time, step))
+            super().cover(position, velocity, time, step)
+            assert self.clear_time is None or self.clear_time <= time + step + arb(2) ** -90
+            if self.velocity_sign == 0:
+                assert self.clear_time.overlaps(time + step)
+
+    monkeypatch.setattr("verify.poincare.CrossingCounter", Counter)
+    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+    assert len(covered) == found.steps
+    ends = [arb(0), *(time + step for time, step in covered)]
+    assert all(time.overlaps(end) for (time, _), end in zip(covered, ends, strict=False))
+    # In the system's own time the last step ends at the crossing; where r_2 < 1, the other time is longer.
+    last = ends[-1] - found.return_times[0]
+    assert abs(last) < 1e-6 if coordinates == PHYSICAL else last > 1e-2
+
+
+@pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
+@pytest.mark.parametrize("delay", [10.0, float("inf"), float("nan")])
+def test_a_crossing_at_an_uncertain_time_is_refused(
+    coordinates: str, delay: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def late(*arguments: Any) -> tuple[list[Series], Series]:
+        image, elapsed = onto_section(*arguments)
+        return image, elapsed.with_errors([delay, *elapsed.errors[1:]])
+
+    monkeypatch.setattr("verify.poincare.onto_section", late)
+    with pytest.raises(IntegrationFailure, match="not separated from the crossing before it"):
+        enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+
+
+@pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
+def test_a_crossing_that_does_not_arrive_is_refused(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("verify.poincare.CrossingCounter.arrives", lambda *_: False)
+    with pytest.raises(IntegrationFailure, match="not proved to be at crossing 1"):
+        enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+
+
+@pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
+def test_shorter_steps_after_a_failed_one_give_the_same_map(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+    failed: list[Fraction] = []
+
+    def sometimes(*arguments: Any) -> FlowStep:
+        step = arguments[-1]
+        if len(failed) < 2:
+            failed.append(step)
+            raise IntegrationFailure("tube", "no tube", "smaller radii")
+        return advance(*arguments)
+
+    monkeypatch.setattr("verify.poincare.advance", sometimes)
+    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+    assert failed[1] < Fraction(2, 3) * failed[0]
+    assert found.steps > usual.steps
+    for one, two in zip(usual.iterates[0], found.iterates[0], strict=True):
+        assert all(one.centre[alpha].overlaps(two.centre[alpha]) for alpha in one.centre)
+    assert found.return_times[0].overlaps(usual.return_times[0])
 
 
 @pytest.mark.parametrize("level", ["integral", "coordinates"])
