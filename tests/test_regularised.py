@@ -261,6 +261,30 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
                 assert value.rad() < 1e-60
 
 
+def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The state and the constants of motion go into every step with their errors."""
+    running = _Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), None)
+    steps: list[Fraction] = []
+
+    def check_step(*arguments: Any) -> FlowStep:
+        assert arguments[3] is running.state
+        assert arguments[4] is running.constants
+        steps.append(arguments[5])
+        return advance(*arguments)
+
+    def check_last(*arguments: Any) -> tuple[list[Series], Series]:
+        assert arguments[3] is running.state
+        assert arguments[4] is running.constants
+        steps.append(Fraction(0))
+        return onto_section(*arguments)
+
+    assert any(running.constants[-1].errors)
+    monkeypatch.setattr("verify.poincare.advance", check_step)
+    monkeypatch.setattr("verify.poincare.onto_section", check_last)
+    assert running.run().steps == len(steps) - 1
+    assert steps[-1] == 0
+
+
 @pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
 def test_the_times_of_the_steps_follow_each_other(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The count of crossings speaks of the whole time from the start to the crossing."""
@@ -296,6 +320,22 @@ def test_a_crossing_at_an_uncertain_time_is_refused(
     monkeypatch.setattr("verify.poincare.onto_section", late)
     with pytest.raises(IntegrationFailure, match="not separated from the crossing before it"):
         enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+
+
+def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is a coordinate of the image, not of the state from which the section is reached."""
+    usual = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED)).return_times[0]
+
+    def later(*arguments: Any) -> tuple[list[Series], Series]:
+        image, elapsed = onto_section(*arguments)
+        time = KUSTAANHEIMO_STIEFEL.time_index
+        image[time] = image[time] + image[time].arithmetic.constant(Fraction(1))
+        return image, elapsed
+
+    monkeypatch.setattr("verify.poincare.onto_section", later)
+    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED)).return_times[0]
+    assert found.overlaps(usual + 1)
+    assert not found.overlaps(usual)
 
 
 @pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
