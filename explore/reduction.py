@@ -173,14 +173,15 @@ def _implicit(equations: list[Jet], unknowns: range, arguments: list[Jet], conte
     return [current[j] for j in unknowns]
 
 
-def half_width(geometry: BranchGeometry, digits: int, k: int, lost_bits: int = 0) -> float:
+def half_width(geometry: BranchGeometry, digits: int, k: int, lost_bits: int, same_units: bool) -> float:
     """The half-width of P_1 for which third derivatives are enclosed sharply.
 
     Along an orbit that loses many bits (`lost_bits`, near a collision), over many returns, and where the new
     branch is strongly curved, the part of the map beyond third order is amplified, and the box is made smaller.
+    The curvature says so only if p_0 and p_1 are coordinates of one kind (`same_units`), not if p_0 is a parameter.
     """
     amplified = float(max(0, lost_bits - EASY_LOSS_BITS) + 4 * max(0, k - 4))
-    if k > 1 and geometry.branch_curvature:
+    if same_units and k > 1 and geometry.branch_curvature:
         amplified += max(0.0, 2 * log2(abs(geometry.branch_curvature)) - EASY_CURVATURE_BITS)
     return float(10.0 ** (-digits / 3) * 4.0**-amplified)
 

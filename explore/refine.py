@@ -146,9 +146,12 @@ def refine(
             system, problem.parameters, solution.point, solution.frame, k, problem.tangential,
             working_context(GEOMETRY_BITS),
         )  # fmt: skip
-        width = half_width(geometry, digits, k, solution.lost_bits)
+        width = half_width(geometry, digits, k, solution.lost_bits, system.family_parameter is None)
         if digits_for(width) > digits + MARGIN_DIGITS:
-            solution = _solve(problem, solution.point, digits_for(width) - MARGIN_DIGITS // 2, report)
+            solution = _solve(
+                problem, solution.point, digits_for(width) - MARGIN_DIGITS // 2,
+                lambda message, fraction: report(message, 0.85 + 0.14 * fraction),
+            )  # fmt: skip
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
     point, frame, at = solution.point, solution.frame, solution.at
