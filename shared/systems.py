@@ -16,6 +16,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from shared.hill import hill_field, hill_integral
 from shared.program import Program, record
 
 VectorField = Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]
@@ -191,6 +192,20 @@ CR3BP = ReversibleSystem(
     level_coordinate="vy",
 )
 
+HILL = ReversibleSystem(
+    name="cr3bp-hill",
+    title="circular restricted three-body problem in Hill's units",
+    state=("xi", "eta", "zeta", "vxi", "veta", "vzeta"),
+    # Below h = 0 there is no mechanics, but the field is as regular there.
+    parameters={"h": ParameterRange(Fraction(-1), Fraction(1))},
+    vector_field=hill_field,
+    reversing_symmetry=(1, -1, 1, -1, 1, -1),
+    symmetries={"S": (1, 1, -1, 1, 1, -1)},
+    section="eta",
+    first_integral=hill_integral,
+    first_integral_name="(C - (1 - mu)(3 - mu))/mu^(2/3)",
+)
+
 FALKNER_SKAN = ReversibleSystem(
     name="falkner-skan",
     title="Falkner-Skan equation",
@@ -202,7 +217,7 @@ FALKNER_SKAN = ReversibleSystem(
     family_parameter="beta",
 )
 
-SYSTEMS: Mapping[str, ReversibleSystem] = {system.name: system for system in (CR3BP, FALKNER_SKAN)}
+SYSTEMS: Mapping[str, ReversibleSystem] = {system.name: system for system in (CR3BP, HILL, FALKNER_SKAN)}
 
 MASS_PARAMETERS: Mapping[str, Fraction] = {
     "earth-moon": Fraction(float.fromhex("0x1.8e267d713713fp-7")),
