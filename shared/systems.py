@@ -40,6 +40,19 @@ class ParameterRange:
 
 
 @dataclass(frozen=True)
+class DerivedParameter:
+    """A parameter that follows from the given ones: the only zero of an increasing function on an open interval.
+
+    Attributes:
+        equation: plain arithmetic like a vector field, called with ([value], given parameters), returns one value.
+        interval: plain arithmetic, called with the given parameters, returns both ends (`None`: unbounded).
+    """
+
+    equation: VectorField
+    interval: Callable[[Sequence[Any]], tuple[Any, Any]]
+
+
+@dataclass(frozen=True)
 class ReversibleSystem:
     """x' = vector_field(x, parameters), reversible under the involution R = diag(reversing_symmetry).
 
@@ -59,6 +72,9 @@ class ReversibleSystem:
         level_coordinate: a state coordinate w, fixed by R, in which the first integral is quadratic:
             H = A + b w^2, with A independent of w and a constant b. On Fix(R) it then follows from the level
             of H and the other coordinates up to its sign. `None` if there is no such coordinate.
+        normalised: initial values of state coordinates that R fixes and that are no coordinates of a centre, because
+            the state is measured in such units.
+        derived_parameters: parameters that nobody gives, by name.
     """
 
     name: str
@@ -73,6 +89,8 @@ class ReversibleSystem:
     first_integral: VectorField | None = None
     first_integral_name: str | None = None
     level_coordinate: str | None = None
+    normalised: Mapping[str, Fraction] = field(default_factory=dict)
+    derived_parameters: Mapping[str, DerivedParameter] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         m = len(self.state)
@@ -91,6 +109,12 @@ class ReversibleSystem:
             self.first_integral is None or self.level_coordinate not in [self.state[i] for i in self.fixed_coordinates]
         ):
             raise ValueError(f"{self.name}: a level coordinate needs a first integral and is fixed by R")
+        for name in self.normalised:
+            if name not in self.state or self.reversing_symmetry[self.state.index(name)] != 1:
+                raise ValueError(f"{self.name}: the normalised {name!r} is no state coordinate that R fixes")
+        for name in self.derived_parameters:
+            if name not in self.parameters or name == self.family_parameter:
+                raise ValueError(f"{self.name}: the derived {name!r} is no fixed parameter")
         dimension = len(self.kernel_coordinates)
         if len(self.fixed_coordinates) != dimension + (self.family_parameter is None):
             raise ValueError(f"{self.name}: Fix(R) has the wrong dimension in the section")
@@ -102,8 +126,10 @@ class ReversibleSystem:
 
     @cached_property
     def fixed_coordinates(self) -> tuple[int, ...]:
-        """Indices of the state coordinates that parametrise Fix(R)."""
-        return tuple(i for i, sign in enumerate(self.reversing_symmetry) if sign == 1)
+        """Indices of the state coordinates that parametrise Fix(R), without the normalised ones."""
+        return tuple(
+            i for i, sign in enumerate(self.reversing_symmetry) if sign == 1 and self.state[i] not in self.normalised
+        )
 
     @cached_property
     def kernel_coordinates(self) -> tuple[int, ...]:
@@ -112,8 +138,10 @@ class ReversibleSystem:
 
     @cached_property
     def fixed_parameters(self) -> tuple[str, ...]:
-        """Parameters that a candidate fixes: all but the family parameter."""
-        return tuple(name for name in self.parameters if name != self.family_parameter)
+        """Parameters that are given: neither the family parameter nor derived ones."""
+        return tuple(
+            name for name in self.parameters if name != self.family_parameter and name not in self.derived_parameters
+        )
 
     @cached_property
     def centre_coordinates(self) -> tuple[str, ...]:
