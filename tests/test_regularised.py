@@ -36,8 +36,9 @@ from verify.crossing import CrossingCounter, stays_positive
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.level import point_on_fixed_set
-from verify.poincare import REGULARISED, Enclosures, IntegratorSettings, _Integration, enclose_iterates
+from verify.poincare import Enclosures, IntegratorSettings, _Integration, enclose_iterates
 from verify.recheck import recheck
+from verify.returns import REGULARISED
 from verify.section import onto_section
 from verify.step import FlowStep, advance
 
@@ -210,11 +211,11 @@ def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -
     candidate, settings = known("em1"), IntegratorSettings(110, coordinates=REGULARISED)
     seen: list[Series] = []
 
-    def check(series: Series, refused: int = -1) -> bool:
+    def check(series: Series, wide: arb | None, refused: int = -1) -> bool:
         seen.append(series)
-        return len(seen) - 1 != refused and stays_positive(series)
+        return len(seen) - 1 != refused and stays_positive(series, wide)
 
-    monkeypatch.setattr("verify.poincare.stays_positive", check)
+    monkeypatch.setattr("verify.returns.stays_positive", check)
     steps = enclose_iterates(candidate, settings).steps
     assert len(seen) == steps
     # What is checked is the distance from the primary.
@@ -223,7 +224,7 @@ def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -
     assert series_at(seen[0], Fraction(0), ()).rad() < 1e-9
     for refused in range(steps):
         seen.clear()
-        monkeypatch.setattr("verify.poincare.stays_positive", partial(check, refused=refused))
+        monkeypatch.setattr("verify.returns.stays_positive", partial(check, refused=refused))
         with pytest.raises(IntegrationFailure, match="collision"):
             enclose_iterates(candidate, settings)
 
@@ -238,7 +239,8 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
         x, z, vy = (float(value) for value in candidate.centre)
         (jacobi,) = CR3BP.first_integral([x, 0.0, z, 0.0, vy, 0.0], [float(MU)])
         candidate = replace(candidate, centre=(Fraction(jacobi), *candidate.centre[:2]), radii=wide, level_sign=1)
-    entered = _Integration(candidate, IntegratorSettings(110, coordinates=REGULARISED), None)
+    integration = _Integration(candidate, IntegratorSettings(110, coordinates=REGULARISED), None)
+    entered = integration.returns
     assert entered.coordinates.name == KUSTAANHEIMO_STIEFEL.name
     assert CR3BP.first_integral_program is not None
     branch = KUSTAANHEIMO_STIEFEL.branch([float(candidate.centre[level == "integral"])], [float(MU)])
@@ -255,7 +257,7 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
             arguments = [*(named.get(name, arb(0)) for name in CR3BP.state), ball(MU)]
             wanted = [*embedding.evaluate(arguments, ball, power), ball(MU)]
             wanted += CR3BP.first_integral_program.evaluate(arguments, ball, power)
-            xi = [x / scale for x, scale in zip(p, entered.scales, strict=True)]
+            xi = [x / scale for x, scale in zip(p, integration.scales, strict=True)]
             for series, value in zip((*entered.state, *entered.constants), wanted, strict=True):
                 assert series_at(series, Fraction(0), xi).overlaps(value)
                 assert value.rad() < 1e-60
@@ -263,7 +265,8 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
 
 def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPatch) -> None:
     """The state and the constants of motion go into every step with their errors."""
-    running = _Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), None)
+    integration = _Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), None)
+    running = integration.returns
     steps: list[Fraction] = []
 
     def check_step(*arguments: Any) -> FlowStep:
@@ -279,9 +282,9 @@ def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPat
         return onto_section(*arguments)
 
     assert any(running.constants[-1].errors)
-    monkeypatch.setattr("verify.poincare.advance", check_step)
-    monkeypatch.setattr("verify.poincare.onto_section", check_last)
-    assert running.run().steps == len(steps) - 1
+    monkeypatch.setattr("verify.returns.advance", check_step)
+    monkeypatch.setattr("verify.returns.onto_section", check_last)
+    assert integration.run().steps == len(steps) - 1
     assert steps[-1] == 0
 
 
@@ -298,7 +301,7 @@ def test_the_times_of_the_steps_follow_each_other(coordinates: str, monkeypatch:
             if self.velocity_sign == 0:
                 assert self.clear_time.overlaps(time + step)
 
-    monkeypatch.setattr("verify.poincare.CrossingCounter", Counter)
+    monkeypatch.setattr("verify.returns.CrossingCounter", Counter)
     found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
     assert len(covered) == found.steps
     ends = [arb(0), *(time + step for time, step in covered)]
@@ -317,7 +320,7 @@ def test_a_crossing_at_an_uncertain_time_is_refused(
         image, elapsed = onto_section(*arguments)
         return image, elapsed.with_errors([delay, *elapsed.errors[1:]])
 
-    monkeypatch.setattr("verify.poincare.onto_section", late)
+    monkeypatch.setattr("verify.returns.onto_section", late)
     with pytest.raises(IntegrationFailure, match="not separated from the crossing before it"):
         enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
 
@@ -332,7 +335,7 @@ def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.Monke
         image[time] = image[time] + image[time].arithmetic.constant(Fraction(1))
         return image, elapsed
 
-    monkeypatch.setattr("verify.poincare.onto_section", later)
+    monkeypatch.setattr("verify.returns.onto_section", later)
     found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED)).return_times[0]
     assert found.overlaps(usual + 1)
     assert not found.overlaps(usual)
@@ -340,7 +343,7 @@ def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.Monke
 
 @pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
 def test_a_crossing_that_does_not_arrive_is_refused(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("verify.poincare.CrossingCounter.arrives", lambda *_: False)
+    monkeypatch.setattr("verify.returns.CrossingCounter.arrives", lambda *_: False)
     with pytest.raises(IntegrationFailure, match="not proved to be at crossing 1"):
         enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
 
@@ -357,7 +360,7 @@ def test_shorter_steps_after_a_failed_one_give_the_same_map(coordinates: str, mo
             raise IntegrationFailure("tube", "no tube", "smaller radii")
         return advance(*arguments)
 
-    monkeypatch.setattr("verify.poincare.advance", sometimes)
+    monkeypatch.setattr("verify.returns.advance", sometimes)
     found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
     assert failed[1] < Fraction(2, 3) * failed[0]
     assert found.steps > usual.steps

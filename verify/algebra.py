@@ -5,11 +5,14 @@ xi that are absolutely summable on the closed unit polydisc. For every kept mono
 polynomial in theta with integer coefficients (the value is the integer times 2^-(bits + grade *
 grade_bits)), and for every grade a float that bounds the l1 norm, for all theta in [0, 1], of what is
 unknown. Integer arithmetic is exact; every rounding and every truncation is added to the errors.
+
+There may be one more variable s of weight 0, the *wide* variable: then the coefficients of the monomials
+are polynomials in theta and s, packed into one integer polynomial with s as the minor index.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -33,6 +36,7 @@ class Arithmetic:
         grade_bits: further fractional bits per grade.
         degree: largest degree in theta that is kept, N.
         grade_loss: significant bits that a coefficient is expected to lose per grade.
+        width: largest degree in the wide variable s that is kept, d; 0 if there is none.
     """
 
     grading: Grading
@@ -40,6 +44,17 @@ class Arithmetic:
     grade_bits: int
     degree: int
     grade_loss: int = 0
+    width: int = 0
+
+    @property
+    def stride(self) -> int:
+        """Distance of the powers of theta in a packed polynomial: a product has degree 2 d in s."""
+        return 2 * self.width + 1
+
+    @property
+    def length(self) -> int:
+        """Length of a packed polynomial that holds every kept power of theta."""
+        return (self.degree + 1) * self.stride
 
     @cached_property
     def one(self) -> fmpz:
@@ -53,9 +68,9 @@ class Arithmetic:
 
     @cached_property
     def rounding(self) -> tuple[float, ...]:
-        """For each grade, a bound for the rounding of one polynomial: degree + 1 units."""
-        top = self.grading.top
-        return tuple(float_above(self.degree + 1, -self.bits - grade * self.grade_bits) for grade in range(top + 1))
+        """For each grade, a bound for the rounding of one polynomial: one unit for every coefficient."""
+        top, number = self.grading.top, (self.degree + 1) * (self.width + 1)
+        return tuple(float_above(number, -self.bits - grade * self.grade_bits) for grade in range(top + 1))
 
     def spare_bits(self, grade: int) -> int:
         """Bits by which the significant part of a coefficient of this grade is shorter than grade 0."""
@@ -69,23 +84,30 @@ class Arithmetic:
         """A real constant, rounded to the format."""
         return self.polynomial({self.grading.monomials[0]: value})
 
-    def polynomial(self, coefficients: dict[tuple[int, ...], Fraction]) -> Series:
-        """A polynomial in xi, constant in theta. Monomials above the top grade become errors."""
+    def polynomial(self, coefficients: Mapping[tuple[int, ...], Fraction | Sequence[Fraction]]) -> Series:
+        """A polynomial in xi, constant in theta; a sequence holds the coefficients of 1, s, s^2, ..
+
+        What lies above the top grade or the largest degree in s becomes an error.
+        """
         grading = self.grading
         coefs = [_ZERO] * len(grading.monomials)
         errors = self.zero_errors()
-        for exponents, value in coefficients.items():
+        for exponents, given in coefficients.items():
             position = grading.index.get(exponents)
-            if position is None:
-                size = abs(value)
-                errors[-1] = inflate(errors[-1] + float_above(-(-size.numerator * 2**1000 // size.denominator), -1000))
-                continue
-            scaled = value * 2 ** self.scales[position]
-            rounded = scaled.numerator // scaled.denominator
-            coefs[position] = fmpz_poly([rounded])
-            if rounded != scaled:
-                grade = grading.grades[position]
-                errors[grade] = inflate(errors[grade] + float_above(1, -self.scales[position]))
+            grade = grading.top + 1 if position is None else grading.grades[position]
+            integers = []
+            for power, value in enumerate([given] if isinstance(given, Fraction) else given):
+                if position is None or power > self.width:
+                    size = abs(value)
+                    lost = float_above(-(-size.numerator * 2**1000 // size.denominator), -1000)
+                else:
+                    scaled = value * 2 ** self.scales[position]
+                    integers.append(scaled.numerator // scaled.denominator)
+                    lost = 0.0 if integers[-1] == scaled else float_above(1, -self.scales[position])
+                if lost:
+                    errors[grade] = inflate(errors[grade] + lost)
+            if position is not None:
+                coefs[position] = fmpz_poly(integers)
         return Series(self, coefs, errors)
 
     def size(self, polynomial: fmpz_poly, scale: int) -> float:
@@ -93,6 +115,8 @@ class Arithmetic:
         length = polynomial.length()
         if length == 0:
             return 0.0
+        if self.width:
+            return float_above(int(sum(map(abs, polynomial.coeffs()))), -scale)
         head = sum(abs(int(polynomial[n])) for n in range(min(length, _HEAD)))
         if length > _HEAD:
             head += (length - _HEAD) << int(polynomial.right_shift(_HEAD).height_bits())
@@ -101,16 +125,46 @@ class Arithmetic:
     def round_product(self, exact: fmpz_poly, position: int) -> tuple[fmpz_poly, float]:
         """Bring an exact sum of products (2 * bits fractional bits at grade 0) back to the format.
 
-        Returns the polynomial, truncated at `degree` and rounded down, and a bound for what was lost.
+        Returns the polynomial, truncated at `degree` (and in s at `width`) and rounded down, and a bound for
+        what was lost.
         """
         grade = self.grading.grades[position]
         lost = self.rounding[grade]
+        if self.width:
+            exact, beyond = self.cut(exact)
+            return exact // self.one, inflate(lost + float_above(beyond, -self.scales[position] - self.bits))
         excess = exact.length() - self.degree - 1
         if excess > 0:
             tail = exact.right_shift(self.degree + 1)
             lost += float_above(excess << int(tail.height_bits()), -self.scales[position] - self.bits)
             exact = exact.truncate(self.degree + 1)
         return exact // self.one, inflate(lost)
+
+    def cut(self, packed: fmpz_poly) -> tuple[fmpz_poly, int]:
+        """The part of a product of packed polynomials that is kept, and the l1 norm of the rest."""
+        stride, width = self.stride, self.width
+        kept: list[fmpz] = []
+        beyond = fmpz(0)
+        coefs = packed.coeffs()
+        zeros = [fmpz(0)] * width
+        for start in range(0, min(len(coefs), self.length), stride):
+            kept += coefs[start : start + width + 1]
+            beyond += sum(map(abs, coefs[start + width + 1 : start + stride]))
+            kept += zeros[: start + stride - len(kept)]
+        beyond += sum(map(abs, coefs[self.length :]))
+        return fmpz_poly(kept), int(beyond)
+
+    def derivative(self, polynomial: fmpz_poly) -> fmpz_poly:
+        """The derivative in theta."""
+        if not self.width:
+            return polynomial.derivative()
+        stride = self.stride
+        return fmpz_poly([value * (index // stride) for index, value in enumerate(polynomial.coeffs())][stride:])
+
+    def sum_of_coefficients(self, polynomial: fmpz_poly) -> fmpz_poly:
+        """The value at theta = 1, a polynomial in s."""
+        coefs = polynomial.coeffs()
+        return fmpz_poly([sum(coefs[power :: self.stride], fmpz(0)) for power in range(self.width + 1)])
 
     def product_slice(
         self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int
@@ -188,8 +242,11 @@ class Series:
 
     def at_end(self) -> Series:
         """The value at theta = 1: constant in theta, exact sums of the coefficients."""
+        arithmetic = self.arithmetic
+        if arithmetic.width:
+            return Series(arithmetic, [arithmetic.sum_of_coefficients(p) for p in self.coefs], self.errors)
         one = fmpz(1)
-        return Series(self.arithmetic, [fmpz_poly([p(one)]) if p.length() else p for p in self.coefs], self.errors)
+        return Series(arithmetic, [fmpz_poly([p(one)]) if p.length() else p for p in self.coefs], self.errors)
 
     def with_errors(self, errors: GradedNorm) -> Series:
         """The same known part with other errors."""

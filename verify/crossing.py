@@ -17,12 +17,20 @@ _DEPTH = 14
 _BITS = 96
 
 
-def stays_positive(series: Series) -> bool:
-    """Whether a function is positive on [0, 1] for all real points of the box, for certain."""
+def wide_parts(number: int) -> list[arb]:
+    """Balls that cover the interval [-1, 1] of the wide variable."""
+    return [(arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
+
+
+def stays_positive(series: Series, wide: arb | None = None) -> bool:
+    """Whether a function is positive on [0, 1] for all real points of the box, for certain.
+
+    `wide`: the part of the wide variable's interval, if there is one.
+    """
     previous = ctx.prec
     ctx.prec = _BITS
     try:
-        return _stays_positive(_Enclosure(series), arb(0), arb(1), 0)
+        return _stays_positive(_Enclosure(series, wide), arb(0), arb(1), 0)
     finally:
         ctx.prec = previous
 
@@ -35,13 +43,26 @@ def _stays_positive(function: _Enclosure, left: arb, right: arb, depth: int) -> 
     return _stays_positive(function, left, middle, depth + 1) and _stays_positive(function, middle, right, depth + 1)
 
 
+def range_of(series: Series, wide: arb | None = None) -> arb:
+    """A ball that contains the values of an element without theta at all real points of the box."""
+    previous = ctx.prec
+    ctx.prec = _BITS
+    try:
+        enclosure = _Enclosure(series, wide)
+        return enclosure.polynomial(arb(0)) + enclosure.deviation
+    finally:
+        ctx.prec = previous
+
+
 class CrossingCounter:
     """Number of proven crossings after the start.
 
-    The caller guarantees that y = 0 exactly at the start for the whole box, as on Fix(R).
+    The caller guarantees that y = 0 exactly at the start for the whole box, as on Fix(R). With a wide variable
+    the orbits that are counted are those of a part of its interval.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, wide: arb | None = None) -> None:
+        self.wide = wide
         self.crossings = 0
         self.clear_time: arb | None = None
         self.velocity_sign = 0
@@ -56,8 +77,8 @@ class CrossingCounter:
         previous = ctx.prec
         ctx.prec = _BITS
         try:
-            y = _Enclosure(position)
-            dy = _Enclosure(velocity)
+            y = _Enclosure(position, self.wide)
+            dy = _Enclosure(velocity, self.wide)
             self._cover(y, dy, arb(0), arb(1), 0, time, step)
         finally:
             ctx.prec = previous
@@ -116,13 +137,27 @@ class CrossingCounter:
         return self.crossings == number - 1 and self.clear_time is not None and self.velocity_sign == -self._side
 
 
+def _over(coefficients: list[arb], part: arb) -> arb:
+    """Values of a polynomial on a ball, by the mean value form."""
+    polynomial = arb_poly(coefficients)
+    middle = part.mid()
+    return polynomial(middle) + polynomial.derivative()(part) * (part - middle)
+
+
 class _Enclosure:
     """Values of a real function on subintervals of [0, 1], for all real points of the box."""
 
-    def __init__(self, series: Series) -> None:
-        bits = series.arithmetic.bits
-        scale = arb(2) ** -bits
-        self.polynomial = arb_poly([arb(c) * scale for c in series.coefs[0].coeffs()])
+    def __init__(self, series: Series, wide: arb | None) -> None:
+        arithmetic = series.arithmetic
+        scale = arb(2) ** -arithmetic.bits
+        coefficients = [arb(c) * scale for c in series.coefs[0].coeffs()]
+        if arithmetic.width:
+            # Without a part, the wide variable ranges over [-1, 1].
+            part = arb(0, 1) if wide is None else wide
+            stride = arithmetic.stride
+            rows = range(0, len(coefficients), stride)
+            coefficients = [_over(coefficients[row : row + arithmetic.width + 1], part) for row in rows]
+        self.polynomial = arb_poly(coefficients)
         self.derivative = self.polynomial.derivative()
         away = list(series.known)
         away[0] = 0.0

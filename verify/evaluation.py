@@ -18,6 +18,7 @@ from flint import arb, arb_series, ctx, fmpz, fmpz_poly
 from shared.program import Program
 from verify.algebra import Arithmetic, Series, correct_power, product_errors
 from verify.failure import IntegrationFailure
+from verify.wide_power import wide_power
 
 _ZERO = fmpz_poly([])
 
@@ -167,7 +168,8 @@ class Evaluation:
         grades = arithmetic.grading.grades
         base = self.coefs[node.left]
         if position == 0:
-            value, self._inverse[index] = approximate_power(arithmetic, base[0], node.value)
+            power_of = wide_power if arithmetic.width else approximate_power
+            value, self._inverse[index] = power_of(arithmetic, base[0], node.value)
             return value
         p, q = node.value.numerator, node.value.denominator
         power = self.coefs[index]
@@ -178,6 +180,9 @@ class Evaluation:
                 exact = exact + power[i] * base[j] * fmpz(weight)
         if not exact.length():
             return _ZERO
+        if arithmetic.width:
+            reduced = arithmetic.cut(exact)[0] // arithmetic.one
+            return arithmetic.cut(reduced * self._inverse[index])[0] // (arithmetic.one * fmpz(q * grades[position]))
         reduced = exact.truncate(arithmetic.degree + 1) // arithmetic.one
         quotient = (reduced * self._inverse[index]).truncate(arithmetic.degree + 1)
         return quotient // (arithmetic.one * fmpz(q * grades[position]))

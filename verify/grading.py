@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import product
 
 Exponents = tuple[int, ...]
+Factors = tuple[tuple[tuple[int, int], ...], ...]
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Grading:
         return tuple(self.grade(exponents) for exponents in self.monomials)
 
     @cached_property
-    def factors(self) -> tuple[tuple[tuple[int, int], ...], ...]:
+    def factors(self) -> Factors:
         """For each kept monomial, the ordered pairs of kept monomials whose product it is."""
         table: list[list[tuple[int, int]]] = [[] for _ in self.monomials]
         for i, left in enumerate(self.monomials):

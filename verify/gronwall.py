@@ -13,17 +13,19 @@ from functools import cache
 from math import comb
 
 import numpy as np
-from flint import fmpz_poly
+from flint import fmpz, fmpz_poly
 from numpy.typing import NDArray
 
 from verify.algebra import Arithmetic, Series, correct_power
 from verify.evaluation import PreparedProgram, approximate_power
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
-from verify.norms import inflate
+from verify.norms import float_above, inflate
+from verify.wide_power import wide_power
 
 _NORM_BITS = 96
 _NORM_DEGREE = 24
+_NORM_WIDTH = 4
 _RATIO = 2.0**-40
 
 PARTS = 8
@@ -39,7 +41,10 @@ Floats = NDArray[np.float64]
 def norm_arithmetic(arithmetic: Arithmetic) -> Arithmetic:
     """The format of the norm computation: only the centre is known, every grade is bounded."""
     grading = Grading((), arithmetic.grading.top)
-    return Arithmetic(grading, min(_NORM_BITS, arithmetic.bits), 0, min(_NORM_DEGREE, arithmetic.degree))
+    return Arithmetic(
+        grading, min(_NORM_BITS, arithmetic.bits), 0, min(_NORM_DEGREE, arithmetic.degree),
+        width=min(_NORM_WIDTH, arithmetic.width),
+    )  # fmt: skip
 
 
 def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float]) -> Series:
@@ -48,7 +53,10 @@ def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float])
     drop = fine.bits - coarse.bits
     centre = element.coefs[0]
     errors = [inflate(e + t) for e, t in zip(element.errors, tube, strict=True)]
-    if centre.length() > coarse.degree + 1:
+    if fine.width:
+        centre, beyond = _coarsened(coarse, fine, centre)
+        errors[0] = inflate(errors[0] + float_above(beyond, -fine.bits))
+    elif centre.length() > coarse.degree + 1:
         errors[0] = inflate(errors[0] + fine.size(centre.right_shift(coarse.degree + 1), fine.scales[0]))
         centre = centre.truncate(coarse.degree + 1)
     if drop and centre.length():
@@ -58,6 +66,19 @@ def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float])
         if polynomial.length():
             errors[grade] = inflate(errors[grade] + fine.size(polynomial, scale))
     return Series(coarse, [centre], errors)
+
+
+def _coarsened(coarse: Arithmetic, fine: Arithmetic, packed: fmpz_poly) -> tuple[fmpz_poly, int]:
+    """What the coarse format keeps of a packed polynomial, and the l1 norm of the rest."""
+    kept = [fmpz(0)] * coarse.length
+    beyond = fmpz(0)
+    for index, value in enumerate(packed.coeffs()):
+        row, power = divmod(index, fine.stride)
+        if row <= coarse.degree and power <= coarse.width:
+            kept[row * coarse.stride + power] = value
+        else:
+            beyond += abs(value)
+    return fmpz_poly(kept), int(beyond)
 
 
 def derivative_bounds(
@@ -117,7 +138,8 @@ def derivative_bounds(
 
 
 def _power(base: Series, exponent: Fraction) -> Series:
-    approximate, _ = approximate_power(base.arithmetic, base.coefs[0], exponent)
+    power_of = wide_power if base.arithmetic.width else approximate_power
+    approximate, _ = power_of(base.arithmetic, base.coefs[0], exponent)
     result = correct_power(Series(base.arithmetic, [approximate], base.arithmetic.zero_errors()), base, exponent)
     if result is None:
         raise IntegrationFailure(
@@ -150,22 +172,26 @@ def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) ->
 
 
 def _bounds_on_parts(derivative: Series) -> Floats:
-    """Bounds of the known part, a polynomial of grade 0, on each of `PARTS` equal parts of [0, 1].
+    """Bounds of the known part, of grade 0, on each of `PARTS` equal parts of [0, 1].
 
-    With c the coefficients, those of p(middle + half s) are S c for S of non-negative entries whose
-    columns sum to at most 1, and |p| <= sum |S c| for |s| <= 1. Rounding is below 10^-13 sum |c|.
+    With c the coefficients (of one power of the wide variable), those of p(middle + half t) are S c for S of
+    non-negative entries whose columns sum to at most 1, and |p| <= sum |S c| for |t| <= 1. Rounding is below
+    10^-13 sum |c|.
     """
     arithmetic = derivative.arithmetic
-    polynomial = derivative.coefs[0]
-    length = polynomial.length()
-    if length == 0:
+    integers = derivative.coefs[0].coeffs()
+    if not integers:
         return np.zeros(PARTS)
     scale = 2.0**-arithmetic.bits
+    stride = arithmetic.stride
+    length = -(-len(integers) // stride)
+    padded = np.zeros(length * stride)
     try:
-        coefficients = np.array([float(int(polynomial[n])) * scale for n in range(length)])
+        padded[: len(integers)] = [float(int(value)) * scale for value in integers]
     except OverflowError:
         return np.full(PARTS, np.inf)
-    recentred = np.abs(_recentring(length) @ coefficients).sum(axis=1)
+    coefficients = padded.reshape(length, stride)
+    recentred = np.abs(_recentring(length) @ coefficients).sum(axis=(1, 2))
     return np.asarray((recentred + 1e-13 * np.abs(coefficients).sum()) * _SLACK)
 
 

@@ -9,43 +9,24 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor, isfinite, log2
+from math import ceil, floor, log2
 
 from flint import arb, ctx
 
 from shared.formats import Candidate
-from shared.program import Program
 from verify.algebra import Arithmetic, Series
-from verify.balls import enclose
-from verify.centre import (
-    dyadic_below,
-    fixed_coefficients,
-    float_coefficients,
-    next_crossing,
-    rough,
-    step_size,
-)
-from verify.coordinates import PHYSICAL, Coordinates, choose, physical, regularised
-from verify.crossing import CrossingCounter, stays_positive
+from verify.coordinates import PHYSICAL
 from verify.derivatives import DerivativeTable, derivative_table
-from verify.evaluation import Evaluation, prepare
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.level import level_program, quadratic_coefficient
-from verify.norms import total
-from verify.section import onto_section
-from verify.step import FlowStep, advance
+from verify.returns import AUTO, REGULARISED, Returns, evaluate
 
 BOX_RATIO = Fraction(1, 4)
 """The box is this fraction of the polydisc on which the orbits are enclosed (section 6)."""
 
-AUTO, REGULARISED = "auto", "regularised"
-
 _MAX_STEPS = 4000
-_LEAST_STEP = 1e-8
-_LEAST_SHARE = 1 / 8
 _LOSS_DIVISOR = 6
-_ROUGH_DEGREE = 24
 
 
 @dataclass(frozen=True)
@@ -167,16 +148,9 @@ class _Integration:
             if level is None or candidate.level_sign is not None
             else derivative_table(level, self.scales, BOX_RATIO)
         )
-        self.coordinates = self._choose(settings.coordinates, initial, level)
-        self.state, self.constants = self._enter(initial, level)
+        self.returns = Returns(system, self.arithmetic, initial, self.parameters, level, settings.coordinates)
         self.accuracy = settings.accuracy
         self.first_error_bits = (0.0, 0.0)
-        self.tolerance = float(-bits)
-        self.counter = CrossingCounter()
-        self.time = arb(0)
-        self.steps = 0
-        self.at_section = True
-        self.share = 1.0
         self.return_times: list[arb] = []
 
     def _zero(self) -> Series:
@@ -202,175 +176,41 @@ class _Integration:
             raise IntegrationFailure(
                 "level", f"no coordinate of {self.system.name} follows from the first integral", "leave parameter out"
             )
-        (value,) = self._evaluate(level_program(self.system, sign), (*initial, *self.parameters, level))
+        (value,) = evaluate(self.arithmetic, level_program(self.system, sign), (*initial, *self.parameters, level))
         initial[self.system.state.index(name)] = value
 
     def _first_integral(self, initial: Sequence[Series]) -> Series | None:
         program = self.system.first_integral_program
-        return None if program is None else self._evaluate(program, (*initial, *self.parameters))[0]
-
-    def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
-        bits, degree = self.arithmetic.bits, self.arithmetic.degree
-        if wanted == PHYSICAL or level is None:
-            return physical(self.system)
-        state, parameters, (value,) = (
-            rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
-        )
-        if wanted == REGULARISED:
-            return regularised(self.system, state, parameters) or physical(self.system)
-        return choose(self.system, state, parameters, value, bits, degree)
-
-    def _enter(self, initial: list[Series], level: Series | None) -> tuple[list[Series], list[Series]]:
-        """The initial state in the coordinates that are integrated, and the constants of motion."""
-        embedding = self.coordinates.embedding
-        if embedding is None or level is None:
-            return initial, self.parameters
-        return self._evaluate(embedding, (*initial, *self.parameters)), [*self.parameters, level]
-
-    def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
-        """The system's own state."""
-        regularisation = self.coordinates.regularisation
-        if regularisation is None:
-            return image
-        return self._evaluate(regularisation.projection_program, (*image, *self.parameters))
-
-    def _evaluate(self, program: Program, arguments: Sequence[Series]) -> list[Series]:
-        """Values of a program at states that do not depend on time, so that degree 0 does."""
-        flat = Arithmetic(self.arithmetic.grading, self.arithmetic.bits, self.arithmetic.grade_bits, 0)
-        inputs = [Series(flat, x.coefs, x.errors) for x in arguments]
-        evaluation = Evaluation(prepare(program), flat)
-        for position in range(len(flat.grading.monomials)):
-            evaluation.fill(position, [x.coefs[position] for x in inputs])
-        return [Series(self.arithmetic, x.coefs, x.errors) for x in evaluation.enclose(inputs)]
+        return None if program is None else evaluate(self.arithmetic, program, (*initial, *self.parameters))[0]
 
     def run(self) -> Enclosures:
         k = self.candidate.k
         iterates: list[tuple[DerivativeTable, ...]] = []
         while len(iterates) < k:
-            if self.steps >= _MAX_STEPS:
+            if self.returns.steps >= _MAX_STEPS:
                 raise IntegrationFailure(
                     "steps", f"no crossing number {len(iterates) + 1} within {_MAX_STEPS} steps", "give another centre"
                 )
-            at_section = self._step(len(iterates) + 1)
+            at_section = self.returns.step()
+            if self.returns.steps == 1:
+                self.first_error_bits = self._error_bits()
             if at_section:
                 iterates.append(self._crossing(len(iterates) + 1))
             if self.progress is not None:
                 self.progress((len(iterates) + (0.0 if at_section else 0.5)) / k)
         return Enclosures(
             tuple(iterates), self.first_integral, tuple(self.return_times),
-            self.arithmetic.degree, self.arithmetic.bits, self.steps, self.coordinates.name,
+            self.arithmetic.degree, self.arithmetic.bits, self.returns.steps, self.returns.coordinates.name,
         )  # fmt: skip
 
-    def _step(self, number: int) -> bool:
-        """Advance by one step; true if it ends, at the centre, at the next crossing."""
-        bits, degree = self.arithmetic.bits, self.arithmetic.degree
-        centre = [int(x.coefs[0][0]) for x in self.state]
-        constants = [int(p.coefs[0][0]) for p in self.constants]
-        section = self.coordinates.section
-        series = float_coefficients(
-            self.coordinates.program, rough(centre, bits), rough(constants, bits), _ROUGH_DEGREE
-        )
-        size = step_size(series, self.tolerance, degree)
-        if size < _LEAST_STEP:
-            raise IntegrationFailure(
-                "singularity",
-                f"at time {self._clock():.9g} the Taylor expansions allow only a step of {size:.1e}",
-                "the orbit comes too close to a singularity of the vector field: give another centre",
-            )
-        while True:
-            step, root, flow = self._try(dyadic_below(size * self.share), centre, constants)
-            if flow is not None:
-                break
-            self.share /= 2
-        self._check_time(flow)
-        self.counter.cover(flow.solution[section], flow.slopes[section], self.time, enclose(step))
-        self.state = list(flow.end)
-        self.time = self.time + enclose(step)
-        self.steps += 1
-        if self.steps == 1:
-            self.first_error_bits = self._error_bits()
-        self.at_section = root is not None
-        return self.at_section
-
-    def _try(
-        self, step: Fraction, centre: Sequence[int], constants: Sequence[int]
-    ) -> tuple[Fraction, Fraction | None, FlowStep | None]:
-        """A step of that length, or to the next crossing if that comes first.
-
-        Returns its length, the crossing as a fraction of the given length, and the flow; no flow if it was not
-        enclosed and a shorter step may do.
-        """
-        program, arithmetic = self.coordinates.program, self.arithmetic
-        bits, degree = arithmetic.bits, arithmetic.degree
-        coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
-        root = next_crossing(coefficients[self.coordinates.section], bits, self.at_section)
-        if root is not None:
-            step = step * root
-            coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
-        try:
-            return step, root, advance(program, arithmetic, coefficients, self.state, self.constants, step)
-        except IntegrationFailure:
-            if self.share <= _LEAST_SHARE:
-                raise
-            return step, root, None
-
     def _crossing(self, number: int) -> tuple[DerivativeTable, ...]:
-        """Derivatives of the kernel coordinates at crossing `number`, with the proof that it is that crossing."""
-        if not self.counter.arrives(number):
-            raise IntegrationFailure(
-                "crossing count",
-                f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}",
-                "the orbit may touch the section: give smaller radii or another centre",
-                needs_precision=True,
-            )
-        coordinates = self.coordinates
-        image, elapsed = onto_section(
-            coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
-        )
-        delay = total(elapsed.norm())
-        when = self.time + arb(0, delay)
-        clear = self.counter.clear_time
-        if clear is None or not isfinite(delay) or (when > clear) is not True:
-            raise IntegrationFailure(
-                "crossing count",
-                f"the time of crossing {number} is not separated from the crossing before it",
-                "the box is too large: give smaller radii",
-            )
-        self.return_times.append(when if coordinates.regularisation is None else self._time(image))
-        state = self._leave(image)
+        """Derivatives of the kernel coordinates at crossing `number`."""
+        state, time = self.returns.crossing(number)
+        self.return_times.append(time)
         if number < self.candidate.k:
             self._check_accuracy(number)
         return tuple(
             derivative_table(self._combine(state, row), self.scales, BOX_RATIO) for row in self.candidate.kernel_frame
-        )
-
-    def _check_time(self, flow: FlowStep) -> None:
-        """Regularised coordinates describe an orbit as long as their time runs forwards (section 14)."""
-        regularisation = self.coordinates.regularisation
-        if regularisation is not None and not stays_positive(flow.slopes[regularisation.time_index]):
-            raise IntegrationFailure(
-                "collision",
-                f"the orbits of the box are not separated from a collision at time {self._clock():.6g}",
-                "give smaller radii or another centre",
-                needs_precision=True,
-            )
-
-    def _clock(self) -> float:
-        """About the system's time, for messages."""
-        regularisation = self.coordinates.regularisation
-        if regularisation is None:
-            return float(self.time)
-        return rough([int(self.state[regularisation.time_index].coefs[0][0])], self.arithmetic.bits)[0]
-
-    def _time(self, image: Sequence[Series]) -> arb:
-        """The system's time at a state that does not depend on the integration's own."""
-        regularisation = self.coordinates.regularisation
-        assert regularisation is not None
-        time = image[regularisation.time_index]
-        away = list(time.known)
-        away[0] = 0.0
-        return arb(time.coefs[0][0]) * arb(2) ** -self.arithmetic.bits + arb(
-            0, total([total(away), total(time.errors)])
         )
 
     def _error_bits(self) -> tuple[float, float]:
@@ -380,8 +220,8 @@ class _Integration:
             for scale, weight in zip(self.scales, self.arithmetic.grading.weights, strict=True)
             if weight == 1
         )
-        value = max(log2(x.errors[0]) for x in self.state)
-        return -value, -max(value, max(log2(x.errors[1]) for x in self.state) - linear)
+        value = max(log2(x.errors[0]) for x in self.returns.state)
+        return -value, -max(value, max(log2(x.errors[1]) for x in self.returns.state) - linear)
 
     def _check_accuracy(self, number: int) -> None:
         """Give up if the errors, growing as they did so far, would exceed what the last crossing needs.

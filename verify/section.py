@@ -11,11 +11,14 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
 from shared.program import Program, record
 from verify.algebra import Arithmetic, Series
 from verify.centre import fixed_coefficients
 from verify.evaluation import PreparedProgram, prepare
-from verify.step import advance
+from verify.step import advance, enclose_step
+from verify.wide_solution import element_at_points, solve_wide, taylor_at_points
 
 
 def build_section_program(program: Program, size: int, section: int) -> PreparedProgram:
@@ -50,6 +53,8 @@ def onto_section(
 
     Raises `IntegrationFailure` if the velocity across the section is not bounded away from zero.
     """
+    if arithmetic.width:
+        return _wide_onto_section(program, section, arithmetic, state, parameters)
     degree = 2 * arithmetic.grading.top + 4
     short = Arithmetic(arithmetic.grading, arithmetic.bits, arithmetic.grade_bits, degree)
     start = [Series(short, x.coefs, x.errors) for x in state] + [short.constant(Fraction(0))]
@@ -61,3 +66,22 @@ def onto_section(
     )  # fmt: skip
     end = advance(program, short, centre, start, constants, Fraction(1)).end
     return [Series(arithmetic, x.coefs, x.errors) for x in end[:-1]], end[-1]
+
+
+def _wide_onto_section(
+    program: PreparedProgram,
+    section: int,
+    arithmetic: Arithmetic,
+    state: Sequence[Series],
+    parameters: Sequence[Series],
+) -> tuple[list[Series], Series]:
+    """The same with a wide variable: y_0 is not small, and the step as long as those of the integration."""
+    start = [*state, arithmetic.constant(Fraction(0))]
+    constants = [*parameters, state[section]]
+    taylor = taylor_at_points(
+        program, arithmetic.grading, np.array([element_at_points(x) for x in start]),
+        np.array([element_at_points(p) for p in constants]), arithmetic.degree,
+    )  # fmt: skip
+    approximate = solve_wide(program, arithmetic, taylor, start, constants, Fraction(1))
+    end = enclose_step(program, arithmetic, approximate, start, constants, Fraction(1)).end
+    return list(end[:-1]), end[-1]

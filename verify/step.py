@@ -10,7 +10,7 @@ import numpy as np
 from flint import fmpz, fmpz_poly
 
 from verify.algebra import Arithmetic, Series
-from verify.evaluation import PreparedProgram
+from verify.evaluation import Evaluation, PreparedProgram
 from verify.failure import IntegrationFailure
 from verify.gronwall import (
     PARTS,
@@ -60,11 +60,27 @@ def advance(
     Raises:
         IntegrationFailure: no tube was found in which the solution provably stays.
     """
+    approximate = solve(program, arithmetic, centre, [x.coefs for x in state], [p.coefs for p in parameters], step)
+    return enclose_step(program, arithmetic, approximate, state, parameters, step)
+
+
+def enclose_step(
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    approximate: tuple[Sequence[Sequence[fmpz_poly]], Evaluation],
+    state: Sequence[Series],
+    parameters: Sequence[Series],
+    step: Fraction,
+) -> FlowStep:
+    """Enclose the solutions around an approximate one, whatever it is (as `advance`).
+
+    Args:
+        approximate: known parts of a solution that starts at those of `state`, per component and monomial, and
+            the vector field evaluated on them.
+    """
+    coefs, evaluation = approximate
     size = len(state)
-    coefs, evaluation = solve(
-        program, arithmetic, centre, [x.coefs for x in state], [p.coefs for p in parameters], step
-    )
-    _check_start(coefs, state)
+    _check_start(arithmetic, coefs, state)
     exact = [Series(arithmetic, row, arithmetic.zero_errors()) for row in coefs]
     field = evaluation.enclose([*exact, *parameters])
     sources = [
@@ -76,10 +92,11 @@ def advance(
     return FlowStep(solution, tuple(slopes), tuple(x.at_end() for x in solution))
 
 
-def _check_start(coefs: Sequence[Sequence[fmpz_poly]], state: Sequence[Series]) -> None:
+def _check_start(arithmetic: Arithmetic, coefs: Sequence[Sequence[fmpz_poly]], state: Sequence[Series]) -> None:
+    powers = arithmetic.width + 1
     for row, x in zip(coefs, state, strict=True):
         for solved, given in zip(row, x.coefs, strict=True):
-            if solved[0] != given[0] or given.length() > 1:
+            if given.length() > powers or any(solved[power] != given[power] for power in range(powers)):
                 raise ValueError("the approximate solution does not start at the known part of the state")
 
 
@@ -90,7 +107,7 @@ def _defect(solution: Series, field: Series, step: Fraction) -> GradedNorm:
     shift = step.denominator.bit_length() - 1
     result = arithmetic.zero_errors()
     for position, (f, x) in enumerate(zip(field.coefs, solution.coefs, strict=True)):
-        difference = f * numerator - x.derivative() * denominator
+        difference = f * numerator - arithmetic.derivative(x) * denominator
         if difference.length():
             result[arithmetic.grading.grades[position]] += arithmetic.size(
                 difference, arithmetic.scales[position] + shift

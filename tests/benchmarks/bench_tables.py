@@ -28,7 +28,8 @@ from shared.regularised import KUSTAANHEIMO_STIEFEL
 from shared.systems import CR3BP
 from verify.certify import first_precision
 from verify.coordinates import PHYSICAL
-from verify.poincare import REGULARISED, IntegratorSettings, enclose_iterates
+from verify.poincare import IntegratorSettings, enclose_iterates
+from verify.returns import REGULARISED
 
 _STEP = 2e-3
 _MOST_STEPS = 40_000

@@ -1,0 +1,234 @@
+"""Successive returns to the section of a set of orbits (docs/method.md, sections 3 to 5, 14 and 15).
+
+`Returns` follows the orbits of elements of the algebra, given as initial values on Fix(R), from one crossing of
+the section to the next, with the proof that it is that crossing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+from flint import arb
+
+from shared.program import Program
+from shared.systems import ReversibleSystem
+from verify.algebra import Arithmetic, Series
+from verify.balls import enclose
+from verify.centre import dyadic_below, fixed_coefficients, float_coefficients, next_crossing, rough, step_size
+from verify.coordinates import PHYSICAL, Coordinates, choose, physical, regularised
+from verify.crossing import CrossingCounter, range_of, stays_positive, wide_parts
+from verify.evaluation import Evaluation, prepare
+from verify.failure import IntegrationFailure
+from verify.points import Points, from_points
+from verify.section import onto_section
+from verify.step import FlowStep, advance, enclose_step
+from verify.wide_solution import element_at_points, solve_wide, taylor_at_points
+
+AUTO, REGULARISED = "auto", "regularised"
+
+_LEAST_STEP = 1e-8
+_LEAST_SHARE = 1 / 8
+_ROUGH_DEGREE = 24
+_CENTRE_BITS = 60
+WIDE_PARTS = 8
+"""With a wide variable, crossings are counted separately on so many parts of its interval."""
+
+
+class Returns:
+    """The orbits of a set of points of Fix(R), and their crossings of the section so far.
+
+    Attributes:
+        state: the orbits now, in the coordinates that are integrated.
+        constants: the constants of motion that go into every step.
+        coordinates: which coordinates these are.
+        steps: number of integration steps so far.
+    """
+
+    def __init__(
+        self,
+        system: ReversibleSystem,
+        arithmetic: Arithmetic,
+        initial: Sequence[Series],
+        parameters: Sequence[Series],
+        level: Series | None = None,
+        coordinates: str = AUTO,
+    ) -> None:
+        """Start from initial values, one for each state coordinate, on Fix(R).
+
+        Args:
+            parameters: constant in time, in the order of the system.
+            level: the first integral of the initial values, if the system has one.
+            coordinates: "physical", "regularised" or "auto".
+        """
+        self.system = system
+        self.arithmetic = arithmetic
+        self.parameters = list(parameters)
+        self.coordinates = self._choose(coordinates, initial, level)
+        self.state, self.constants = self._enter(list(initial), level)
+        self.counters = [CrossingCounter(part) for part in wide_parts(WIDE_PARTS)] if arithmetic.width else []
+        self.counters = self.counters or [CrossingCounter()]
+        self.time = arb(0)
+        self.steps = 0
+        self.share = 1.0
+        self.at_section = True
+
+    def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
+        bits, degree = self.arithmetic.bits, self.arithmetic.degree
+        if wanted == PHYSICAL or level is None:
+            return physical(self.system)
+        state, parameters, (value,) = (
+            rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
+        )
+        if wanted == REGULARISED:
+            return regularised(self.system, state, parameters) or physical(self.system)
+        return choose(self.system, state, parameters, value, bits, degree)
+
+    def _enter(self, initial: list[Series], level: Series | None) -> tuple[list[Series], list[Series]]:
+        """The initial state in the coordinates that are integrated, and the constants of motion."""
+        embedding = self.coordinates.embedding
+        if embedding is None or level is None:
+            return initial, self.parameters
+        return evaluate(self.arithmetic, embedding, (*initial, *self.parameters)), [*self.parameters, level]
+
+    def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
+        """The system's own state."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return image
+        return evaluate(self.arithmetic, regularisation.projection_program, (*image, *self.parameters))
+
+    def step(self) -> bool:
+        """Advance by one step; true if it ends, at the centre, at the next crossing."""
+        section = self.coordinates.section
+        while True:
+            step, root, flow = self._try_wide() if self.arithmetic.width else self._try_narrow()
+            if flow is not None:
+                break
+            self.share /= 2
+        self._check_time(flow)
+        for counter in self.counters:
+            counter.cover(flow.solution[section], flow.slopes[section], self.time, enclose(step))
+        self.state = list(flow.end)
+        self.time = self.time + enclose(step)
+        self.steps += 1
+        self.at_section = root is not None
+        return self.at_section
+
+    def _try_narrow(self) -> tuple[Fraction, Fraction | None, FlowStep | None]:
+        """A step, or to the next crossing if that comes first.
+
+        Returns its length, the crossing as a fraction of the length that was planned, and the flow; no flow if it
+        was not enclosed and a shorter step may do.
+        """
+        program, arithmetic = self.coordinates.program, self.arithmetic
+        bits, degree = arithmetic.bits, arithmetic.degree
+        centre = [int(x.coefs[0][0]) for x in self.state]
+        constants = [int(p.coefs[0][0]) for p in self.constants]
+        series = float_coefficients(program, rough(centre, bits), rough(constants, bits), _ROUGH_DEGREE)
+        step = self._planned(step_size(series, float(-bits), degree))
+        coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        root = next_crossing(coefficients[self.coordinates.section], bits, self.at_section)
+        if root is not None:
+            step = step * root
+            coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        try:
+            return step, root, advance(program, arithmetic, coefficients, self.state, self.constants, step)
+        except IntegrationFailure:
+            if self.share <= _LEAST_SHARE:
+                raise
+            return step, root, None
+
+    def _try_wide(self) -> tuple[Fraction, Fraction | None, FlowStep | None]:
+        """The same with a wide variable; the step suits all of its values on the unit circle."""
+        program, arithmetic = self.coordinates.program, self.arithmetic
+        taylor = taylor_at_points(program, arithmetic.grading, *self._at_points(), arithmetic.degree)
+        sizes = np.abs(from_points(taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
+        step = self._planned(step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree))
+        section = from_points(taylor[self.coordinates.section, :, 0], arithmetic.width)[:, 0]
+        scaled = section * float(step) ** np.arange(arithmetic.degree + 1)
+        root = next_crossing(
+            [int(value) for value in np.ldexp(scaled, _CENTRE_BITS)], _CENTRE_BITS, self.at_section
+        )  # fmt: skip
+        if root is not None:
+            step = step * root
+        try:
+            approximate = solve_wide(program, arithmetic, taylor, self.state, self.constants, step)
+            return step, root, enclose_step(program, arithmetic, approximate, self.state, self.constants, step)
+        except IntegrationFailure:
+            if self.share <= _LEAST_SHARE:
+                raise
+            return step, root, None
+
+    def _planned(self, size: float) -> Fraction:
+        if size < _LEAST_STEP:
+            raise IntegrationFailure(
+                "singularity",
+                f"at time {self._clock():.9g} the Taylor expansions allow only a step of {size:.1e}",
+                "the orbit comes too close to a singularity of the vector field: give another centre",
+            )
+        return dyadic_below(size * self.share)
+
+    def _at_points(self) -> tuple[Points, Points]:
+        constants = [element_at_points(p) for p in self.constants]
+        return np.array([element_at_points(x) for x in self.state]), np.array(constants)
+
+    def crossing(self, number: int) -> tuple[Sequence[Series], arb]:
+        """The system's own state at crossing `number`, and its time, with the proof that it is that crossing."""
+        if not all(counter.arrives(number) for counter in self.counters):
+            raise IntegrationFailure(
+                "crossing count",
+                f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}",
+                "the orbit may touch the section: give smaller radii or another centre",
+                needs_precision=True,
+            )
+        coordinates = self.coordinates
+        image, elapsed = onto_section(
+            coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
+        )
+        for counter in self.counters:
+            when = self.time + range_of(elapsed, counter.wide)
+            clear = counter.clear_time
+            if clear is None or not when.is_finite() or (when > clear) is not True:
+                raise IntegrationFailure(
+                    "crossing count",
+                    f"the time of crossing {number} is not separated from the crossing before it",
+                    "the box is too large: give smaller radii",
+                )
+        if coordinates.regularisation is None:
+            time = self.time + range_of(elapsed)
+        else:
+            time = range_of(image[coordinates.regularisation.time_index])
+        return self._leave(image), time
+
+    def _check_time(self, flow: FlowStep) -> None:
+        """Regularised coordinates describe an orbit as long as their time runs forwards (section 14)."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return
+        rate = flow.slopes[regularisation.time_index]
+        if not all(stays_positive(rate, counter.wide) for counter in self.counters):
+            raise IntegrationFailure(
+                "collision",
+                f"the orbits of the box are not separated from a collision at time {self._clock():.6g}",
+                "give smaller radii or another centre",
+                needs_precision=True,
+            )
+
+    def _clock(self) -> float:
+        """About the system's time, for messages."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return float(self.time)
+        return rough([int(self.state[regularisation.time_index].coefs[0][0])], self.arithmetic.bits)[0]
+
+
+def evaluate(arithmetic: Arithmetic, program: Program, arguments: Sequence[Series]) -> list[Series]:
+    """Values of a program at elements that do not depend on time, so that degree 0 does."""
+    flat = Arithmetic(arithmetic.grading, arithmetic.bits, arithmetic.grade_bits, 0, width=arithmetic.width)
+    inputs = [Series(flat, x.coefs, x.errors) for x in arguments]
+    evaluation = Evaluation(prepare(program), flat)
+    for position in range(len(flat.grading.monomials)):
+        evaluation.fill(position, [x.coefs[position] for x in inputs])
+    return [Series(arithmetic, x.coefs, x.errors) for x in evaluation.enclose(inputs)]
