@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import resource
 import time
+from collections.abc import Mapping
 from functools import partial
-from multiprocessing.connection import Connection
 from typing import Any
 
 from flint import fmpz
@@ -13,6 +13,7 @@ from flint import fmpz
 import verify.workers
 from shared.formats import Candidate
 from verify.certify import certify
+from verify.engines import Report
 from verify.poincare import enclose_iterates
 
 EXCEPTIONS: dict[str, type[Exception]] = {
@@ -34,7 +35,7 @@ def integrate(candidate: Candidate, *arguments: Any) -> Any:
     return enclose_iterates(candidate, *arguments)
 
 
-def serve(connection: Connection) -> None:
-    """In place of `verify.workers._serve`."""
+def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
+    """In place of `verify.workers.certify_task`."""
     verify.workers.certify = partial(certify, integrate=integrate)  # type: ignore[assignment]
-    verify.workers._serve(connection)
+    return verify.workers.certify_task(argument, report)

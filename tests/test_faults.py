@@ -10,16 +10,17 @@ from typing import Any
 
 import pytest
 from claims import known
-from faulty_worker import EXCEPTIONS, serve
+from faulty_worker import EXCEPTIONS, certify_task
 from flint import ctx
 
 import verify.certify
 import verify.workers
 from verify.certificate import Certificate
 from verify.certify import Limits, certify
+from verify.engines import GRACE_SECONDS
 from verify.poincare import enclose_iterates
 from verify.recheck import recheck
-from verify.workers import GRACE_SECONDS, certify_all
+from verify.workers import certify_all
 
 TRUE = known("fs2")
 FAULTS = [*EXCEPTIONS.values(), ZeroDivisionError, OverflowError, KeyError, StopIteration]
@@ -108,7 +109,7 @@ def run(ids: list[str], jobs: int, timeout: float | None = None) -> dict[str, Ce
 def test_a_fault_in_a_worker_costs_its_row_only(
     jobs: int, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(verify.workers, "_serve", serve)
+    monkeypatch.setattr(verify.workers, "certify_task", certify_task)
     rows = run([*EXCEPTIONS, "FLINT", "sound"], jobs)
     for name in EXCEPTIONS:
         assert rows[name]["reason"]["condition"] == "integration"
@@ -120,7 +121,7 @@ def test_a_fault_in_a_worker_costs_its_row_only(
 
 
 def test_a_step_that_never_ends_is_ended_at_the_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(verify.workers, "_serve", serve)
+    monkeypatch.setattr(verify.workers, "certify_task", certify_task)
     start = time.monotonic()
     rows = run(["endless", "sound"], 1, timeout=3.0)
     reason = rows["endless"]["reason"]

@@ -11,9 +11,10 @@ from typing import NoReturn
 from shared.formats import Candidate, InputError, check_writable, read_candidates
 from verify.certificate import Certificate, is_proof_of, read_certificates, write_certificates
 from verify.certify import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
+from verify.engines import GRACE_SECONDS
 from verify.recheck import Recheck
 from verify.report import Display, recheck_table, verdict_table
-from verify.workers import GRACE_SECONDS, certify_all, recheck_all
+from verify.workers import certify_all, recheck_all
 
 _EXAMPLES = """\
 examples:
