@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from shared.formats import InputError, read_document, read_system, validate_document, write_text
+from shared.libration import BRANCH_SYSTEMS
 from shared.numbers import format_exact, parse_exact
 from shared.pieces import COORDINATES, Piece, SurfacePiece, check_length, evaluate, piece_from_json
-from shared.systems import SYSTEMS, ReversibleSystem
+from shared.systems import ReversibleSystem
 
 __all__ = [
     "CLAIMS", "COORDINATES", "SURFACE", "Atlas", "Claim", "Covers", "Piece", "SurfacePiece", "atlas_from_json",
@@ -77,7 +78,6 @@ class Atlas:
         parameters: exact values of the system's fixed parameters, by name; empty for a surface.
         claim: what the pieces are together.
         pieces: all of them `Piece`, or for a surface all of them `SurfacePiece`.
-        point: the libration point about which the system is written, for a system that has one.
         provenance: free-form, ignored by the verifier.
     """
 
@@ -87,7 +87,6 @@ class Atlas:
     parameters: Mapping[str, Fraction]
     claim: Claim
     pieces: tuple[Piece | SurfacePiece, ...]
-    point: str | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -112,8 +111,6 @@ class Atlas:
             "title": self.title,
             "system": self.system.name,
         }
-        if self.point is not None:
-            result["point"] = self.point
         if not self.is_surface:
             result["parameters"] = {name: format_exact(value) for name, value in self.parameters.items()}
         result["claim"] = self.claim.to_json()
@@ -152,12 +149,12 @@ def atlas_from_json(entry: Mapping[str, Any], source: str) -> Atlas:
         why = "a surface has its parameters in its pieces" if surface else "missing"
         refuse("parameters", why, "leave it out here" if surface else "give all but the family parameter")
     if surface:
-        found = SYSTEMS.get(entry["system"])
+        found = BRANCH_SYSTEMS.get(entry["system"])
         if found is None:
-            refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(SYSTEMS)}")
+            refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(BRANCH_SYSTEMS)}")
         system, parameters = found, dict[str, Fraction]()
     else:
-        system, parameters = read_system(entry, f"{source}: field atlas")
+        system, parameters = read_system(entry, f"{source}: field atlas", BRANCH_SYSTEMS)
         for name, value in parameters.items():
             check_length(value, f"{source}: field parameters.{name}")
     claim = claim_from_json(entry["claim"], system, f"{source}: field claim")
@@ -177,7 +174,7 @@ def atlas_from_json(entry: Mapping[str, Any], source: str) -> Atlas:
         pieces.append(piece)
     return Atlas(
         id=entry["id"], title=entry["title"], system=system, parameters=parameters, claim=claim, pieces=tuple(pieces),
-        point=entry.get("point"), provenance=entry.get("provenance", {}),
+        provenance=entry.get("provenance", {}),
     )  # fmt: skip
 
 

@@ -207,11 +207,16 @@ def read_candidates(path: Path) -> list[Candidate]:
     return candidates
 
 
-def read_system(entry: Mapping[str, Any], source: str) -> tuple[ReversibleSystem, dict[str, Fraction]]:
-    """The system that a JSON object names, and its fixed parameters; raises `InputError` that names the field."""
-    system = SYSTEMS.get(entry["system"])
+def read_system(
+    entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
+) -> tuple[ReversibleSystem, dict[str, Fraction]]:
+    """The system that a JSON object names, one of `systems`, and its fixed parameters.
+
+    Raises `InputError` that names the field.
+    """
+    system = systems.get(entry["system"])
     if system is None:
-        raise InputError(f"{source}.system: unknown system {entry['system']!r}; known: {', '.join(SYSTEMS)}")
+        raise InputError(f"{source}.system: unknown system {entry['system']!r}; known: {', '.join(systems)}")
     parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
     if set(parameters) != set(system.fixed_parameters):
         wanted = ", ".join(system.fixed_parameters) or "none"

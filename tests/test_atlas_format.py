@@ -219,3 +219,14 @@ def test_files_that_are_not_json_are_refused(spoil: Callable[[str], str], tmp_pa
     file.write_text(spoil(json.dumps(CURVE)))
     with pytest.raises(InputError, match=r"atlas\.json: "):
         read_atlas(file)
+
+
+def test_curves_around_a_libration_point_have_one_equation_and_no_derived_parameter() -> None:
+    piece = {
+        **REGULAR, "centre": ["0.01", "0.1"], "frame": [["1", "0"], ["0", "1"]], "polynomial": [["0", "1e-3"]],
+        "tube": ["1e-9"],
+    }  # fmt: skip
+    document = {**CURVE, "system": "cr3bp-l1", "claim": {"kind": "arc", "increasing": ["eps"]}, "pieces": [piece]}
+    atlas = atlas_from_json(document, "test")
+    assert atlas.system.centre_coordinates == ("eps", "vy")
+    assert set(atlas.parameters) == {"mu"}
