@@ -12,6 +12,8 @@ from flint import arb
 
 from verify.algebra import Series
 from verify.balls import enclose
+from verify.grading import Grading
+from verify.norms import GradedNorm
 
 MAX_ORDER = 3
 MultiIndex = tuple[int, ...]
@@ -37,19 +39,26 @@ def multi_indices(dimension: int, order: int = MAX_ORDER) -> list[MultiIndex]:
 
 
 def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fraction) -> DerivativeTable:
-    """Derivatives with respect to p_i = scales_i xi_i on the box |xi_i| <= ratio < 1.
+    """Derivatives with respect to p_i = scales_i xi_i on the box |xi_i| <= ratio < 1."""
+    arithmetic = element.arithmetic
+    coefficients = [
+        arb(polynomial[0]) * arb(2) ** -scale
+        for polynomial, scale in zip(element.coefs, arithmetic.scales, strict=True)
+    ]
+    return table_of(arithmetic.grading, coefficients, element.errors, scales, ratio)
+
+
+def table_of(
+    grading: Grading, coefficients: Sequence[arb], errors: GradedNorm, scales: Sequence[Fraction], ratio: Fraction
+) -> DerivativeTable:
+    """The same from the coefficients of the kept monomials and the errors by grade.
 
     The unknown part of grade g is a power series with l1 norm at most e_g on the closed unit
     polydisc, so by Cauchy's estimate its derivative d^alpha on the smaller polydisc is at most
     alpha! (1 - ratio)^-|alpha| e_g, and 0 if g is below the grade of alpha.
     """
-    arithmetic = element.arithmetic
-    grading = arithmetic.grading
-    coefficients = {
-        exponents: arb(polynomial[0]) * arb(2) ** -scale
-        for exponents, polynomial, scale in zip(grading.monomials, element.coefs, arithmetic.scales, strict=True)
-    }
-    errors = [arb(e) for e in element.errors]
+    known = dict(zip(grading.monomials, coefficients, strict=True))
+    bounds = [arb(e) for e in errors]
     inside = enclose(ratio)
     unit = arb(0, 1)
     box: dict[MultiIndex, arb] = {}
@@ -59,7 +68,7 @@ def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fractio
         factor = arb(prod(factorial(a) for a in alpha))
         scale = prod((s**a for s, a in zip(scales, alpha, strict=True)), start=Fraction(1))
         value = arb(0)
-        for exponents, coefficient in coefficients.items():
+        for exponents, coefficient in known.items():
             if all(n >= a for n, a in zip(exponents, alpha, strict=True)):
                 falling = prod(factorial(n) // factorial(n - a) for n, a in zip(exponents, alpha, strict=True))
                 term = coefficient * falling
@@ -67,9 +76,9 @@ def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fractio
                     for _ in range(n - a):
                         term = term * (inside * unit)
                 value = value + term
-        unknown = sum((e for g, e in enumerate(errors) if g >= min(grade, grading.top + 1)), arb(0))
+        unknown = sum((e for g, e in enumerate(bounds) if g >= min(grade, grading.top + 1)), arb(0))
         spread = factor * unknown / (1 - inside) ** sum(alpha)
         box[alpha] = (value + unit * spread) / enclose(scale)
-        own = errors[min(grade, grading.top + 1)]
-        centre[alpha] = (coefficients.get(alpha, arb(0)) * factor + unit * factor * own) / enclose(scale)
+        own = bounds[min(grade, grading.top + 1)]
+        centre[alpha] = (known.get(alpha, arb(0)) * factor + unit * factor * own) / enclose(scale)
     return DerivativeTable(box, centre)
