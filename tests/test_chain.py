@@ -1,0 +1,499 @@
+"""Pieces in order are proved to be one curve, and whatever is wrong with them is found."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from chain_cases import (
+    HALF_WIDTH,
+    TUBE,
+    Case,
+    certificate,
+    circle,
+    circle_piece,
+    circle_point,
+    concluded,
+    falls,
+    loop,
+    parabola,
+    parabola_piece,
+    proved,
+    reversed_piece,
+    symmetric_arc,
+    symmetric_loop,
+    with_piece,
+    with_results,
+    without,
+)
+from claims import known
+from flint import arb, ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shared.atlas import Atlas, Claim, Covers, Piece
+from shared.systems import FALKNER_SKAN
+from verify.ball_text import bounds
+from verify.certify import certify
+from verify.chain import conclude
+from verify.conclusion import Conclusion
+from verify.tube import read_tube
+
+CASES: dict[str, Callable[[], Case]] = {
+    "arc": parabola,
+    "loop": loop,
+    "symmetric arc": symmetric_arc,
+    "symmetric loop": symmetric_loop,
+}
+
+
+def refusal(conclusion: Conclusion) -> str:
+    """Condition and message of what is not proved, which says nothing of the curve."""
+    assert not conclusion.is_proved
+    assert conclusion.chain is None
+    assert conclusion.statement == ""
+    assert conclusion.reason is not None
+    assert conclusion.hypotheses[-1].holds is False
+    return f"{conclusion.reason.condition}: {conclusion.reason.message}"
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_a_true_curve_is_proved_with_all_its_hypotheses(case: Callable[[], Case]) -> None:
+    conclusion = concluded(case())
+    assert conclusion.reason is None
+    assert conclusion.is_proved
+    assert tuple(hypothesis.name for hypothesis in conclusion.hypotheses) == conclusion.expected
+    assert json.loads(json.dumps(conclusion.to_json()))["verdict"] == "proved"
+
+
+def test_the_symmetric_loop_meets_the_plane_in_two_points_whose_enclosures_are_right() -> None:
+    conclusion = concluded(symmetric_loop())
+    for key, truth in (("start", (1, 0, 2)), ("end", (-1, 0, 4))):
+        for ball, value in zip(conclusion.ends[key].values(), truth, strict=True):
+            lower, upper = bounds(ball)
+            assert lower <= value <= upper
+            assert upper - lower < Fraction(1, 10**8)
+    assert "exactly two points" in conclusion.statement
+    assert "half periods lie in [2.74, 3.26]" in conclusion.statement
+
+
+def test_joints_are_where_the_pieces_overlap() -> None:
+    chain = concluded(loop()).chain
+    assert chain is not None
+    assert len(chain.joints) == 10
+    for joint in chain.joints:
+        # The end of a piece is at the angle asin(0.4) from its centre, and the centres are pi/5 apart.
+        expected = math.sin(math.asin(float(joint.leaves * HALF_WIDTH)) - math.pi / 5) / float(HALF_WIDTH)
+        assert abs(float(joint.enters.mid()) - expected) < 1e-6
+        assert joint.turn > 0
+
+
+def test_intervals_of_a_piece_that_touch_are_enough() -> None:
+    parts = ({"interval": ["-1", "0.25"]}, {"interval": ["0.25", "0.5"]}, {"interval": ["0.375", "1"]})
+    assert concluded(with_results(symmetric_loop(), 2, *parts)).is_proved
+
+
+def test_what_the_curve_does_not_use_need_not_be_proved() -> None:
+    # Piece 3 is entered at s = -0.54 and left at s = 1 at the earliest where piece 4 begins, s = 0.54.
+    assert concluded(with_results(symmetric_loop(), 3, {"interval": ["-0.75", "0.75"]})).is_proved
+
+
+@pytest.mark.parametrize("interval", [["0", "1"], ["-1", "0"]])
+def test_half_of_a_symmetric_piece_is_enough(interval: list[str]) -> None:
+    assert concluded(with_results(symmetric_arc(), 0, {"interval": interval})).is_proved
+    assert concluded(with_results(symmetric_loop(), 5, {"interval": interval})).is_proved
+
+
+GAPS: dict[str, tuple[Case, str]] = {
+    "piece missing": (without(symmetric_loop(), 2), "there is a gap"),
+    "piece missing in a loop": (without(loop(), 9), "there is a gap"),
+    "interval missing": (
+        with_results(symmetric_loop(), 2, {"interval": ["-1", "0"]}, {"interval": ["0.125", "1"]}),
+        "nothing is proved at s just above 0",
+    ),
+    "interval not proved": (
+        with_results(
+            symmetric_loop(), 2, {"interval": ["-1", "0"]},
+            {"interval": ["0", "1"], "verdict": "not proved", "reason": {"message": "the tube does not hold"}},
+        ),
+        "the tube does not hold",
+    ),
+    "piece not proved": (with_results(loop(), 3), "nothing is proved"),
+    "first piece not proved": (with_results(loop(), 0), "nothing is proved"),
+    "begins late": (with_results(parabola(), 0, {"interval": ["-0.875", "1"]}), "nothing is proved at s = -1"),
+    "ends early": (with_results(parabola(), 2, {"interval": ["-1", "0.875"]}), "s from 0.875 to 1"),
+    "symmetric point not proved": (with_results(symmetric_arc(), 0, {"interval": ["0.125", "1"]}), "at s = 0"),
+    "last symmetric point not proved": (
+        with_results(symmetric_loop(), 5, {"interval": ["-1", "-0.125"]}),
+        "s from -0.125 to 0",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", GAPS)
+def test_gaps_are_found(name: str) -> None:
+    case, words = GAPS[name]
+    message = refusal(concluded(case))
+    assert message.startswith("curve: ")
+    assert words in message
+
+
+def test_a_loop_that_does_not_close_is_found() -> None:
+    open_arc = circle(Claim("loop"), [0.1 + k * math.pi / 5 for k in range(8)])
+    assert "p007 and p000: there is a gap" in refusal(concluded(open_arc))
+
+
+def test_a_loop_that_is_not_proved_where_it_closes_is_found() -> None:
+    assert "there is a gap" in refusal(concluded(with_results(loop(), 0, {"interval": ["-0.25", "1"]})))
+
+
+def test_a_loop_whose_first_piece_is_left_before_it_is_entered_is_found() -> None:
+    # The second piece lies behind the first, which is left at 0.21, while the last one reaches it at 0.41.
+    angles = [0.1, -0.2, *(0.3 + 0.6 * k for k in range(10)), 2 * math.pi]
+    assert "the loop does not close" in refusal(concluded(circle(Claim("loop"), angles)))
+
+
+@pytest.mark.parametrize("lift", [2e-6, -1e-3])
+def test_a_piece_on_another_branch_is_found(lift: float) -> None:
+    case = with_piece(symmetric_loop(), 2, lambda piece: circle_piece(2, 2 * math.pi / 5, lift=lift))
+    message = refusal(concluded(case))
+    assert "p001 and p002" in message
+    assert "lies beside its tube" in message
+
+
+def test_a_tube_that_does_not_hold_the_end_of_the_former_piece_is_found() -> None:
+    narrow = with_piece(symmetric_loop(), 2, lambda piece: replace(piece, tube=(Fraction(1, 10**12),) * 2))
+    small = {"deviation": ["1e-13", "1e-13"]}
+    assert "beside its tube" in refusal(concluded(with_results(narrow, 2, small)))
+
+
+@pytest.mark.parametrize("number", [1, 2, 4])
+def test_a_piece_the_wrong_way_round_is_found(number: int) -> None:
+    message = refusal(concluded(with_piece(symmetric_loop(), number, reversed_piece)))
+    assert f"p{number - 1:03} and p{number:03}" in message
+    assert "in the direction of increasing s" in message
+
+
+def test_the_last_symmetric_piece_the_wrong_way_round_is_found() -> None:
+    assert "direction of increasing s" in refusal(concluded(with_piece(symmetric_loop(), 5, reversed_piece)))
+
+
+def test_the_direction_has_to_be_certain() -> None:
+    vague = {"slope_deviation": ["1000", "1000"]}
+    assert "direction of increasing s" in refusal(concluded(with_results(symmetric_loop(), 1, vague)))
+
+
+@pytest.mark.parametrize("number", [0, 5])
+def test_an_odd_coefficient_in_a_symmetric_piece_is_found(number: int) -> None:
+    def tilt(piece: Piece) -> Piece:
+        first, second = piece.polynomial
+        return replace(piece, polynomial=(first, (*second, Fraction(1, 2**200))))
+
+    message = refusal(concluded(with_piece(symmetric_loop(), number, tilt)))
+    assert f"p{number:03} has an odd coefficient" in message
+
+
+def off_centre(piece: Piece) -> Piece:
+    x, z, vy = piece.centre
+    return replace(piece, centre=(x, z + Fraction(1, 2**200), vy))
+
+
+def tilted_along(piece: Piece) -> Piece:
+    x, z, vy = piece.frame
+    return replace(piece, frame=((x[0] + Fraction(1, 2**200), *x[1:]), z, vy))
+
+
+def tilted_across(piece: Piece) -> Piece:
+    x, z, vy = piece.frame
+    return replace(piece, frame=(x, (z[0], z[1], Fraction(1, 2**200)), vy))
+
+
+@pytest.mark.parametrize("change", [off_centre, tilted_along, tilted_across])
+def test_a_symmetric_piece_that_is_not_adapted_is_found(change: Callable[[Piece], Piece]) -> None:
+    assert "negate column 0 only" in refusal(concluded(with_piece(symmetric_loop(), 0, change)))
+
+
+def singular(piece: Piece) -> Piece:
+    return replace(piece, frame=(*piece.frame[:-1], tuple(2 * value for value in piece.frame[0])))
+
+
+BAD_PIECES: dict[str, Callable[[Piece], Piece]] = {
+    "is symmetric": lambda piece: replace(piece, kind="symmetric"),
+    "is singular": singular,
+    "have to be positive": lambda piece: replace(piece, tube=(TUBE, Fraction(0))),
+    "half_width and tube": lambda piece: replace(piece, half_width=-piece.half_width),
+    "does not have 3 coordinates": lambda piece: replace(piece, polynomial=piece.polynomial[:1]),
+    "same id": lambda piece: replace(piece, id="p000"),
+}
+
+
+@pytest.mark.parametrize("words", BAD_PIECES)
+def test_a_piece_that_makes_no_sense_is_found(words: str) -> None:
+    message = refusal(concluded(with_piece(symmetric_loop(), 2, BAD_PIECES[words])))
+    assert message.startswith("pieces: ")
+    assert words in message
+
+
+@pytest.mark.parametrize("number", [0, 5])
+def test_a_symmetric_curve_begins_and_ends_in_symmetric_pieces(number: int) -> None:
+    message = refusal(concluded(with_piece(symmetric_loop(), number, lambda piece: replace(piece, kind="regular"))))
+    assert "it has to be symmetric" in message
+
+
+def test_a_claim_that_is_not_about_a_curve_is_refused() -> None:
+    atlas, results = symmetric_arc()
+    for claim in (Claim("symmetry-breaking-surface", "S"), Claim("symmetric-arc"), Claim("symmetric-arc", "T")):
+        assert not concluded((replace(atlas, claim=claim), results)).is_proved
+
+
+def test_a_curve_that_goes_through_the_plane_on_its_way_is_found() -> None:
+    # From the angle 0 upwards all around to -0.6: z changes its sign at the angle pi, on regular pieces.
+    case = circle(Claim("symmetric-arc", "S"), [k * math.pi / 5 for k in range(9)], (0,))
+    message = refusal(concluded(case))
+    assert message.startswith("plane: ")
+    assert "p005" in message
+
+
+def test_a_symmetric_loop_that_comes_back_to_its_first_point_is_found() -> None:
+    case = circle(Claim("symmetric-loop", "S"), [k * math.pi / 5 for k in range(11)], (0, 10))
+    atlas, results = case
+    pieces = list(atlas.curve_pieces())
+    pieces[10] = replace(circle_piece(10, 0.0, "symmetric"))
+    assert refusal(concluded((replace(atlas, pieces=tuple(pieces)), results))).startswith("plane: ")
+
+
+@pytest.mark.parametrize("coordinate", ["x", "z"])
+def test_a_coordinate_that_does_not_increase_is_found(coordinate: str) -> None:
+    message = refusal(concluded(symmetric_arc(Claim("symmetric-arc", "S", ("vy", coordinate)))))
+    assert message.startswith(f"increasing-{coordinate}: ")
+
+
+def test_what_increases_from_a_symmetric_point_is_shown_from_there_on() -> None:
+    short = circle(Claim("symmetric-arc", "S", ("z", "vy")), [0, math.pi / 5], (0,))
+    conclusion = concluded(short)
+    assert "From end to end z increases strictly" in conclusion.statement
+    assert "minimum of vy" in conclusion.statement
+
+
+def test_a_slope_that_is_known_too_badly_does_not_show_an_increase() -> None:
+    # d(vy)/ds = half_width^2 s + ..: its error, divided by s, has to be smaller than 0.16.
+    case = with_results(symmetric_arc(), 0, {"slope_deviation": ["0.1", "0.01"]})
+    assert concluded(case).is_proved
+    case = with_results(symmetric_arc(), 0, {"slope_deviation": ["0.16", "0.01"]})
+    assert "increasing-vy" in refusal(concluded(case))
+
+
+@pytest.mark.parametrize(("start", "end"), [("0.9999999", "5"), ("1", "5.0000001"), ("0", "5"), ("1", "6")], ids=str)
+def test_a_range_that_is_not_covered_is_found(start: str, end: str) -> None:
+    claim = Claim("arc", None, (), Covers("beta", Fraction(start), Fraction(end)))
+    assert refusal(concluded(parabola(claim))).startswith("covers: ")
+
+
+def test_a_range_that_is_covered_up_to_an_error_only_is_not_covered() -> None:
+    # y is known up to the deviation: 0.01 and 0.25 are not certainly reached.
+    claim = Claim("arc", None, (), Covers("y", Fraction(1, 100), Fraction(1, 4)))
+    assert refusal(concluded(parabola(claim))).startswith("covers: ")
+    claim = Claim("arc", None, (), Covers("y", Fraction("0.0100001"), Fraction("0.2499999")))
+    assert concluded(parabola(claim)).is_proved
+
+
+BAD_NUMBERS: dict[str, dict[str, Any]] = {
+    "NaN": {"deviation": ["NaN", "0"]},
+    "infinite": {"deviation": ["inf", "0"]},
+    "a float": {"deviation": [1e-9, 1e-9]},
+    "negative": {"deviation": ["-1e-9", "1e-9"]},
+    "one too few": {"deviation": ["1e-9"]},
+    "none": {"deviation": None},
+    "slope NaN": {"slope_deviation": ["NaN", "0"]},
+    "slope missing": {"slope_deviation": []},
+    "as wide as the tube": {"deviation": ["1e-6", "0"]},
+    "wider than the tube": {"deviation": ["0", "1e-5"]},
+    "interval too wide": {"interval": ["-1.5", "1"]},
+    "interval empty": {"interval": ["1", "-1"]},
+    "interval not a number": {"interval": ["-1", "nan"]},
+    "another verdict": {"verdict": "Proved"},
+    "no verdict": {"verdict": True},
+}
+
+
+@pytest.mark.parametrize("number", [0, 2])
+@pytest.mark.parametrize("name", BAD_NUMBERS)
+def test_results_that_are_not_finite_exact_bounds_do_not_count(name: str, number: int) -> None:
+    assert "nothing is proved" in refusal(concluded(with_results(symmetric_loop(), number, BAD_NUMBERS[name])))
+
+
+def test_a_result_of_another_piece_does_not_count() -> None:
+    assert "nothing is proved" in refusal(concluded(with_results(symmetric_loop(), 2, {"piece": "p003"})))
+
+
+def test_half_periods_that_are_not_known_are_not_stated() -> None:
+    assert "half periods" not in concluded(with_results(symmetric_loop(), 2, {"time": None})).statement
+
+
+@given(st.floats(-1, 1), st.floats(-1, 1), st.integers(0, 5))
+def test_enclosures_of_a_piece_contain_the_curve(at: float, share: float, number: int) -> None:
+    atlas, results = symmetric_loop()
+    piece = atlas.curve_pieces()[number]
+    tube = read_tube(piece, [results[number]])
+    s = Fraction(at)
+    angle = number * math.pi / 5 + math.asin(at * float(HALF_WIDTH))
+    truth = (math.cos(angle), math.sin(angle), 3 - math.cos(angle))
+    with ctx.workprec(128):
+        balls = tube.point(tube.runs[0], s)
+        for ball, value in zip(balls, truth, strict=True):
+            lower, upper = bounds(ball)
+            assert lower - Fraction(1, 10**14) <= value <= upper + Fraction(1, 10**14)
+        p, slope = tube.local(tube.runs[0], s), tube.local_slope(tube.runs[0], s)
+        assert tube.contains(tube.parameter(p), p)
+        assert all(a.overlaps(b) for a, b in zip(tube.to_local(balls), p, strict=True))
+        # The derivative of sqrt(1 - (h s)^2) in s.
+        sine = at * float(HALF_WIDTH)
+        expected = -float(HALF_WIDTH) * sine / math.sqrt(1 - sine**2)
+        assert abs(float(slope[1].mid()) - expected) <= 1e-9
+        beside = [p[0], p[1] + arb(1.01 if share > 0 else -1.01) * arb(float(TUBE)), p[2]]
+        assert not tube.contains(tube.parameter(p), beside)
+
+
+@given(st.integers(-8, 8), st.integers(1, 40))
+def test_signs_on_an_interval_are_those_of_the_curve(centre: int, width: int) -> None:
+    """z - zero of the circle's regular piece around 0: positive exactly where the whole interval is."""
+    piece = replace(circle_piece(0, 0.0), id="p")
+    tube = read_tube(piece, [proved(piece)])
+    lower, upper = (Fraction(max(-1, min(1, value))) for value in (centre / 8 - width / 80, centre / 8 + width / 80))
+    with ctx.workprec(128):
+        positive = tube.coordinate_is_beyond_zero(1, 1, tube.runs[0], lower, upper)
+        negative = tube.coordinate_is_beyond_zero(1, -1, tube.runs[0], lower, upper)
+    assert positive == (lower > 0)
+    assert negative == (upper < 0)
+
+
+# Bifurcations on the curve.
+
+
+@pytest.mark.parametrize("angle", [0.3, 0.7, 1.5, 2.9, -0.3, -2.5])
+def test_a_bifurcation_on_the_curve_or_its_mirror_image_is_found_there(angle: float) -> None:
+    (entry,) = concluded(symmetric_loop(), certificate(circle_point(angle))).bifurcations
+    assert entry.place is not None
+    assert entry.place.mirrored == (angle < 0)
+    piece_angle = int(entry.place.piece[1:]) * math.pi / 5
+    assert abs(math.sin(abs(angle) - piece_angle) / float(HALF_WIDTH) - float(entry.place.s.mid())) < 1e-9
+
+
+def test_a_mirror_image_counts_on_symmetric_curves_only() -> None:
+    half = circle(Claim("arc"), [0.7, 1.3])
+    above, below = (certificate(circle_point(angle)) for angle in (1.0, -1.0))
+    on, off = concluded(half, above, below).bifurcations
+    assert on.place is not None
+    assert off.place is None
+
+
+def test_a_symmetry_breaking_in_the_plane_is_the_symmetric_point() -> None:
+    point = {"x": arb(1, 2**-80), "z": arb(0), "vy": arb(2, 2**-80)}
+    breaking = certificate(point, kind="symmetry_breaking", k=1, symmetry="S")
+    conclusion = concluded(symmetric_loop(), breaking)
+    (entry,) = conclusion.bifurcations
+    assert entry.place is not None
+    assert (entry.place.piece, entry.place.s.is_zero()) == ("p000", True)
+    assert conclusion.ends["start"]["vy"].rad() < 2**-79
+    assert conclusion.ends["end"]["vy"].rad() > 2**-40
+    assert "symmetric point of piece p000" in conclusion.statement
+
+
+REFUSED: dict[str, tuple[dict[str, Any], str]] = {
+    "not proved": (certificate(circle_point(0.7), verdict="not proved"), "says 'not proved'"),
+    "of another mass": (certificate(circle_point(0.7), parameters={"mu": "0.0125000001"}), "another value of mu"),
+    "of another system": (
+        certificate({"beta": arb(1), "y": arb(1)}),
+        "another system",
+    ),
+    "unknown system": (certificate(circle_point(0.7), system="kepler"), "cannot be read"),
+    "beside the curve": (
+        certificate({**circle_point(0.7), "vy": arb(3 - math.cos(0.7) + 1e-5, 2**-40)}),
+        "outside the tubes, by",
+    ),
+    "beyond the end": (certificate(circle_point(2.9)), "outside the tubes"),
+    "far away": (certificate({**circle_point(0.7), "x": arb(100)}), "beyond the ends of all pieces"),
+    "wider than the tube": (certificate(circle_point(0.7, 1e-5)), "too wide for the tube"),
+    "on the edge of the tube": (
+        certificate({**circle_point(0.7), "vy": arb(3 - math.cos(0.7) + 1e-6, 2**-22)}),
+        "not shown to lie inside",
+    ),
+    "in the plane but of k = 2": (
+        certificate({"x": arb(1, 2**-80), "z": arb(0, 2**-80), "vy": arb(2, 2**-80)}),
+        "fixed by the symmetry",
+    ),
+    "of another symmetry": (
+        certificate({"x": arb(1), "z": arb(0), "vy": arb(2)}, kind="symmetry_breaking", k=1),
+        "fixed by the symmetry",
+    ),
+    "without a coordinate": (certificate({"x": arb(1), "z": arb(0)}), "cannot be read"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_bifurcation_that_is_not_shown_to_lie_on_the_curve_is_named_with_the_reason(name: str) -> None:
+    entry, words = REFUSED[name]
+    conclusion = concluded(symmetric_arc(), entry)
+    assert conclusion.is_proved
+    (found,) = conclusion.bifurcations
+    assert found.place is None
+    assert words in found.reason
+    assert f"{found.id} (k = {found.k}): {found.reason}" in conclusion.statement
+
+
+def test_a_certificate_that_does_not_stand_is_not_used() -> None:
+    atlas, results = symmetric_arc()
+    (found,) = conclude(atlas, results, [certificate(circle_point(0.7))], falls).bifurcations
+    assert found.place is None
+    assert "does not fit the content" in found.reason
+    (found,) = conclude(atlas, results, [certificate(circle_point(0.7))]).bifurcations
+    assert found.place is None
+
+
+def test_another_vector_field_is_noticed() -> None:
+    entry = certificate(circle_point(0.7))
+    entry["statement"]["vector_field"] += " "
+    (found,) = concluded(symmetric_arc(), entry).bifurcations
+    assert "another vector field" in found.reason
+
+
+def test_nothing_lies_on_a_curve_that_is_not_proved() -> None:
+    conclusion = concluded(without(symmetric_loop(), 2), certificate(circle_point(0.7)))
+    assert not conclusion.is_proved
+    assert [entry.place for entry in conclusion.bifurcations] == [None]
+
+
+def test_a_conclusion_cannot_be_made_of_less_than_its_hypotheses() -> None:
+    conclusion = concluded(symmetric_loop())
+    last = conclusion.hypotheses[-1]
+    for fewer in ((), conclusion.hypotheses[:-1], (*conclusion.hypotheses[:-1], replace(last, holds=False))):
+        with pytest.raises(ValueError, match="do not prove"):
+            replace(conclusion, hypotheses=fewer)
+    with pytest.raises(ValueError, match="do not prove"):
+        replace(conclusion, chain=None)
+    with pytest.raises(ValueError, match="belongs to what is proved"):
+        replace(conclusion, statement="")
+
+
+def test_a_real_certificate_is_examined_and_placed() -> None:
+    candidate = known("fs2")
+    entry = dict(json.loads(json.dumps(certify(candidate))))
+    beta, y = candidate.centre
+    piece = replace(
+        parabola_piece(0, Fraction(0), Fraction(1)), centre=(beta - Fraction(1, 4), y), polynomial=((Fraction(0),),)
+    )
+    atlas = Atlas("line", "a line", FALKNER_SKAN, {}, Claim("arc"), (piece,))
+    (found,) = conclude(atlas, [proved(piece)], [entry]).bifurcations
+    assert found.place is not None
+    lower, upper = bounds(found.place.s)
+    assert lower <= Fraction(1, 4) + Fraction(1, 10**40)
+    assert upper >= Fraction(1, 4) - Fraction(1, 10**40)
+    assert upper - lower < Fraction(1, 10**20)
+    entry["results"]["point"]["y"]["mid"] = "0x1p-1"
+    (found,) = conclude(atlas, [proved(piece)], [entry]).bifurcations
+    assert "does not stand" in found.reason

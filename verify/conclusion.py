@@ -1,0 +1,104 @@
+"""What a proved curve is known to be: hypotheses, enclosures, ends, bifurcations (docs/method.md, section 15.9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from flint import arb
+
+from shared.numbers import format_exact
+from verify.ball_text import ball_to_json
+from verify.curve_text import Ends
+from verify.gluing import Chain
+from verify.membership import Bifurcation
+from verify.outcome import Hypothesis, Reason
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What the pieces of an atlas prove together. Raises `ValueError` if it says more than its hypotheses show.
+
+    Attributes:
+        atlas: id of the atlas.
+        statement: the theorem in words; empty if it is not proved.
+        reason: why it is not proved, or `None` if it is.
+        hypotheses: what was checked, in order, with enclosures.
+        chain: the curve, or `None`.
+        ends: enclosures of the coordinates of its first and last point.
+        bifurcations: the certificates given, and where on the curve they are.
+        expected: names of the hypotheses that the claim takes, in order.
+    """
+
+    atlas: str
+    statement: str
+    reason: Reason | None
+    hypotheses: tuple[Hypothesis, ...]
+    chain: Chain | None
+    ends: Ends
+    bifurcations: tuple[Bifurcation, ...]
+    expected: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        names = tuple(hypothesis.name for hypothesis in self.hypotheses)
+        shown = bool(names) and names == self.expected and all(h.holds is True for h in self.hypotheses)
+        if self.is_proved and not (shown and self.chain is not None):
+            raise ValueError(f"hypotheses {names} do not prove what takes {self.expected}")
+        if self.is_proved != bool(self.statement):
+            raise ValueError("a statement belongs to what is proved, and to nothing else")
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether the curve is proved; each bifurcation says for itself whether it lies on it."""
+        return self.reason is None
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact numbers and balls with decimals beside them."""
+        reason, chain = self.reason, self.chain
+        return {
+            "verdict": "proved" if self.is_proved else "not proved",
+            "statement": self.statement,
+            "reason": None
+            if reason is None
+            else {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
+            "hypotheses": [
+                {
+                    "name": hypothesis.name,
+                    "statement": hypothesis.statement,
+                    "section": hypothesis.section,
+                    "holds": hypothesis.holds,
+                    "enclosures": _balls(hypothesis.enclosures),
+                }
+                for hypothesis in self.hypotheses
+            ],
+            "stretches": []
+            if chain is None
+            else [
+                {
+                    "piece": stretch.tube.piece.id,
+                    "enters": format_exact(stretch.enters),
+                    "leaves": format_exact(stretch.leaves),
+                }
+                for stretch in chain.stretches
+            ],
+            "joints": []
+            if chain is None
+            else [
+                {
+                    "before": joint.before,
+                    "after": joint.after,
+                    "leaves": format_exact(joint.leaves),
+                    "enters": ball_to_json(joint.enters),
+                    "offsets": [ball_to_json(ball) for ball in joint.offsets],
+                    "turn": ball_to_json(joint.turn),
+                }
+                for joint in chain.joints
+            ],
+            "ends": {end: _balls(coordinates) for end, coordinates in self.ends.items()},
+            "bifurcations": [entry.to_json() for entry in self.bifurcations],
+        }
+
+
+def _balls(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
+    return {name: ball_to_json(ball) for name, ball in balls.items() if ball.is_finite()}

@@ -1,0 +1,182 @@
+"""Which certified bifurcations lie on a proved curve (docs/method.md, section 15.8)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from flint import arb
+
+from shared.atlas import Atlas
+from shared.formats import InputError, read_system
+from verify.ball_text import ball_from_json, ball_to_json
+from verify.balls import all_finite, enclose, excludes_zero, is_below
+from verify.certificate import Certificate
+from verify.gluing import Chain, Stretch
+from verify.outcome import show
+from verify.recheck import Recheck, recheck
+from verify.tube import lower_end, upper_end
+
+Examine = Callable[[Certificate], Recheck]
+Point = Mapping[str, arb]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point of the curve: piece, enclosure of s, and whether it is the mirror image that lies in the piece."""
+
+    piece: str
+    s: arb
+    mirrored: bool
+
+
+@dataclass(frozen=True)
+class Bifurcation:
+    """A certificate of a bifurcation, and whether the point lies on the curve.
+
+    Attributes:
+        id, kind, k: of the certificate.
+        place: where on the curve, or `None` if it is not shown to lie on it.
+        reason: why not; empty if it does.
+        point: enclosure of the bifurcation point, by coordinate name; empty if the certificate proves nothing.
+        parameter_name: name of the bifurcation parameter.
+        parameter: its enclosure, or `None`.
+    """
+
+    id: str
+    kind: str
+    k: int
+    place: Place | None
+    reason: str
+    point: Point
+    parameter_name: str = ""
+    parameter: arb | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact balls with decimals beside them."""
+        return {
+            "id": self.id,
+            "kind": self.kind,
+            "k": self.k,
+            "on_curve": self.place is not None,
+            "piece": None if self.place is None else self.place.piece,
+            "s": None if self.place is None else ball_to_json(self.place.s),
+            "mirrored": False if self.place is None else self.place.mirrored,
+            "reason": self.reason,
+            "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
+            "parameter_name": self.parameter_name,
+            "parameter": None if self.parameter is None else ball_to_json(self.parameter),
+        }
+
+
+def place_bifurcation(
+    atlas: Atlas, chain: Chain | None, certificate: Certificate, examine: Examine = recheck
+) -> Bifurcation:
+    """Whether the bifurcation of a certificate that fits the schema lies on the curve.
+
+    `chain` is `None` if the curve itself is not proved. `examine` shows that the certificate's conclusion follows
+    from what it stores.
+    """
+    candidate = certificate["statement"]["candidate"]
+    name, kind, k = str(certificate["id"]), str(candidate.get("kind")), int(candidate.get("k", 0))
+
+    def refuse(reason: str) -> Bifurcation:
+        return Bifurcation(name, kind, k, None, reason, {})
+
+    if certificate["verdict"] != "proved":
+        return refuse(f"the certificate says {certificate['verdict']!r}")
+    other = _other_system(atlas, certificate)
+    if other is not None:
+        return refuse(other)
+    examined = examine(certificate)
+    if not examined.stands:
+        found = examined.findings[0]
+        return refuse(f"the certificate does not stand: {found.place}: {found.message}")
+    results = certificate["results"]
+    try:
+        point = {key: ball_from_json(results["point"][key]) for key in atlas.system.centre_coordinates}
+        parameter = ball_from_json(results["parameter"])
+    except (KeyError, TypeError, ValueError) as error:
+        return refuse(f"the certificate's results cannot be read: {error}")
+    doubly = kind == "symmetry_breaking" and candidate.get("symmetry") == atlas.claim.symmetry is not None
+    found_at: Place | str = "the curve itself is not proved"
+    if chain is not None:
+        found_at = locate(atlas, chain, list(point.values()), doubly)
+    place, reason = (None, found_at) if isinstance(found_at, str) else (found_at, "")
+    return Bifurcation(name, kind, k, place, reason, point, str(results["parameter_name"]), parameter)
+
+
+def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False) -> Place | str:
+    """Where on the curve a symmetric orbit lies that is given by enclosures of its coordinates, or why nowhere.
+
+    The orbit has to be a zero of the curve's equations, which is what bifurcations of every kind are. If it
+    `is_symmetry_breaking`, for the symmetry of the atlas, the point is fixed by it and may be a symmetric point of
+    the curve.
+    """
+    if not all_finite(point):
+        return "its enclosure is not finite"
+    images = [(list(point), False)]
+    if atlas.claim.kind.startswith("symmetric"):
+        signs = signs_of(atlas, str(atlas.claim.symmetry))
+        images.append(([sign * ball for sign, ball in zip(signs, point, strict=True)], True))
+    misses: list[tuple[arb, str]] = []
+    for image, mirrored in images:
+        for stretch in chain.stretches:
+            found = _in_stretch(stretch, image, is_symmetry_breaking)
+            if isinstance(found, arb):
+                return Place(stretch.tube.piece.id, found, mirrored)
+            if found is not None:
+                misses.append(found)
+    if not misses:
+        return "it lies beyond the ends of all pieces"
+    return min(misses, key=lambda miss: upper_end(miss[0]))[1]
+
+
+def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bool) -> arb | tuple[arb, str] | None:
+    """s of the point if it certainly lies on the stretch; else how far off it is, and in words; `None` if far away."""
+    tube, name = stretch.tube, stretch.tube.piece.id
+    p = tube.to_local(point)
+    s = tube.parameter(p)
+    if not s.is_finite() or is_below(s, enclose(stretch.enters)) or is_below(enclose(stretch.leaves), s):
+        return None
+    if tube.is_symmetric and not excludes_zero(s):
+        if not is_symmetry_breaking:
+            return arb(0), f"it is not shown to lie off the points of {name} that are fixed by the symmetry"
+        s = arb(0)
+    widths = [enclose(width) for width in tube.piece.tube]
+    offsets = [ball / width for ball, width in zip(tube.offsets(s, p), widths, strict=True)]
+    if not all_finite(offsets):
+        return None
+    if tube.contains(s, p) and stretch.contains(s):
+        return s
+    most = max((abs(ball) for ball in offsets), key=upper_end)
+    if lower_end(most) >= 1:
+        return most, f"it lies outside the tubes, by {show(most)} half-widths of the one of {name} off its polynomial"
+    if any(upper_end(ball) - lower_end(ball) >= 1 for ball in offsets):
+        return most, f"its enclosure is too wide for the tube of {name}; certify it in a smaller box"
+    return most, f"it is not shown to lie inside the tube of {name}; more digits or a wider tube may decide"
+
+
+def signs_of(atlas: Atlas, symmetry: str) -> list[int]:
+    """The signs of a symmetry on the coordinates of the pieces; a family parameter is left alone."""
+    system = atlas.system
+    signs = system.symmetries[symmetry]
+    return [signs[system.state.index(name)] if name in system.state else 1 for name in system.centre_coordinates]
+
+
+def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
+    """Why a certificate is about another system than the atlas, if it is."""
+    statement = certificate["statement"]
+    try:
+        system, parameters = read_system(statement["candidate"], "statement.candidate")
+    except (InputError, KeyError, ValueError) as error:
+        return f"the certificate cannot be read: {error}"
+    if system.name != atlas.system.name:
+        return f"it is about another system, {system.name}"
+    for name, value in atlas.parameters.items():
+        if parameters.get(name) != value:
+            return f"it is about another value of {name}"
+    if statement["vector_field"] != atlas.system.program.text():
+        return f"it is about another vector field than that of {system.name} now"
+    return None
