@@ -59,10 +59,15 @@ def cover(coefficients: Sequence[Fraction], spread: Fraction = Fraction(0), erro
 
 def count(coefficients: Sequence[Fraction], spread: Fraction = Fraction(0), error: float = 0.0) -> int:
     """The count once the orbit has gone on to where it is for certain off the section."""
+    return followed(coefficients, spread, error).crossings
+
+
+def followed(coefficients: Sequence[Fraction], spread: Fraction = Fraction(0), error: float = 0.0) -> CrossingCounter:
+    """The count along a step, and along another one on which the section coordinate stays."""
     counter = cover(coefficients, spread, error)
     end, slope = sum(coefficients), sum(derivative(coefficients))
     counter.cover(series([end], spread, error), series([slope], spread, error), ONE, ONE)
-    return counter.crossings
+    return counter
 
 
 def test_a_transversal_crossing_is_counted_once() -> None:
@@ -138,21 +143,45 @@ def test_errors_that_hide_the_orbit_are_refused(error: float) -> None:
         cover(product_of(Fraction(0), THIRD), error=error)
 
 
+def shown(counter: CrossingCounter, *numbers: int) -> list[bool]:
+    return [counter.clear_before(number) is not None for number in numbers]
+
+
 def test_arrival_is_at_one_crossing_only() -> None:
     whole = product_of(Fraction(0), Fraction(1))
     counter = cover(whole, error=2.0**-100)
     assert counter.crossings == 0
-    assert [counter.arrives(number) for number in (1, 2)] == [True, False]
+    assert shown(counter, 1, 2) == [True, False]
     onward = scaled(whole, Fraction(-1))
     counter.cover(series(onward), series(derivative(onward)), ONE, ONE)
     assert counter.crossings == 1
-    assert [counter.arrives(number) for number in (1, 2, 3)] == [False, True, False]
+    assert shown(counter, 1, 2, 3) == [False, True, False]
 
 
-def test_an_orbit_on_its_way_from_the_section_has_not_arrived() -> None:
-    assert not CrossingCounter().arrives(1)
-    assert not cover([Fraction(0), Fraction(1)]).arrives(1)
-    assert not cover([Fraction(0), Fraction(1), Fraction(-1, 4)]).arrives(1)
+def test_an_orbit_on_its_way_from_the_section_has_no_crossing_yet() -> None:
+    assert CrossingCounter().clear_before(1) is None
+    for coefficients in ([Fraction(0), Fraction(1)], [Fraction(0), Fraction(1), Fraction(-1, 4)]):
+        assert shown(cover(coefficients), 1, 2) == [False, False]
+        counter = followed(coefficients)
+        # Whatever crossing comes, it comes after all that was seen.
+        assert counter.clear_before(1) == 2
+        assert shown(counter, 2) == [False]
+
+
+def test_an_orbit_just_past_a_crossing_has_it_behind_a_clear_time() -> None:
+    counter = followed(product_of(Fraction(0), THIRD), error=2.0**-100)
+    assert counter.crossings == 1
+    clear = counter.clear_before(1)
+    assert clear is not None
+    assert 0 < clear < arb(1) / 3
+    assert counter.clear_before(2) == 2
+
+
+def test_an_orbit_that_comes_back_to_the_section_is_not_just_past_a_crossing() -> None:
+    """y = theta (theta - 1/3) (theta - 1): at the end it may have crossed once more."""
+    counter = cover(product_of(Fraction(0), THIRD, Fraction(1)), error=2.0**-100)
+    assert counter.crossings == 1
+    assert shown(counter, 1, 2) == [False, True]
 
 
 MU = MASS_PARAMETERS["earth-moon"]

@@ -65,6 +65,7 @@ class CrossingCounter:
         self.wide = wide
         self.crossings = 0
         self.clear_time: arb | None = None
+        self.previous_clear_time: arb | None = None
         self.velocity_sign = 0
         self._side = 0
         self._start = True
@@ -129,12 +130,22 @@ class CrossingCounter:
                 )
             self.crossings += 1
             self._side = sign
+            self.previous_clear_time = self.clear_time
         self.velocity_sign = 0
         self.clear_time = until
 
-    def arrives(self, number: int) -> bool:
-        """Whether the box has been off the section since crossing number - 1 and now moves towards it."""
-        return self.crossings == number - 1 and self.clear_time is not None and self.velocity_sign == -self._side
+    def clear_before(self, number: int) -> arb | None:
+        """A time since which the section coordinate has no zero but crossing `number`, if the box is close to that.
+
+        Either there has been none since then, and as far as the box has left it, it moves towards the section; or
+        there has been exactly that one, and the box stays away from the section or moves away from it. `None` if
+        neither is shown.
+        """
+        if self.crossings == number - 1 and self.velocity_sign in (0, -self._side):
+            return self.clear_time
+        if self.crossings == number and self.velocity_sign in (0, self._side):
+            return self.previous_clear_time
+        return None
 
 
 def _over(coefficients: list[arb], part: arb) -> arb:

@@ -176,7 +176,8 @@ class Returns:
 
     def crossing(self, number: int) -> tuple[Sequence[Series], arb]:
         """The system's own state at crossing `number`, and its time, with the proof that it is that crossing."""
-        if not all(counter.arrives(number) for counter in self.counters):
+        clear = [counter.clear_before(number) for counter in self.counters]
+        if any(time is None for time in clear):
             raise IntegrationFailure(
                 "crossing count",
                 f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}",
@@ -187,10 +188,9 @@ class Returns:
         image, elapsed = onto_section(
             coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
         )
-        for counter in self.counters:
+        for counter, since in zip(self.counters, clear, strict=True):
             when = self.time + range_of(elapsed, counter.wide)
-            clear = counter.clear_time
-            if clear is None or not when.is_finite() or (when > clear) is not True:
+            if since is None or not when.is_finite() or (when > since) is not True:
                 raise IntegrationFailure(
                     "crossing count",
                     f"the time of crossing {number} is not separated from the crossing before it",
