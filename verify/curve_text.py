@@ -10,6 +10,7 @@ from flint import arb
 from shared.atlas import Atlas
 from shared.numbers import format_exact
 from verify.ball_text import decimal_interval
+from verify.libration import meaning
 from verify.membership import Bifurcation, signs_of
 
 Ends = Mapping[str, Mapping[str, arb]]
@@ -29,6 +30,9 @@ def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
         paragraphs.append(
             f"Along it {covers.coordinate} takes all values from {_number(covers.start)} to {_number(covers.end)}."
         )
+    further = meaning(atlas)
+    if further:
+        paragraphs.append(further)
     if half_period.is_finite():
         paragraphs.append(f"All half periods lie in {decimal_interval(half_period, 6)}.")
     return "\n".join(paragraphs)

@@ -14,6 +14,7 @@ from verify.ball_text import ball_from_json, ball_to_json
 from verify.balls import all_finite, enclose, excludes_zero, is_below
 from verify.certificate import Certificate
 from verify.gluing import Chain, Stretch
+from verify.libration import PLANAR, certified_system, in_units_of_orbit, point_name
 from verify.outcome import show
 from verify.recheck import Recheck, recheck
 from verify.tube import lower_end, upper_end
@@ -95,10 +96,17 @@ def place_bifurcation(
         return refuse(f"the certificate does not stand: {found.place}: {found.message}")
     results = certificate["results"]
     try:
-        point = {key: ball_from_json(results["point"][key]) for key in atlas.system.centre_coordinates}
+        names = certified_system(atlas.system).centre_coordinates
+        point = {key: ball_from_json(results["point"][key]) for key in names}
         parameter = ball_from_json(results["parameter"])
     except (KeyError, TypeError, ValueError) as error:
         return refuse(f"the certificate's results cannot be read: {error}")
+    if point_name(atlas.system) is not None:
+        planar = kind == "symmetry_breaking" and candidate.get("symmetry") == PLANAR
+        carried = in_units_of_orbit(atlas.system, atlas.parameters, point) if planar else None
+        if carried is None:
+            return refuse("it is not shown to be a planar orbit away from the libration point")
+        point = carried
     doubly = kind == "symmetry_breaking" and candidate.get("symmetry") == atlas.claim.symmetry is not None
     found_at: Place | str = "the curve itself is not proved"
     if chain is not None:
@@ -172,11 +180,12 @@ def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
         system, parameters = read_system(statement["candidate"], "statement.candidate")
     except (InputError, KeyError, ValueError) as error:
         return f"the certificate cannot be read: {error}"
-    if system.name != atlas.system.name:
+    wanted = certified_system(atlas.system)
+    if system.name != wanted.name:
         return f"it is about another system, {system.name}"
     for name, value in atlas.parameters.items():
         if parameters.get(name) != value:
             return f"it is about another value of {name}"
-    if statement["vector_field"] != atlas.system.program.text():
+    if statement["vector_field"] != wanted.program.text():
         return f"it is about another vector field than that of {system.name} now"
     return None
