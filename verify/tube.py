@@ -161,10 +161,11 @@ class Tube:
 
     def coordinate_is_beyond_zero(self, index: int, sign: int, run: Run, lower: Fraction, upper: Fraction) -> bool:
         """Whether sign times a coordinate of the curve is certainly positive for all s in [lower, upper]."""
-        coefficients = self._coordinate(index)
-        return all(
-            _is_positive_on([sign * c for c in coefficients], self._spread(index, part.deviation), first, last)
-            for part, first, last in run.between(lower, upper)
+        coefficients = [sign * c for c in self._coordinate(index)]
+        parts = run.between(lower, upper)
+        return bool(parts) and all(
+            _is_positive_on(coefficients, self._spread(index, part.deviation), first, last)
+            for part, first, last in parts
         )
 
     def coordinate_increases(self, index: int, run: Run, lower: Fraction, upper: Fraction) -> bool:
@@ -183,9 +184,10 @@ class Tube:
             if slopes[0] or lower < 0 < upper:
                 return False
             scaled, sign = slopes[1:] or [Fraction(0)], 1 if lower >= 0 else -1
-        return all(
+        parts = run.between(lower, upper)
+        return bool(parts) and all(
             _is_positive_on([sign * c for c in scaled], self._spread(index, part.slope_deviation), first, last)
-            for part, first, last in run.between(lower, upper)
+            for part, first, last in parts
         )
 
     def _coordinate(self, index: int) -> list[Fraction]:
@@ -279,7 +281,7 @@ def _is_positive_on(coefficients: Sequence[Fraction], error: Fraction, lower: Fr
     while pending:
         first, last, depth = pending.pop()
         middle, radius = (first + last) / 2, (last - first) / 2
-        # p(m + r u) = sum c_n u^n with |u| <= 1 lies within sum of |c_n|, n >= 1, of c_0.
+        # p(m + r v) = sum c_n v^n with |v| <= 1 lies within sum of |c_n|, n >= 1, of c_0.
         around = polynomial(arb_poly([enclose(middle), enclose(radius)])).coeffs()
         value = around[0] if around else arb(0)
         if is_positive(value - total(abs(c) for c in around[1:]) - allowance):
