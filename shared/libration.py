@@ -12,27 +12,34 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from shared.systems import SYSTEMS, DerivedParameter, ParameterRange, ReversibleSystem
+from shared.systems import SYSTEMS, DerivedParameter, ParameterRange, ReversibleSystem, VectorField
 
 
-def _relative_field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-    """(F(x_l + eps x) - F(x_l)) / eps for the vector field F of the planar CR3BP, as in (16.2)."""
-    x, y, vx, vy = state
-    mu, x_l, eps = parameters
-    square = x * x + y * y
-    along, across = x + 2 * vy, y - 2 * vx
-    for mass, distance in ((1 - mu, x_l + mu), (mu, x_l + mu - 1)):
-        inverse = distance**-1
-        linear = 2 * x + eps * (inverse * square)
-        ratio = (1 + eps * (inverse * linear)) ** -0.5
-        inverse_square = ratio * ratio
-        cube = inverse_square * ratio
-        stiffness = mass * (distance * distance) ** -1.5
-        # (cube - 1) / eps = -linear * inverse * quotient without a division by eps.
-        quotient = inverse_square * (ratio + 1 / (1 + ratio))
-        along = along - stiffness * (x * cube - linear * quotient)
-        across = across - stiffness * (y * cube)
-    return (vx, vy, along, across)
+def _relative_field(sides: tuple[int, int]) -> VectorField:
+    """(F(x_l + eps x) - F(x_l)) / eps for the vector field F of the planar CR3BP, as in (16.1).
+
+    `sides` are the signs of x_l + mu and x_l + mu - 1.
+    """
+
+    def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        x, y, vx, vy = state
+        mu, x_l, eps = parameters
+        square = x * x + y * y
+        along, across = x + 2 * vy, y - 2 * vx
+        for mass, distance, side in ((1 - mu, x_l + mu, sides[0]), (mu, x_l + mu - 1, sides[1])):
+            inverse = distance**-1
+            stiffness = side * mass * (inverse * inverse * inverse)
+            linear = 2 * x + eps * (inverse * square)
+            ratio = (1 + eps * (inverse * linear)) ** -0.5
+            inverse_square = ratio * ratio
+            cube = inverse_square * ratio
+            # (cube - 1) / eps = -linear * inverse * quotient without a division by eps.
+            quotient = inverse_square * (ratio + 1 / (1 + ratio))
+            along = along - stiffness * (x * cube - linear * quotient)
+            across = across - stiffness * (y * cube)
+        return (vx, vy, along, across)
+
+    return field
 
 
 def _force_on_axis(value: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
@@ -60,7 +67,7 @@ def _beyond_larger(parameters: Sequence[Any]) -> tuple[Any, Any]:
     return None, -mu
 
 
-def _around(point: str, interval: Any) -> ReversibleSystem:
+def _around(point: str, sides: tuple[int, int], interval: Any) -> ReversibleSystem:
     return ReversibleSystem(
         name=f"cr3bp-{point.lower()}",
         title=f"planar circular restricted three-body problem around {point}, in units of the orbit's size",
@@ -70,7 +77,7 @@ def _around(point: str, interval: Any) -> ReversibleSystem:
             "x_l": ParameterRange(None, None),
             "eps": ParameterRange(None, None),
         },
-        vector_field=_relative_field,
+        vector_field=_relative_field(sides),
         reversing_symmetry=(1, -1, -1, 1),
         section="y",
         family_parameter="eps",
@@ -80,9 +87,9 @@ def _around(point: str, interval: Any) -> ReversibleSystem:
 
 
 AROUND: Mapping[str, ReversibleSystem] = {
-    "L1": _around("L1", _between_primaries),
-    "L2": _around("L2", _beyond_smaller),
-    "L3": _around("L3", _beyond_larger),
+    "L1": _around("L1", (1, -1), _between_primaries),
+    "L2": _around("L2", (1, 1), _beyond_smaller),
+    "L3": _around("L3", (-1, -1), _beyond_larger),
 }
 """The system around each collinear libration point, by the name of the point."""
 
