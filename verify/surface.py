@@ -1,0 +1,167 @@
+"""The half return over a piece of a symmetry-breaking surface, and its derivatives for ranges of the mass.
+
+A piece is a symmetry-breaking claim whose parameters and centre are polynomials in s (docs/method.md, section 17).
+One integration, with s as the wide variable, encloses pi_q P for all s of an interval; evaluated on a part of it this
+gives tables of derivatives that are valid for every s there, and the hypotheses of section 8 and 9 apply to them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import floor, log2
+
+from flint import arb, arb_poly, ctx
+
+from shared.pieces import SurfacePiece
+from shared.systems import ReversibleSystem
+from verify.algebra import Arithmetic, Series
+from verify.balls import enclose
+from verify.branch_piece import recentred
+from verify.derivatives import DerivativeTable, table_of
+from verify.failure import IntegrationFailure
+from verify.grading import Grading
+from verify.poincare import BOX_RATIO
+from verify.returns import Returns, evaluate
+
+GUARD_BITS = 64
+
+_MAX_STEPS = 200
+
+Interval = tuple[Fraction, Fraction]
+
+
+@dataclass(frozen=True)
+class SurfaceLimits:
+    """How to integrate a piece.
+
+    Attributes:
+        precision: fractional bits of the fixed-point format.
+        order: degree of the time expansions.
+        width: degree in s.
+        top: the largest grade that is kept; p_1 has weight 1, the others weight 2.
+    """
+
+    precision: int = 64
+    order: int = 24
+    width: int = 20
+    top: int = 5
+
+    def __post_init__(self) -> None:
+        if min(self.precision, self.order) < 16 or self.width < 1 or self.top < 3:
+            raise ValueError(
+                f"precision {self.precision}, order {self.order}, width {self.width} or top {self.top} is too small"
+            )
+
+
+@dataclass(frozen=True)
+class SurfaceReturn:
+    """The half return of all orbits of a piece with s in an interval.
+
+    Attributes:
+        kernel: the coordinates q_1, .., q_n of P; elements in t in [-1, 1], s = middle + half t.
+        level: the first integral at the start.
+        time: of the half return, over the piece.
+        scales: p_i = scales_i xi_i.
+        interval: of s.
+        steps: of the integration.
+    """
+
+    kernel: tuple[Series, ...]
+    level: Series
+    time: arb
+    scales: tuple[Fraction, ...]
+    interval: Interval
+    steps: int
+
+    def tables(self, part: Interval) -> tuple[tuple[DerivativeTable, ...], DerivativeTable]:
+        """Tables of pi_q P and of the first integral that hold for every s in `part`, a part of the interval."""
+        low, high = self.interval
+        middle, half = (low + high) / 2, (high - low) / 2
+        centre, reach = ((part[0] + part[1]) / 2 - middle) / half, (part[1] - part[0]) / 2 / half
+
+        def table(element: Series) -> DerivativeTable:
+            arithmetic = element.arithmetic
+            values = [
+                _over([arb(c) * arb(2) ** -scale for c in polynomial.coeffs()], centre, reach)
+                for polynomial, scale in zip(element.coefs, arithmetic.scales, strict=True)
+            ]
+            return table_of(arithmetic.grading, values, element.errors, self.scales, BOX_RATIO)
+
+        return tuple(table(element) for element in self.kernel), table(self.level)
+
+
+def _over(coefficients: Sequence[arb], centre: Fraction, reach: Fraction) -> arb:
+    """Values of a polynomial at all t within `reach` of `centre`, from its expansion there."""
+    recentred = arb_poly(list(coefficients))(arb_poly([enclose(centre), enclose(reach)]))
+    values = recentred.coeffs()
+    if not values:
+        return arb(0)
+    return values[0] + arb(0, sum((abs(value).upper() for value in values[1:]), arb(0)).upper())
+
+
+def enclose_surface(
+    system: ReversibleSystem,
+    piece: SurfacePiece,
+    interval: Interval,
+    limits: SurfaceLimits,
+    progress: Callable[[float], None] | None = None,
+) -> SurfaceReturn:
+    """Follow the orbits of the piece, s in `interval`, to the first return; raises `IntegrationFailure`.
+
+    `progress` is called after every step with the number of steps; what it raises passes through.
+    """
+    previous = ctx.prec
+    ctx.prec = limits.precision + GUARD_BITS
+    try:
+        return _enclose(system, piece, interval, limits, progress)
+    finally:
+        ctx.prec = previous
+
+
+def _enclose(
+    system: ReversibleSystem,
+    piece: SurfacePiece,
+    interval: Interval,
+    limits: SurfaceLimits,
+    progress: Callable[[float], None] | None,
+) -> SurfaceReturn:
+    program = system.first_integral_program
+    if program is None or system.family_parameter is not None:
+        raise IntegrationFailure("system", f"{system.name} has no first integral", "surfaces need one")
+    size = len(piece.radii)
+    weights = tuple(1 if j == 1 else 2 for j in range(size))
+    scales = tuple(radius / BOX_RATIO for radius in piece.radii)
+    # With these bits per grade scaled initial values of every weight are of size 1 in fixed point.
+    further = max(0, floor(max(-log2(scale) / weight for scale, weight in zip(scales, weights, strict=True))))
+    grading = Grading(weights, limits.top)
+    arithmetic = Arithmetic(grading, limits.precision, further, limits.order, width=limits.width)
+    constant = (0,) * size
+    middle, half = (interval[0] + interval[1]) / 2, (interval[1] - interval[0]) / 2
+    point = {}
+    for name, curve, row in zip(system.centre_coordinates, piece.centre, piece.frame, strict=True):
+        terms: dict[tuple[int, ...], Fraction | Sequence[Fraction]] = {constant: recentred(curve, middle, half)}
+        for j, (direction, scale) in enumerate(zip(row, scales, strict=True)):
+            terms[tuple(int(i == j) for i in range(size))] = direction * scale
+        point[name] = arithmetic.polynomial(terms)
+    zero = arithmetic.constant(Fraction(0))
+    initial = [point.get(name, zero) for name in system.state]
+    parameters = [
+        arithmetic.polynomial({constant: recentred(piece.parameters[name], middle, half)}) for name in system.parameters
+    ]
+    (level,) = evaluate(arithmetic, program, (*initial, *parameters))
+    returns = Returns(system, arithmetic, initial, parameters, level)
+    while not returns.step():
+        if returns.steps >= _MAX_STEPS:
+            raise IntegrationFailure("steps", f"no return within {_MAX_STEPS} steps", "give another centre")
+        if progress is not None:
+            progress(returns.steps)
+    state, time = returns.crossing(1)
+    kernel = []
+    for row in piece.kernel_frame:
+        value = zero
+        for index, factor in zip(system.kernel_coordinates, row, strict=True):
+            value = value + state[index].scaled(factor)
+        kernel.append(value)
+    return SurfaceReturn(tuple(kernel), level, time, scales, interval, returns.steps)
