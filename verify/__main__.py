@@ -6,12 +6,12 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
 from shared.formats import Candidate, InputError, check_writable, read_candidates
 from verify.certificate import Certificate, is_proof_of, read_certificates, write_certificates
 from verify.certify import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from verify.engines import GRACE_SECONDS
+from verify.options import ArgumentParser, positive_integer, positive_seconds
 from verify.recheck import Recheck
 from verify.report import Display, recheck_table, verdict_table
 from verify.workers import certify_all, recheck_all
@@ -35,14 +35,8 @@ with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input
 """
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message: str) -> NoReturn:
-        print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
-        raise SystemExit(2)
-
-
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = ArgumentParser(
         prog="python -m verify",
         description="Prove bifurcations of symmetric periodic orbits: rigorous verification of candidate boxes.",
         epilog=_EXAMPLES,
@@ -55,7 +49,7 @@ def _parser() -> argparse.ArgumentParser:
         help="never use more bits (default: %(default)s)",
     )  # fmt: skip
     parser.add_argument(
-        "--digits", type=_positive_integer, default=Limits.digits, metavar="N",
+        "--digits", type=positive_integer, default=Limits.digits, metavar="N",
         help="certain digits of the parameter to aim for (default: %(default)s)",
     )  # fmt: skip
     parser.add_argument(
@@ -64,11 +58,11 @@ def _parser() -> argparse.ArgumentParser:
         "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)",
     )  # fmt: skip
     parser.add_argument(
-        "--row-timeout", type=_seconds, metavar="SECONDS",
+        "--row-timeout", type=positive_seconds, metavar="SECONDS",
         help=f"give a candidate up after this time; it has {GRACE_SECONDS:g} s more to end by itself",
     )  # fmt: skip
     parser.add_argument(
-        "--jobs", type=_positive_integer, default=1, metavar="N",
+        "--jobs", type=positive_integer, default=1, metavar="N",
         help="candidates side by side, each in a process of its own (default: 1)",
     )  # fmt: skip
     parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
@@ -79,27 +73,11 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _positive_integer(text: str) -> int:
-    if not text.isascii() or not text.isdigit() or not 0 < int(text[:9]) == int(text):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer")
-    return int(text)
-
-
 def _precision(text: str) -> int:
-    bits = _positive_integer(text)
+    bits = positive_integer(text)
     if not LEAST_PRECISION <= bits <= GREATEST_PRECISION:
         raise argparse.ArgumentTypeError(f"{text} bits: give {LEAST_PRECISION} to {GREATEST_PRECISION}")
     return bits
-
-
-def _seconds(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 < value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
-    return value
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -112,7 +112,7 @@ def verdict_table(
             reasons.append(
                 f"{candidate.id}: not proved, {reason['condition']}: {reason['message']}; {reason['remedy']}"
             )
-    return "\n".join([*_aligned(rows), *([""] if reasons else []), *reasons])
+    return "\n".join([*aligned(rows), *([""] if reasons else []), *reasons])
 
 
 def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
@@ -130,12 +130,12 @@ def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
         findings += [f"{name}: {entry.place}: {entry.message}" for entry in result.findings[:_SHOWN_FINDINGS]]
         further = len(result.findings) - _SHOWN_FINDINGS
         findings += [f"{name}: and {further} more"] if further > 0 else []
-    return "\n".join([*_aligned(rows), *([""] if findings else []), *findings])
+    return "\n".join([*aligned(rows), *([""] if findings else []), *findings])
 
 
 _SHOWN_FINDINGS = 5
 
 
-def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
