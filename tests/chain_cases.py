@@ -187,6 +187,10 @@ def falls(entry: Mapping[str, Any]) -> Recheck:
     return Recheck(str(entry["id"]), "proved", 1, (Finding("digest", "does not fit the content"),))
 
 
+def alone(*_: object) -> None:
+    """No other point of an orbit on Fix(R): the points of the circle are on no orbit that is known."""
+
+
 def concluded(case: Case, *bifurcations: Mapping[str, Any]) -> Conclusion:
     atlas, results = case
-    return conclude(atlas, results, [dict(entry) for entry in bifurcations], stands)
+    return conclude(atlas, results, [dict(entry) for entry in bifurcations], stands, alone)

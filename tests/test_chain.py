@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import math
 from collections.abc import Callable
@@ -38,10 +39,12 @@ from hypothesis import strategies as st
 
 from shared.atlas import Atlas, Claim, Covers, Piece
 from shared.systems import FALKNER_SKAN
-from verify.ball_text import bounds
+from verify.ball_text import ball_from_json, bounds
+from verify.balls import enclose
 from verify.certify import certify
 from verify.chain import conclude
 from verify.conclusion import Conclusion
+from verify.other_point import other_point
 from verify.tube import read_tube
 
 CASES: dict[str, Callable[[], Case]] = {
@@ -404,17 +407,28 @@ def test_a_symmetry_breaking_in_the_plane_is_the_symmetric_point() -> None:
     assert "symmetric point of piece p000" in conclusion.statement
 
 
+FOREIGN: dict[str, tuple[dict[str, Any], str]] = {
+    "of another mass": (certificate(circle_point(0.7), parameters={"mu": "0.0125000001"}), "another value of mu"),
+    "of another system": (certificate({"beta": arb(1), "y": arb(1)}), "another system"),
+    "of an unknown system": (certificate(circle_point(0.7), system="kepler"), "cannot be read"),
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_certificates_about_something_else_are_counted(name: str) -> None:
+    entry, words = FOREIGN[name]
+    conclusion = concluded(symmetric_arc(), entry)
+    (found,) = conclusion.bifurcations
+    assert found.place is None
+    assert words in found.reason
+    assert "1 further certificate is about another system" in conclusion.statement
+
+
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "not proved": (certificate(circle_point(0.7), verdict="not proved"), "says 'not proved'"),
-    "of another mass": (certificate(circle_point(0.7), parameters={"mu": "0.0125000001"}), "another value of mu"),
-    "of another system": (
-        certificate({"beta": arb(1), "y": arb(1)}),
-        "another system",
-    ),
-    "unknown system": (certificate(circle_point(0.7), system="kepler"), "cannot be read"),
     "beside the curve": (
         certificate({**circle_point(0.7), "vy": arb(3 - math.cos(0.7) + 1e-5, 2**-40)}),
-        "outside the tubes, by",
+        "outside the tubes, in p001 by",
     ),
     "beyond the end": (certificate(circle_point(2.9)), "outside the tubes"),
     "far away": (certificate({**circle_point(0.7), "x": arb(100)}), "beyond the ends of all pieces"),
@@ -480,20 +494,73 @@ def test_a_conclusion_cannot_be_made_of_less_than_its_hypotheses() -> None:
         replace(conclusion, statement="")
 
 
-def test_a_real_certificate_is_examined_and_placed() -> None:
-    candidate = known("fs2")
-    entry = dict(json.loads(json.dumps(certify(candidate))))
-    beta, y = candidate.centre
+@pytest.fixture(scope="module")
+def doubling() -> dict[str, Any]:
+    """The certificate of a period doubling of the Falkner-Skan equation."""
+    return dict(json.loads(json.dumps(certify(known("fs2")))))
+
+
+def line(beta: Fraction, y: Fraction) -> Case:
+    """A piece with constant y, on which the point (beta, y) is at s = 1/4."""
+    flat = replace(parabola_piece(0, Fraction(0), Fraction(1)), polynomial=((Fraction(0),),))
     piece = replace(
-        parabola_piece(0, Fraction(0), Fraction(1)), centre=(beta - Fraction(1, 4), y), polynomial=((Fraction(0),),)
+        flat, centre=(beta - Fraction(1, 4), y), frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)))
     )
-    atlas = Atlas("line", "a line", FALKNER_SKAN, {}, Claim("arc"), (piece,))
-    (found,) = conclude(atlas, [proved(piece)], [entry]).bifurcations
+    return Atlas("line", "a line", FALKNER_SKAN, {}, Claim("arc"), (piece,)), [proved(piece)]
+
+
+def test_a_real_certificate_is_examined_and_placed(doubling: dict[str, Any]) -> None:
+    beta, y = known("fs2").centre
+    atlas, results = line(beta, y)
+    (found,) = conclude(atlas, results, [doubling]).bifurcations
     assert found.place is not None
+    assert not found.place.other_point
     lower, upper = bounds(found.place.s)
     assert lower <= Fraction(1, 4) + Fraction(1, 10**40)
     assert upper >= Fraction(1, 4) - Fraction(1, 10**40)
     assert upper - lower < Fraction(1, 10**20)
-    entry["results"]["point"]["y"]["mid"] = "0x1p-1"
-    (found,) = conclude(atlas, [proved(piece)], [entry]).bifurcations
+    tampered = copy.deepcopy(doubling)
+    tampered["results"]["point"]["y"]["mid"] = "0x1p-1"
+    (found,) = conclude(atlas, results, [tampered]).bifurcations
     assert "does not stand" in found.reason
+
+
+def test_an_orbit_whose_other_point_lies_on_the_curve_is_placed_there(doubling: dict[str, Any]) -> None:
+    point = {name: ball_from_json(ball) for name, ball in doubling["results"]["point"].items()}
+    other = other_point(FALKNER_SKAN, {}, point)
+    assert other is not None
+    atlas, results = line(*(sum(bounds(ball)) / 2 for ball in other.values()))
+    conclusion = conclude(atlas, results, [doubling])
+    (found,) = conclusion.bifurcations
+    assert found.place is not None
+    assert found.place.other_point
+    assert "the other point of the orbit" in conclusion.statement
+
+
+@pytest.mark.parametrize("name", ["fs2", "em2", "em1"])
+def test_the_other_point_of_the_other_point_is_the_first(name: str) -> None:
+    candidate = known(name)
+    system = candidate.system
+    with ctx.workprec(300):
+        first = {
+            key: enclose(value) + arb(0, 2**-130)
+            for key, value in zip(system.centre_coordinates, candidate.centre, strict=True)
+        }
+        other = other_point(system, candidate.parameters, first)
+        assert other is not None
+        again = other_point(system, candidate.parameters, other)
+        assert again is not None
+        assert any(not first[key].overlaps(other[key]) for key in first)
+        for key, ball in first.items():
+            assert again[key].overlaps(ball)
+            assert again[key].rad() < 1e-20
+
+
+def test_an_orbit_that_is_not_symmetric_has_no_other_point() -> None:
+    candidate = known("em2")
+    point = {
+        key: enclose(value + Fraction(1, 10**6))
+        for key, value in zip(candidate.system.centre_coordinates, candidate.centre, strict=True)
+    }
+    assert other_point(candidate.system, candidate.parameters, point) is None
+    assert other_point(candidate.system, candidate.parameters, {key: arb("nan") for key in point}) is None

@@ -14,7 +14,8 @@ from verify.conclusion import Conclusion
 from verify.curve_conditions import check_curve, hypotheses_of
 from verify.curve_text import Ends, bifurcation_statement, curve_statement
 from verify.gluing import Chain
-from verify.membership import Bifurcation, Examine, place_bifurcation
+from verify.membership import Bifurcation, Examine, Partner, place_bifurcation
+from verify.other_point import other_point
 from verify.outcome import Checklist, NotEstablishedError, Reason
 from verify.recheck import recheck
 
@@ -27,6 +28,7 @@ def conclude(
     results: Sequence[Mapping[str, Any]],
     bifurcations: Sequence[Certificate] = (),
     examine: Examine = recheck,
+    partner: Partner = other_point,
 ) -> Conclusion:
     """The theorem that proved pieces give, or the first hypothesis that is not shown.
 
@@ -35,6 +37,7 @@ def conclude(
         results: one JSON object for each interval of each piece, see `verify.tube.read_tube`.
         bifurcations: certificates that fit their schema, of points that may lie on the curve.
         examine: shows that a certificate's conclusion follows from what it stores.
+        partner: encloses the other point of a symmetric orbit on Fix(R), by integration.
     """
     checklist = Checklist()
     chain: Chain | None = None
@@ -45,7 +48,7 @@ def conclude(
             chain = check_curve(checklist, atlas, results)
         except NotEstablishedError as error:
             reason = error.reason
-        placed = tuple(place_bifurcation(atlas, chain, entry, examine) for entry in bifurcations)
+        placed = tuple(place_bifurcation(atlas, chain, entry, examine, partner) for entry in bifurcations)
         if chain is not None:
             try:
                 ends = _ends(atlas, chain, placed)
@@ -63,10 +66,10 @@ def _ends(atlas: Atlas, chain: Chain, placed: Sequence[Bifurcation]) -> Ends:
     names = atlas.system.centre_coordinates
     result = {key: dict(zip(names, end, strict=True)) for key, end in zip(("start", "end"), chain.ends, strict=True)}
     for entry in placed:
-        if entry.place is None or entry.kind != "symmetry_breaking" or not entry.place.s.is_zero():
+        if entry.place is None or entry.place.other_point or not entry.place.s.is_zero():
             continue
         for key, stretch in (("start", chain.stretches[0]), ("end", chain.stretches[-1])):
-            if entry.place.piece == stretch.tube.piece.id:
+            if stretch.tube.is_symmetric and entry.place.piece == stretch.tube.piece.id:
                 result[key] = {name: meet(ball, entry.point[name]) for name, ball in result[key].items()}
     return result
 

@@ -42,13 +42,17 @@ def bifurcation_statement(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> 
     """Which of the certified bifurcations lie on the curve and which are not shown to; empty if there are none."""
     lines = []
     on = [entry for entry in bifurcations if entry.place is not None]
-    off = [entry for entry in bifurcations if entry.place is None]
+    off = [entry for entry in bifurcations if entry.place is None and not entry.is_foreign]
+    foreign = sum(entry.is_foreign for entry in bifurcations)
     if on:
         lines.append("Of the certified bifurcations these lie on it:")
         lines += [f"- {_bifurcation(entry)}" for entry in on]
     if off:
         lines.append("Of these it is not shown that they lie on it:")
         lines += [f"- {entry.id} (k = {entry.k}): {entry.reason}" for entry in off]
+    if foreign:
+        were = "certificate is" if foreign == 1 else "certificates are"
+        lines.append(f"{foreign} further {were} about another system or other parameters.")
     return "\n".join(lines)
 
 
@@ -114,8 +118,9 @@ def _bifurcation(entry: Bifurcation) -> str:
     assert entry.place is not None
     value = "" if entry.parameter is None else f", {entry.parameter_name} in {_interval(entry.parameter)}"
     where = "at the symmetric point of" if entry.place.s.is_zero() else "in"
+    which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
     mirror = " (its mirror image)" if entry.place.mirrored else ""
-    return f"{entry.id}: {what}{value}, {where} piece {entry.place.piece}{mirror}"
+    return f"{entry.id}: {what}{value}, {which}{where} piece {entry.place.piece}{mirror}"
 
 
 def _point(coordinates: Mapping[str, arb]) -> str:

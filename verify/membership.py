@@ -3,33 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 from flint import arb
 
 from shared.atlas import Atlas
 from shared.formats import InputError, read_system
+from shared.systems import ReversibleSystem
 from verify.ball_text import ball_from_json, ball_to_json
 from verify.balls import all_finite, enclose, excludes_zero, is_below
 from verify.certificate import Certificate
 from verify.gluing import Chain, Stretch
 from verify.libration import PLANAR, certified_system, in_units_of_orbit, point_name
-from verify.outcome import show
+from verify.other_point import other_point
 from verify.recheck import Recheck, recheck
 from verify.tube import lower_end, upper_end
 
 Examine = Callable[[Certificate], Recheck]
 Point = Mapping[str, arb]
+Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point], Point | None]
 
 
 @dataclass(frozen=True)
 class Place:
-    """A point of the curve: piece, enclosure of s, and whether it is the mirror image that lies in the piece."""
+    """A point of the curve.
+
+    Attributes:
+        piece: id of the piece.
+        s: enclosure of its s.
+        mirrored: whether it is the mirror image that lies in the piece.
+        other_point: whether it is the other point of the orbit on Fix(R).
+    """
 
     piece: str
     s: arb
     mirrored: bool
+    other_point: bool = False
 
 
 @dataclass(frozen=True)
@@ -43,6 +54,7 @@ class Bifurcation:
         point: enclosure of the bifurcation point, by coordinate name; empty if the certificate proves nothing.
         parameter_name: name of the bifurcation parameter.
         parameter: its enclosure, or `None`.
+        is_foreign: whether it is about another system or other parameters than the curve.
     """
 
     id: str
@@ -53,6 +65,7 @@ class Bifurcation:
     point: Point
     parameter_name: str = ""
     parameter: arb | None = None
+    is_foreign: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object: exact balls with decimals beside them."""
@@ -63,7 +76,8 @@ class Bifurcation:
             "on_curve": self.place is not None,
             "piece": None if self.place is None else self.place.piece,
             "s": None if self.place is None else ball_to_json(self.place.s),
-            "mirrored": False if self.place is None else self.place.mirrored,
+            "mirrored": self.place is not None and self.place.mirrored,
+            "other_point": self.place is not None and self.place.other_point,
             "reason": self.reason,
             "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
             "parameter_name": self.parameter_name,
@@ -72,47 +86,55 @@ class Bifurcation:
 
 
 def place_bifurcation(
-    atlas: Atlas, chain: Chain | None, certificate: Certificate, examine: Examine = recheck
+    atlas: Atlas,
+    chain: Chain | None,
+    certificate: Certificate,
+    examine: Examine = recheck,
+    partner: Partner = other_point,
 ) -> Bifurcation:
     """Whether the bifurcation of a certificate that fits the schema lies on the curve.
 
     `chain` is `None` if the curve itself is not proved. `examine` shows that the certificate's conclusion follows
-    from what it stores.
+    from what it stores; `partner` encloses the other point of a symmetric orbit on Fix(R).
     """
     candidate = certificate["statement"]["candidate"]
-    name, kind, k = str(certificate["id"]), str(candidate.get("kind")), int(candidate.get("k", 0))
-
-    def refuse(reason: str) -> Bifurcation:
-        return Bifurcation(name, kind, k, None, reason, {})
-
-    if certificate["verdict"] != "proved":
-        return refuse(f"the certificate says {certificate['verdict']!r}")
+    entry = Bifurcation(str(certificate["id"]), str(candidate.get("kind")), int(candidate.get("k", 0)), None, "", {})
     other = _other_system(atlas, certificate)
     if other is not None:
-        return refuse(other)
+        return replace(entry, reason=other, is_foreign=True)
+    if certificate["verdict"] != "proved":
+        return replace(entry, reason=f"the certificate says {certificate['verdict']!r}")
     examined = examine(certificate)
     if not examined.stands:
         found = examined.findings[0]
-        return refuse(f"the certificate does not stand: {found.place}: {found.message}")
+        return replace(entry, reason=f"the certificate does not stand: {found.place}: {found.message}")
     results = certificate["results"]
     try:
         names = certified_system(atlas.system).centre_coordinates
         point = {key: ball_from_json(results["point"][key]) for key in names}
         parameter = ball_from_json(results["parameter"])
     except (KeyError, TypeError, ValueError) as error:
-        return refuse(f"the certificate's results cannot be read: {error}")
+        return replace(entry, reason=f"the certificate's results cannot be read: {error}")
+    breaks = entry.kind == "symmetry_breaking"
     if point_name(atlas.system) is not None:
-        planar = kind == "symmetry_breaking" and candidate.get("symmetry") == PLANAR
+        planar = breaks and candidate.get("symmetry") == PLANAR
         carried = in_units_of_orbit(atlas.system, atlas.parameters, point) if planar else None
         if carried is None:
-            return refuse("it is not shown to be a planar orbit away from the libration point")
+            return replace(entry, reason="it is not shown to be a planar orbit away from the libration point")
         point = carried
-    doubly = kind == "symmetry_breaking" and candidate.get("symmetry") == atlas.claim.symmetry is not None
-    found_at: Place | str = "the curve itself is not proved"
-    if chain is not None:
-        found_at = locate(atlas, chain, list(point.values()), doubly)
-    place, reason = (None, found_at) if isinstance(found_at, str) else (found_at, "")
-    return Bifurcation(name, kind, k, place, reason, point, str(results["parameter_name"]), parameter)
+    entry = replace(entry, point=point, parameter_name=str(results["parameter_name"]), parameter=parameter)
+    if chain is None:
+        return replace(entry, reason="the curve itself is not proved")
+    doubly = breaks and candidate.get("symmetry") == atlas.claim.symmetry is not None
+    place = locate(atlas, chain, list(point.values()), doubly)
+    if isinstance(place, Place):
+        return replace(entry, place=place)
+    if point_name(atlas.system) is None:
+        second = partner(atlas.system, atlas.parameters, point)
+        found_there = None if second is None else locate(atlas, chain, list(second.values()), False)
+        if isinstance(found_there, Place):
+            return replace(entry, place=replace(found_there, other_point=True))
+    return replace(entry, reason=place)
 
 
 def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False) -> Place | str:
@@ -160,7 +182,7 @@ def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bo
         return s
     most = max((abs(ball) for ball in offsets), key=upper_end)
     if lower_end(most) >= 1:
-        return most, f"it lies outside the tubes, by {show(most)} half-widths of the one of {name} off its polynomial"
+        return most, f"it lies outside the tubes, in {name} by {float(lower_end(most)):.3g} half-widths or more"
     if any(upper_end(ball) - lower_end(ball) >= 1 for ball in offsets):
         return most, f"its enclosure is too wide for the tube of {name}; certify it in a smaller box"
     return most, f"it is not shown to lie inside the tube of {name}; more digits or a wider tube may decide"
