@@ -1,0 +1,119 @@
+"""The proof of one interval of a piece as a task for an engine: JSON in, JSON out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from shared.atlas import Atlas
+from shared.libration import BRANCH_SYSTEMS
+from shared.numbers import format_exact, parse_exact
+from shared.pieces import Piece, SurfacePiece, piece_from_json
+from verify.branch_piece import PieceLimits, prove_piece
+from verify.engines import Answer, Failure, Report, Task
+from verify.splitting import Interval
+from verify.surface import SurfaceLimits
+from verify.surface_piece import prove_surface_piece
+
+_MOST_SHOWN = 0.95
+"""The number of steps is not known before; progress stops here until the interval is done."""
+
+
+@dataclass(frozen=True)
+class RunLimits:
+    """How to prove pieces.
+
+    Attributes:
+        integrator: settings of `PieceLimits` or `SurfaceLimits` other than the default ones, by name.
+        timeout: seconds for an interval, or `None`.
+        max_splits: how often an interval is halved at most.
+    """
+
+    integrator: Mapping[str, int]
+    timeout: float | None = None
+    max_splits: int = 6
+
+
+def settings_of(atlas: Atlas, limits: RunLimits) -> dict[str, int]:
+    """All settings of the integrator for the pieces of an atlas. Raises `ValueError` if one is out of range."""
+    return asdict((SurfaceLimits if atlas.is_surface else PieceLimits)(**limits.integrator))
+
+
+def task_of(
+    atlas: Atlas, piece: Piece | SurfacePiece, interval: Interval, limits: RunLimits, expected_steps: int
+) -> Task:
+    """The task of proving a piece on an interval; `expected_steps` is for progress only."""
+    return Task(
+        piece.id,
+        {
+            "system": atlas.system.name,
+            "parameters": {name: format_exact(value) for name, value in atlas.parameters.items()},
+            "symmetry": atlas.claim.symmetry,
+            "piece": piece.to_json(),
+            "interval": [format_exact(end) for end in interval],
+            "integrator": settings_of(atlas, limits),
+            "timeout": limits.timeout,
+            "expected_steps": expected_steps,
+        },
+    )
+
+
+class _OutOfTimeError(Exception):
+    """Raised after a step at which the time is over."""
+
+
+def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
+    """What a process does: prove a piece on an interval; the JSON of the result."""
+    system = BRANCH_SYSTEMS[argument["system"]]
+    piece = piece_from_json(argument["piece"], system, "piece")
+    start, end = (parse_exact(text) for text in argument["interval"])
+    began = time.monotonic()
+    timeout = argument["timeout"]
+
+    def stepped(steps: float) -> None:
+        report(min(steps / argument["expected_steps"], _MOST_SHOWN), f"step {steps:.0f}")
+        if timeout is not None and time.monotonic() - began > timeout:
+            raise _OutOfTimeError
+
+    try:
+        if isinstance(piece, SurfacePiece):
+            limits = SurfaceLimits(**argument["integrator"])
+            return prove_surface_piece(system, piece, (start, end), limits, stepped, argument["symmetry"]).to_json()
+        parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
+        return prove_piece(
+            system, parameters, piece, (start, end), PieceLimits(**argument["integrator"]), stepped,
+            argument["symmetry"],
+        ).to_json()  # fmt: skip
+    except _OutOfTimeError:
+        condition, message = "time", f"the time limit of {timeout:g} s has passed"
+    except Exception as error:
+        # A defect costs one interval, not the run; it is retried by the next run.
+        condition, message = "process", " ".join(f"broke off: {type(error).__name__}: {error}".split())
+    return not_proved(argument, condition, message, time.monotonic() - began)
+
+
+_REMEDIES = {"process": "free memory, or give fewer --jobs", "time": "give --timeout more seconds"}
+
+
+def not_proved(argument: Mapping[str, Any], condition: str, message: str, seconds: float) -> dict[str, Any]:
+    """The result of a task that was not brought to an end."""
+    return {
+        "piece": argument["piece"]["id"],
+        "interval": list(argument["interval"]),
+        "verdict": "not proved",
+        "reason": {"condition": condition, "message": message, "remedy": _REMEDIES[condition]},
+        "computation": {**argument["integrator"], "seconds": round(seconds, 3)},
+    }
+
+
+def result_of(answer: Answer) -> dict[str, Any]:
+    """The result of a task, also if its process was lost."""
+    if isinstance(answer.result, Failure):
+        return not_proved(answer.task.argument, answer.result.kind, answer.result.message, answer.seconds)
+    return dict(answer.result)
+
+
+ProvePiece = Callable[[Mapping[str, Any], Report], Mapping[str, Any]]
+"""`prove_task`, or what takes its place."""
