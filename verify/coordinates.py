@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
-from shared.program import Program
+from shared.program import Program, record
 from shared.regularised import REGULARISATIONS, Regularisation
 from shared.systems import ReversibleSystem
 from verify.centre import float_coefficients, step_size
@@ -33,7 +34,8 @@ class Coordinates:
 
     Attributes:
         name: `PHYSICAL`, or the name of the regularisation.
-        program: the vector field; inputs: state, then constants of motion.
+        field: the vector field; inputs: state, then constants of motion.
+        program: the same, prepared.
         section_program: see `verify.section`.
         section: index of the section coordinate.
         regularisation: `None` for the system's own coordinates.
@@ -41,6 +43,7 @@ class Coordinates:
     """
 
     name: str
+    field: Program
     program: PreparedProgram
     section_program: PreparedProgram
     section: int
@@ -51,7 +54,9 @@ class Coordinates:
 def physical(system: ReversibleSystem) -> Coordinates:
     """The system's own coordinates."""
     program, section = system.program, system.section_index
-    return Coordinates(PHYSICAL, prepare(program), build_section_program(program, len(system.state), section), section)
+    return Coordinates(
+        PHYSICAL, program, prepare(program), build_section_program(program, len(system.state), section), section
+    )  # fmt: skip
 
 
 @cache
@@ -71,8 +76,19 @@ def regularised(system: ReversibleSystem, state: Sequence[float], parameters: Se
     program, section_program = _prepared(system.name)
     embedding = regularisation.embedding_program(regularisation.branch(state, parameters))
     return Coordinates(
-        regularisation.name, program, section_program, regularisation.section_index, regularisation, embedding
-    )
+        regularisation.name, regularisation.program, program, section_program, regularisation.section_index,
+        regularisation, embedding,
+    )  # fmt: skip
+
+
+def at_rate(field: Program) -> Program:
+    """The vector field times a constant, which becomes the last input: the same orbits in another time."""
+
+    def scaled(arguments: Sequence[Any], rate: Sequence[Any]) -> Sequence[Any]:
+        velocity = field.evaluate(arguments, lambda value: value, lambda base, exponent: base**exponent)
+        return [rate[0] * component for component in velocity]
+
+    return record(scaled, field.inputs, ("rate",))
 
 
 def choose(

@@ -25,7 +25,7 @@ from verify.wide_power import wide_power
 
 _NORM_BITS = 96
 _NORM_DEGREE = 24
-_NORM_WIDTH = 4
+_NORM_WIDTH = 8
 _RATIO = 2.0**-40
 
 PARTS = 8

@@ -15,16 +15,17 @@ from flint import arb
 from shared.program import Program
 from shared.systems import ReversibleSystem
 from verify.algebra import Arithmetic, Series
-from verify.balls import enclose
+from verify.balls import enclose, is_positive
 from verify.centre import dyadic_below, fixed_coefficients, float_coefficients, next_crossing, rough, step_size
-from verify.coordinates import PHYSICAL, Coordinates, choose, physical, regularised
+from verify.coordinates import PHYSICAL, Coordinates, at_rate, choose, physical, regularised
 from verify.crossing import CrossingCounter, range_of, stays_positive, wide_parts
 from verify.evaluation import Evaluation, prepare
 from verify.failure import IntegrationFailure
 from verify.points import Points, from_points
+from verify.return_times import relative_return_times
 from verify.section import onto_section
 from verify.step import FlowStep, advance, enclose_step
-from verify.wide_solution import element_at_points, solve_wide, taylor_at_points
+from verify.wide_solution import element_at_points, solve_wide, taylor_at_points, wide_step_size
 
 AUTO, REGULARISED = "auto", "regularised"
 
@@ -32,6 +33,7 @@ _LEAST_STEP = 1e-8
 _LEAST_SHARE = 1 / 8
 _ROUGH_DEGREE = 24
 _CENTRE_BITS = 60
+_NEGLIGIBLE_CHANGE = 2.0**-6
 WIDE_PARTS = 8
 """With a wide variable, crossings are counted separately on so many parts of its interval."""
 
@@ -41,7 +43,8 @@ class Returns:
 
     Attributes:
         state: the orbits now, in the coordinates that are integrated.
-        constants: the constants of motion that go into every step.
+        constants: the constants of motion.
+        rate: with a wide variable, what the vector field is multiplied by; `None` for 1.
         coordinates: which coordinates these are.
         steps: number of integration steps so far.
     """
@@ -69,6 +72,11 @@ class Returns:
         self.state, self.constants = self._enter(list(initial), level)
         self.counters = [CrossingCounter(part) for part in wide_parts(WIDE_PARTS)] if arithmetic.width else []
         self.counters = self.counters or [CrossingCounter()]
+        self.rate = self._rate()
+        self.program, self.fixed = self.coordinates.program, self.constants
+        if self.rate is not None:
+            self.program = prepare(at_rate(self.coordinates.field))
+            self.fixed = [*self.constants, self.rate]
         self.time = arb(0)
         self.steps = 0
         self.share = 1.0
@@ -99,6 +107,19 @@ class Returns:
             return image
         return evaluate(self.arithmetic, regularisation.projection_program, (*image, *self.parameters))
 
+    def _rate(self) -> Series | None:
+        """A positive element by which the vector field is multiplied so that wide orbits return about together."""
+        if not self.arithmetic.width:
+            return None
+        coordinates = self.coordinates
+        powers = relative_return_times(coordinates.program, coordinates.section, self.state, self.constants)
+        if powers is None or sum(map(abs, powers[1:])) < _NEGLIGIBLE_CHANGE:
+            return None
+        rate = self.arithmetic.polynomial({self.arithmetic.grading.monomials[0]: powers})
+        if not all(is_positive(range_of(rate, counter.wide)) for counter in self.counters):
+            return None
+        return rate
+
     def step(self) -> bool:
         """Advance by one step; true if it ends, at the centre, at the next crossing."""
         section = self.coordinates.section
@@ -122,7 +143,7 @@ class Returns:
         Returns its length, the crossing as a fraction of the length that was planned, and the flow; no flow if it
         was not enclosed and a shorter step may do.
         """
-        program, arithmetic = self.coordinates.program, self.arithmetic
+        program, arithmetic = self.program, self.arithmetic
         bits, degree = arithmetic.bits, arithmetic.degree
         centre = [int(x.coefs[0][0]) for x in self.state]
         constants = [int(p.coefs[0][0]) for p in self.constants]
@@ -142,10 +163,9 @@ class Returns:
 
     def _try_wide(self) -> tuple[Fraction, Fraction | None, FlowStep | None]:
         """The same with a wide variable; the step suits all of its values on the unit circle."""
-        program, arithmetic = self.coordinates.program, self.arithmetic
+        program, arithmetic = self.program, self.arithmetic
         taylor = taylor_at_points(program, arithmetic.grading, *self._at_points(), arithmetic.degree)
-        sizes = np.abs(from_points(taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
-        step = self._planned(step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree))
+        step = self._planned(wide_step_size(arithmetic, taylor))
         section = from_points(taylor[self.coordinates.section, :, 0], arithmetic.width)[:, 0]
         scaled = section * float(step) ** np.arange(arithmetic.degree + 1)
         root = next_crossing(
@@ -154,8 +174,8 @@ class Returns:
         if root is not None:
             step = step * root
         try:
-            approximate = solve_wide(program, arithmetic, taylor, self.state, self.constants, step)
-            return step, root, enclose_step(program, arithmetic, approximate, self.state, self.constants, step)
+            approximate = solve_wide(program, arithmetic, taylor, self.state, self.fixed, step)
+            return step, root, enclose_step(program, arithmetic, approximate, self.state, self.fixed, step)
         except IntegrationFailure:
             if self.share <= _LEAST_SHARE:
                 raise
@@ -171,7 +191,7 @@ class Returns:
         return dyadic_below(size * self.share)
 
     def _at_points(self) -> tuple[Points, Points]:
-        constants = [element_at_points(p) for p in self.constants]
+        constants = [element_at_points(p) for p in self.fixed]
         return np.array([element_at_points(x) for x in self.state]), np.array(constants)
 
     def crossing(self, number: int) -> tuple[Sequence[Series], arb]:
@@ -189,15 +209,17 @@ class Returns:
             coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
         )
         for counter, since in zip(self.counters, clear, strict=True):
-            when = self.time + range_of(elapsed, counter.wide)
-            if since is None or not when.is_finite() or (when > since) is not True:
+            # In the system's own time, of which the integration's is the part `rate`.
+            rate = arb(1) if self.rate is None else range_of(self.rate, counter.wide)
+            if since is None or not is_positive(rate * (self.time - since) + range_of(elapsed, counter.wide)):
                 raise IntegrationFailure(
                     "crossing count",
                     f"the time of crossing {number} is not separated from the crossing before it",
                     "the box is too large: give smaller radii",
                 )
         if coordinates.regularisation is None:
-            time = self.time + range_of(elapsed)
+            rate = arb(1) if self.rate is None else range_of(self.rate)
+            time = rate * self.time + range_of(elapsed)
         else:
             time = range_of(image[coordinates.regularisation.time_index])
         return self._leave(image), time

@@ -15,10 +15,13 @@ import numpy as np
 
 from shared.program import Program, record
 from verify.algebra import Arithmetic, Series
-from verify.centre import fixed_coefficients
+from verify.centre import dyadic_below, fixed_coefficients
 from verify.evaluation import PreparedProgram, prepare
+from verify.failure import IntegrationFailure
 from verify.step import advance, enclose_step
-from verify.wide_solution import element_at_points, solve_wide, taylor_at_points
+from verify.wide_solution import element_at_points, solve_wide, taylor_at_points, wide_step_size
+
+_MOST_STEPS = 16
 
 
 def build_section_program(program: Program, size: int, section: int) -> PreparedProgram:
@@ -75,13 +78,25 @@ def _wide_onto_section(
     state: Sequence[Series],
     parameters: Sequence[Series],
 ) -> tuple[list[Series], Series]:
-    """The same with a wide variable: y_0 is not small, and the step as long as those of the integration."""
-    start = [*state, arithmetic.constant(Fraction(0))]
+    """The same with a wide variable: y_0 is not small, and lambda goes to 1 in steps like those of the integration."""
+    current = [*state, arithmetic.constant(Fraction(0))]
     constants = [*parameters, state[section]]
-    taylor = taylor_at_points(
-        program, arithmetic.grading, np.array([element_at_points(x) for x in start]),
-        np.array([element_at_points(p) for p in constants]), arithmetic.degree,
+    fixed = np.array([element_at_points(p) for p in constants])
+    way, share = Fraction(0), 1.0
+    for _ in range(_MOST_STEPS):
+        start = np.array([element_at_points(x) for x in current])
+        taylor = taylor_at_points(program, arithmetic.grading, start, fixed, arithmetic.degree)
+        step = min(dyadic_below(share * wide_step_size(arithmetic, taylor)), 1 - way)
+        try:
+            approximate = solve_wide(program, arithmetic, taylor, current, constants, step)
+            current = list(enclose_step(program, arithmetic, approximate, current, constants, step).end)
+        except IntegrationFailure:
+            share /= 2
+            continue
+        way += step
+        if way == 1:
+            return current[:-1], current[-1]
+    raise IntegrationFailure(
+        "section", f"the orbits of the piece were not brought onto the section in {_MOST_STEPS} steps",
+        "the times of their returns differ too much: give a narrower piece",
     )  # fmt: skip
-    approximate = solve_wide(program, arithmetic, taylor, start, constants, Fraction(1))
-    end = enclose_step(program, arithmetic, approximate, start, constants, Fraction(1)).end
-    return list(end[:-1]), end[-1]

@@ -14,6 +14,7 @@ import numpy as np
 from flint import fmpz, fmpz_poly
 
 from verify.algebra import Arithmetic, Series
+from verify.centre import step_size
 from verify.evaluation import Evaluation, PreparedProgram
 from verify.grading import Factors, Grading
 from verify.points import Floats, Points, from_points, graded_power, pack, to_points, unpack
@@ -93,6 +94,12 @@ def taylor_at_points(
                 if forcing is not None:
                     solution[:, n + 1, -1] += forcing[n] / (n + 1)
     return solution
+
+
+def wide_step_size(arithmetic: Arithmetic, taylor: Points) -> float:
+    """A step for which the last Taylor coefficient of grade 0 falls below the unit of the format, for all |s| <= 1."""
+    sizes = np.abs(from_points(taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
+    return step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree)
 
 
 def _product(factors: Factors, left: Points, right: Points) -> Points:
