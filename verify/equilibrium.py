@@ -88,7 +88,7 @@ class _Search:
         self.name = name
         self.program: Program = record(definition.equation, (name,), names)
         self.given = [enclose(value) for value in given]
-        self.ends = definition.interval(given)
+        self.ends = tuple(None if end is None else Fraction(end) for end in definition.interval(given))
 
     def value(self, where: arb) -> arb:
         (result,) = self.program.evaluate([where, *self.given], enclose, _power)
