@@ -15,7 +15,7 @@ from shared.formats import Candidate
 from shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from tests.flow_checks import box, falkner_skan_box, halo
 from verify.algebra import Arithmetic, Series
-from verify.crossing import CrossingCounter
+from verify.crossing import Arrival, CrossingCounter
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.poincare import IntegratorSettings, enclose_iterates
@@ -144,7 +144,7 @@ def test_errors_that_hide_the_orbit_are_refused(error: float) -> None:
 
 
 def shown(counter: CrossingCounter, *numbers: int) -> list[bool]:
-    return [counter.clear_before(number) is not None for number in numbers]
+    return [counter.arrival(number) is not None for number in numbers]
 
 
 def test_arrival_is_at_one_crossing_only() -> None:
@@ -159,22 +159,24 @@ def test_arrival_is_at_one_crossing_only() -> None:
 
 
 def test_an_orbit_on_its_way_from_the_section_has_no_crossing_yet() -> None:
-    assert CrossingCounter().clear_before(1) is None
+    assert CrossingCounter().arrival(1) is None
     for coefficients in ([Fraction(0), Fraction(1)], [Fraction(0), Fraction(1), Fraction(-1, 4)]):
         assert shown(cover(coefficients), 1, 2) == [False, False]
         counter = followed(coefficients)
         # Whatever crossing comes, it comes after all that was seen.
-        assert counter.clear_before(1) == 2
+        assert counter.arrival(1) == Arrival(arb(2))
         assert shown(counter, 2) == [False]
 
 
 def test_an_orbit_just_past_a_crossing_has_it_behind_a_clear_time() -> None:
     counter = followed(product_of(Fraction(0), THIRD), error=2.0**-100)
     assert counter.crossings == 1
-    clear = counter.clear_before(1)
-    assert clear is not None
-    assert 0 < clear < arb(1) / 3
-    assert counter.clear_before(2) == 2
+    arrival = counter.arrival(1)
+    assert arrival is not None
+    assert 0 < arrival.since < arb(1) / 3
+    # The velocity there is not known, so the next crossing could be taken for this one.
+    assert arrival.behind
+    assert counter.arrival(2) == Arrival(arb(2))
 
 
 def test_an_orbit_that_comes_back_to_the_section_is_not_just_past_a_crossing() -> None:

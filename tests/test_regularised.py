@@ -343,7 +343,7 @@ def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.Monke
 
 @pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
 def test_a_crossing_that_does_not_arrive_is_refused(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("verify.returns.CrossingCounter.clear_before", lambda *_: None)
+    monkeypatch.setattr("verify.returns.CrossingCounter.arrival", lambda *_: None)
     with pytest.raises(IntegrationFailure, match="not proved to be at crossing 1"):
         enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
 

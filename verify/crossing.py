@@ -7,6 +7,8 @@ opposite signs, joined by intervals where y' has one sign, there is exactly one 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from flint import arb, arb_poly, ctx
 
 from verify.algebra import Series
@@ -52,6 +54,20 @@ def range_of(series: Series, wide: arb | None = None) -> arb:
         return enclosure.polynomial(arb(0)) + enclosure.deviation
     finally:
         ctx.prec = previous
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """A box that is close to a crossing, before or after it.
+
+    Attributes:
+        since: after this time there is no zero of the section coordinate but that crossing, as far as the box has come.
+        behind: the crossing lies behind the box, but the velocity there is not known: a zero that is found from
+            here is the crossing only if it lies behind, too.
+    """
+
+    since: arb
+    behind: bool = False
 
 
 class CrossingCounter:
@@ -134,17 +150,12 @@ class CrossingCounter:
         self.velocity_sign = 0
         self.clear_time = until
 
-    def clear_before(self, number: int) -> arb | None:
-        """A time since which the section coordinate has no zero but crossing `number`, if the box is close to that.
-
-        Either there has been none since then, and as far as the box has left it, it moves towards the section; or
-        there has been exactly that one, and the box stays away from the section or moves away from it. `None` if
-        neither is shown.
-        """
-        if self.crossings == number - 1 and self.velocity_sign in (0, -self._side):
-            return self.clear_time
-        if self.crossings == number and self.velocity_sign in (0, self._side):
-            return self.previous_clear_time
+    def arrival(self, number: int) -> Arrival | None:
+        """What is known about crossing `number` if the box is close to it; `None` if too little is (section 5.2)."""
+        if self.crossings == number - 1 and self.velocity_sign in (0, -self._side) and self.clear_time is not None:
+            return Arrival(self.clear_time)
+        if self.crossings == number and self.velocity_sign in (0, self._side) and self.previous_clear_time is not None:
+            return Arrival(self.previous_clear_time, behind=self.velocity_sign == 0)
         return None
 
 

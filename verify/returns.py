@@ -196,8 +196,8 @@ class Returns:
 
     def crossing(self, number: int) -> tuple[Sequence[Series], arb]:
         """The system's own state at crossing `number`, and its time, with the proof that it is that crossing."""
-        clear = [counter.clear_before(number) for counter in self.counters]
-        if any(time is None for time in clear):
+        arrivals = [counter.arrival(number) for counter in self.counters]
+        if any(arrival is None for arrival in arrivals):
             raise IntegrationFailure(
                 "crossing count",
                 f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}",
@@ -208,10 +208,15 @@ class Returns:
         image, elapsed = onto_section(
             coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
         )
-        for counter, since in zip(self.counters, clear, strict=True):
+        for counter, arrival in zip(self.counters, arrivals, strict=True):
             # In the system's own time, of which the integration's is the part `rate`.
             rate = arb(1) if self.rate is None else range_of(self.rate, counter.wide)
-            if since is None or not is_positive(rate * (self.time - since) + range_of(elapsed, counter.wide)):
+            delay = range_of(elapsed, counter.wide)
+            if (
+                arrival is None
+                or not is_positive(rate * (self.time - arrival.since) + delay)
+                or (arrival.behind and not is_positive(-delay))
+            ):
                 raise IntegrationFailure(
                     "crossing count",
                     f"the time of crossing {number} is not separated from the crossing before it",
