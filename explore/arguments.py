@@ -7,7 +7,14 @@ import os
 from pathlib import Path
 from typing import NoReturn
 
-from explore import atlas_libration_command, branches_command, mass_curve_command, option_types, portraits_command
+from explore import (
+    atlas_libration_command,
+    atlas_mass_command,
+    branches_command,
+    mass_curve_command,
+    option_types,
+    portraits_command,
+)
 from explore.family_names import FAMILY_NAMES, POINTS, PRESETS
 from explore.step_control import CONTROL
 from shared.systems import MASS_PARAMETERS, SYSTEMS
@@ -94,7 +101,13 @@ def parser() -> Parser:
     family.add_argument(
         "--catalogue", type=Path, metavar="FILE", help="the same as JSON, like a response of the catalogue's interface"
     )
-    for command in (branches_command, mass_curve_command, portraits_command, atlas_libration_command):
+    for command in (
+        branches_command,
+        mass_curve_command,
+        portraits_command,
+        atlas_libration_command,
+        atlas_mass_command,
+    ):
         command.add_parser(commands)
     return result
 

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import ceil, log2
+from math import ceil, log, log2
 
 import numpy as np
 
@@ -31,14 +31,17 @@ NODES = 32
 NOISE = 1e-13
 """Chebyshev coefficients of the curve below this, relative to the first, are rounding errors."""
 
-OVERLAP = Fraction(1, 256)
-"""What neighbouring pieces share, as a part of a half-width."""
+OVERLAP = Fraction(1, 512)
+"""How far a piece reaches beyond its neighbour's end, as a part of its width."""
 
 AMPLITUDE = 0.03
 """z of the halo orbits that give the curvatures; their relative error is about its square."""
 
 SAFETY = 2.0
 """Factor by which the radii of p_0 and p_2 exceed what the branch and the family need."""
+
+_FLAT = 0.1
+"""For L3 pieces become narrower towards small masses, where the equations hardly depend on the orbit, down to this."""
 
 _NEWTON_STEPS = 8
 _SAMPLES = np.linspace(-1.0, 1.0, 9)
@@ -67,30 +70,28 @@ def parameter_of(libration: str, mu: float) -> float:
     return mu if libration == "L3" else float(np.cbrt(mu))
 
 
-def intervals(libration: str, lowest: Fraction, highest: Fraction, share: Fraction) -> list[tuple[Fraction, Fraction]]:
-    """Centres and half-widths in the parameter of pieces that cover [lowest, highest] and overlap a little.
+def intervals(libration: str, lowest: Fraction, highest: Fraction, share: float) -> list[tuple[Fraction, Fraction]]:
+    """Centres and half-widths in the parameter of pieces that cover [lowest, highest] exactly and overlap a little.
 
-    A half-width is at most `share` of the radius of convergence at the centre, see the module's text.
+    A half-width is at most `share` of the radius of convergence at the centre, see the module's text, and for L3 at
+    most `share` of the distance of the centre from `_FLAT` below mass 0.
     """
-    result: list[tuple[Fraction, Fraction]] = []
-    low = lowest
-    while low < highest:
-        if libration == "L3":
-            width = share * Fraction(9, 20)
-        else:
-            # width = share (1 - low - width)
-            width = share * (1 - low) / (1 + share)
-        width = _dyadic(min(width, (highest - low) / 2))
-        centre = low + width
-        result.append((centre, width))
-        low = centre + width * (1 - OVERLAP)
-        if highest - (centre + width) < width / 64:
-            break
+    low, high = float(lowest), float(highest)
+    # Between neighbouring edges the distance from the origin of the scale changes by one and the same factor.
+    origin = -_FLAT if libration == "L3" else 1.0
+    factor = (1 + share) / (1 - share)
+    count = ceil(abs(log((high - origin) / (low - origin))) / log(factor) - 1e-9)
+    edges = [lowest]
+    for k in range(1, count):
+        edge = origin + (low - origin) * ((high - origin) / (low - origin)) ** (k / count)
+        edges.append(Fraction(round(edge * 2**20), 2**20))
+    edges.append(highest)
+    result = []
+    for number, (start, end) in enumerate(pairwise(edges), start=1):
+        beyond = OVERLAP * (end - start)
+        start, end = start - beyond * (number > 1), end + beyond * (number < count)
+        result.append(((start + end) / 2, (end - start) / 2))
     return result
-
-
-def _dyadic(value: Fraction) -> Fraction:
-    return Fraction(ceil(value * 2**40), 2**40)
 
 
 def trace(libration: str, smallest: float, largest: float) -> CurveRecord:

@@ -22,10 +22,12 @@ from verify.branch_piece import recentred
 from verify.derivatives import DerivativeTable, table_of
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
-from verify.poincare import BOX_RATIO
 from verify.returns import Returns, evaluate
 
 GUARD_BITS = 64
+
+_RATIO = Fraction(1, 2)
+"""The box is this fraction of the polydisc on which the orbits are enclosed: large boxes ask for a large one."""
 
 _MAX_STEPS = 200
 
@@ -87,7 +89,7 @@ class SurfaceReturn:
                 _over([arb(c) * arb(2) ** -scale for c in polynomial.coeffs()], centre, reach)
                 for polynomial, scale in zip(element.coefs, arithmetic.scales, strict=True)
             ]
-            return table_of(arithmetic.grading, values, element.errors, self.scales, BOX_RATIO)
+            return table_of(arithmetic.grading, values, element.errors, self.scales, _RATIO)
 
         return tuple(table(element) for element in self.kernel), table(self.level)
 
@@ -132,7 +134,7 @@ def _enclose(
         raise IntegrationFailure("system", f"{system.name} has no first integral", "surfaces need one")
     size = len(piece.radii)
     weights = tuple(1 if j == 1 else 2 for j in range(size))
-    scales = tuple(radius / BOX_RATIO for radius in piece.radii)
+    scales = tuple(radius / _RATIO for radius in piece.radii)
     # With these bits per grade scaled initial values of every weight are of size 1 in fixed point.
     further = max(0, floor(max(-log2(scale) / weight for scale, weight in zip(scales, weights, strict=True))))
     grading = Grading(weights, limits.top)

@@ -29,7 +29,7 @@ from verify.theorems import prove
 
 __all__ = ["SurfaceLimits", "SurfacePart", "SurfaceResult", "candidate_at", "check_exact_claim", "prove_surface_piece"]
 
-_HALVINGS = 7
+_HALVINGS = 14
 """How often an interval of s is halved at most to show the hypotheses on its parts."""
 
 
