@@ -39,6 +39,9 @@ _TUBE = Fraction(1, 2)
 _PARTS = 16
 """The Newton operator is evaluated on so many parts of the interval of s."""
 
+_SLOPE_BITS = 52
+"""Significant bits of the derivatives across the curve; what a Newton operator needs of them is little."""
+
 _MAX_STEPS = 200
 
 
@@ -52,8 +55,8 @@ class PieceLimits:
         width: degree in s.
     """
 
-    precision: int = 96
-    order: int = 32
+    precision: int = 80
+    order: int = 40
     width: int = 32
 
     def __post_init__(self) -> None:
@@ -174,7 +177,7 @@ class _Proof:
         self.radius = (end - start) / 2 * _BEYOND
         self.signs = system.symmetries[symmetry] if symmetry is not None else None
         tube = [width / _TUBE for width in piece.tube]
-        grade_bits = max(0, floor(-log2(max(tube))))
+        grade_bits = floor(-log2(max(tube))) - max(0, limits.precision - _SLOPE_BITS)
         self.arithmetic = Arithmetic(
             Grading((1,) * len(tube), 1), limits.precision, grade_bits, limits.order, width=limits.width
         )
