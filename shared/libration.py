@@ -70,7 +70,7 @@ def _beyond_larger(parameters: Sequence[Any]) -> tuple[Any, Any]:
 def _around(point: str, sides: tuple[int, int], interval: Any) -> ReversibleSystem:
     return ReversibleSystem(
         name=f"cr3bp-{point.lower()}",
-        title=f"planar circular restricted three-body problem around {point}, in units of the orbit's size",
+        title=f"planar circular restricted three-body problem in units of the orbit's size around {point}",
         state=("x", "y", "vx", "vy"),
         parameters={
             "mu": ParameterRange(Fraction(0), Fraction(1)),
