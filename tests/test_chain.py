@@ -38,13 +38,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.atlas import Atlas, Claim, Covers, Piece
-from shared.systems import FALKNER_SKAN
+from shared.systems import CR3BP, FALKNER_SKAN
 from verify.ball_text import ball_from_json, bounds
 from verify.balls import enclose
 from verify.certify import certify
 from verify.chain import conclude
 from verify.conclusion import Conclusion
+from verify.curve_conditions import check_two_points
 from verify.other_point import other_point
+from verify.outcome import Checklist, NotEstablishedError
 from verify.tube import read_tube
 
 CASES: dict[str, Callable[[], Case]] = {
@@ -153,6 +155,9 @@ def test_a_loop_that_does_not_close_is_found() -> None:
 
 def test_a_loop_that_is_not_proved_where_it_closes_is_found() -> None:
     assert "there is a gap" in refusal(concluded(with_results(loop(), 0, {"interval": ["-0.25", "1"]})))
+    # The last piece enters the first one at -0.54, on a part from which the rest is cut off.
+    parts = ({"interval": ["-1", "-0.375"]}, {"interval": ["-0.25", "1"]})
+    assert "the loop does not close" in refusal(concluded(with_results(loop(), 0, *parts)))
 
 
 def test_a_loop_whose_first_piece_is_left_before_it_is_entered_is_found() -> None:
@@ -183,7 +188,15 @@ def test_a_piece_the_wrong_way_round_is_found(number: int) -> None:
 
 
 def test_the_last_symmetric_piece_the_wrong_way_round_is_found() -> None:
-    assert "direction of increasing s" in refusal(concluded(with_piece(symmetric_loop(), 5, reversed_piece)))
+    assert "entered before s = 0" in refusal(concluded(with_piece(symmetric_loop(), 5, reversed_piece)))
+
+
+@pytest.mark.parametrize("angle", [math.pi - math.asin(0.4), 2.9])
+def test_the_last_symmetric_piece_is_entered_before_its_symmetric_point(angle: float) -> None:
+    # The piece before it reaches to the symmetric point, or beyond.
+    conclusion = concluded(circle(Claim("symmetric-loop", "S"), [0, 0.6, 1.2, 1.8, 2.3, angle, math.pi], (0, 6)))
+    assert conclusion.chain is not None
+    assert conclusion.chain.joints[-1].enters < 0
 
 
 def test_the_direction_has_to_be_certain() -> None:
@@ -297,12 +310,61 @@ def test_a_range_that_is_not_covered_is_found(start: str, end: str) -> None:
     assert refusal(concluded(parabola(claim))).startswith("covers: ")
 
 
-def test_a_range_that_is_covered_up_to_an_error_only_is_not_covered() -> None:
-    # y is known up to the deviation: 0.01 and 0.25 are not certainly reached.
-    claim = Claim("arc", None, (), Covers("y", Fraction(1, 100), Fraction(1, 4)))
-    assert refusal(concluded(parabola(claim))).startswith("covers: ")
-    claim = Claim("arc", None, (), Covers("y", Fraction("0.0100001"), Fraction("0.2499999")))
-    assert concluded(parabola(claim)).is_proved
+@pytest.mark.parametrize(
+    ("start", "end", "holds"),
+    [
+        ("0.0100001", "0.2499999", True),
+        ("0.01", "0.2499999", False),
+        ("0.0100001", "0.25", False),
+    ],
+)
+def test_a_range_that_is_covered_up_to_an_error_only_is_not_covered(start: str, end: str, holds: bool) -> None:
+    claim = Claim("arc", None, (), Covers("y", Fraction(start), Fraction(end)))
+    assert concluded(parabola(claim)).is_proved == holds
+
+
+def test_along_a_symmetric_loop_a_coordinate_can_increase_from_one_symmetric_point_to_the_other() -> None:
+    conclusion = concluded(symmetric_loop(Claim("symmetric-loop", "S", ("vy",))))
+    assert "vy increases strictly" in conclusion.statement
+    assert "increasing-x" in refusal(concluded(symmetric_loop(Claim("symmetric-loop", "S", ("x",)))))
+
+
+def test_on_both_sides_of_a_symmetric_point_only_what_the_symmetry_negates_increases() -> None:
+    piece = circle_piece(0, 0.0, "symmetric")
+    back = reversed_piece(piece)
+    tube, other = read_tube(piece, [proved(piece)]), read_tube(back, [proved(back)])
+    everywhere = (Fraction(-1), Fraction(1))
+    with ctx.workprec(128):
+        assert tube.coordinate_increases(1, tube.runs[0], *everywhere)
+        assert not other.coordinate_increases(1, other.runs[0], *everywhere)
+        assert not tube.coordinate_increases(2, tube.runs[0], *everywhere)
+        assert tube.coordinate_increases(2, tube.runs[0], Fraction(0), Fraction(1))
+        assert not tube.coordinate_increases(2, tube.runs[0], Fraction(-1), Fraction(0))
+        assert tube.coordinate_increases(0, tube.runs[0], Fraction(-1), Fraction(0))
+
+
+def test_two_points_that_are_not_told_apart_may_be_one() -> None:
+    first, last = ([arb(value, 2**-20) for value in values] for values in ((1, 0, 2), (1, 0, 2.000001)))
+    with pytest.raises(NotEstablishedError, match="the same point"):
+        check_two_points(Checklist(), ("x", "z", "vy"), first, last)
+    check_two_points(Checklist(), ("x", "z", "vy"), first, [*last[:2], arb(3)])
+
+
+def without_reversibility(state: Any, parameters: Any) -> Any:
+    field = list(CR3BP.vector_field(state, parameters))
+    return (*field[:3], field[3] + state[3], *field[4:])
+
+
+def without_mirror_symmetry(state: Any, parameters: Any) -> Any:
+    field = list(CR3BP.vector_field(state, parameters))
+    return (*field[:3], field[3] + state[2], *field[4:])
+
+
+@pytest.mark.parametrize("field", [without_reversibility, without_mirror_symmetry])
+def test_the_symmetries_of_the_system_are_checked(field: Any) -> None:
+    atlas, results = symmetric_loop()
+    broken = replace(atlas, system=replace(CR3BP, vector_field=field))
+    assert refusal(concluded((broken, results))).startswith("symmetries: ")
 
 
 BAD_NUMBERS: dict[str, dict[str, Any]] = {
@@ -435,7 +497,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "wider than the tube": (certificate(circle_point(0.7, 1e-5)), "too wide for the tube"),
     "on the edge of the tube": (
         certificate({**circle_point(0.7), "vy": arb(3 - math.cos(0.7) + 1e-6, 2**-22)}),
-        "not shown to lie inside",
+        "not shown to lie on the part",
     ),
     "in the plane but of k = 2": (
         certificate({"x": arb(1, 2**-80), "z": arb(0, 2**-80), "vy": arb(2, 2**-80)}),
@@ -458,6 +520,22 @@ def test_a_bifurcation_that_is_not_shown_to_lie_on_the_curve_is_named_with_the_r
     assert found.place is None
     assert words in found.reason
     assert f"{found.id} (k = {found.k}): {found.reason}" in conclusion.statement
+
+
+@pytest.mark.parametrize("beta", [1, 5])
+def test_a_bifurcation_at_the_very_end_of_a_curve_is_not_shown_to_lie_on_it(beta: int) -> None:
+    for radius, holds in ((2**-40, False), (0, True)):
+        entry = certificate({"beta": arb(beta, radius), "y": arb(beta**2) / 100})
+        (found,) = concluded(parabola(), entry).bifurcations
+        assert (found.place is not None) == holds
+
+
+def test_a_bifurcation_in_the_middle_of_a_piece_says_nothing_of_the_ends() -> None:
+    entry = certificate({"beta": arb(2), "y": arb(4) / 100})
+    conclusion = concluded(parabola(), entry)
+    assert conclusion.bifurcations[0].place is not None
+    assert conclusion.bifurcations[0].place.s.is_zero()
+    assert conclusion.ends["start"]["beta"] == 1
 
 
 def test_a_certificate_that_does_not_stand_is_not_used() -> None:
@@ -554,6 +632,21 @@ def test_the_other_point_of_the_other_point_is_the_first(name: str) -> None:
         for key, ball in first.items():
             assert again[key].overlaps(ball)
             assert again[key].rad() < 1e-20
+
+
+def test_the_other_point_is_enclosed_for_all_points_of_a_ball() -> None:
+    candidate = known("fs2")
+    names = candidate.system.centre_coordinates
+    with ctx.workprec(200):
+        near, far = (
+            {key: enclose(value) + arb(0, radius) for key, value in zip(names, candidate.centre, strict=True)}
+            for radius in (2**-100, 2**-50)
+        )
+        small, large = (other_point(candidate.system, {}, point) for point in (near, far))
+    assert small is not None
+    assert large is not None
+    assert all(large[key].contains(small[key]) for key in names)
+    assert large["y"].rad() > 2**-54
 
 
 def test_an_orbit_that_is_not_symmetric_has_no_other_point() -> None:

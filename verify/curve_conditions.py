@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from flint import arb
+
 from shared.atlas import Atlas
 from verify.balls import all_finite, excludes_zero
 from verify.failure import IntegrationFailure
@@ -16,7 +18,7 @@ from verify.symmetry import check_symmetries
 from verify.tube import lower_end, read_tube, upper_end
 
 KINDS = ("arc", "symmetric-arc", "symmetric-loop", "loop")
-_REMEDY = "write the atlas again with more overlap, or with wider tubes"
+_REMEDY = "write the atlas again with more overlap, wider tubes, or narrower pieces where they are not proved"
 
 
 def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
@@ -62,7 +64,7 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[Mapping[st
     if claim.kind in ("symmetric-arc", "symmetric-loop"):
         _check_plane(checklist, atlas, found)
     if claim.kind == "symmetric-loop":
-        _check_two_points(checklist, atlas, found)
+        check_two_points(checklist, atlas.system.centre_coordinates, *found.ends)
     for name in claim.increasing:
         _check_increasing(checklist, atlas, found, name)
     if claim.covers is not None:
@@ -147,13 +149,13 @@ def _check_plane(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
             )
 
 
-def _check_two_points(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
+def check_two_points(checklist: Checklist, names: Sequence[str], first: Sequence[arb], last: Sequence[arb]) -> None:
+    """The symmetric points at which a symmetric loop begins and ends are different."""
     with checklist.hypothesis(
         "two-points", "15.6", "the two symmetric points are different", "write the atlas again"
     ) as evidence:
-        first, last = chain.ends
         distances = [a - b for a, b in zip(first, last, strict=True)]
-        for name, distance in zip(atlas.system.centre_coordinates, distances, strict=True):
+        for name, distance in zip(names, distances, strict=True):
             evidence.record(f"difference in {name}", distance)
         evidence.require(any(excludes_zero(distance) for distance in distances), "they may be the same point")
 

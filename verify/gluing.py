@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from verify.balls import all_finite, enclose, excludes_zero, is_below, is_positive
+from verify.balls import all_finite, enclose, is_below, is_positive
 from verify.outcome import Evidence, show
 from verify.tube import Run, Tube, lower_end, upper_end
 
@@ -126,7 +126,8 @@ def _join(tube: Tube, run: Run, reached: Fraction, after: Tube) -> tuple[Joint, 
     failures: list[tuple[int, str]] = []
     for trial in range(_TRIALS):
         s = run.end - (run.end - reached) * Fraction(trial, _TRIALS)
-        if s <= reached or (tube.is_symmetric and s == 0):
+        if s <= reached:
+            # This also keeps off s = 0 of a symmetric piece, where the first one is entered.
             continue
         found = _enter(tube, run, s, after)
         if not isinstance(found[0], int):
@@ -154,8 +155,8 @@ def _enter(tube: Tube, run: Run, s: Fraction, after: Tube) -> tuple[Joint, Run] 
     if next_run is None:
         proved = ", ".join(f"[{_decimal(r.start)}, {_decimal(r.end)}]" for r in after.runs)
         return 1, f"there is a gap: {place}, where nothing is proved (proved: {proved or 'nothing'})"
-    if after.is_symmetric and not excludes_zero(where):
-        return 2, f"{place}; at s = 0 of a symmetric piece the orbits of the tube are not unique"
+    if after.is_symmetric and not is_positive(-where):
+        return 2, f"{place}, but a symmetric piece has to be entered before s = 0"
     offsets = [ball / enclose(width) for ball, width in zip(after.offsets(where, p), after.piece.tube, strict=True)]
     if not after.contains(where, p):
         most = max(offsets, key=lambda ball: abs(ball).upper() if ball.is_finite() else arb("inf"))

@@ -185,7 +185,7 @@ def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bo
         return most, f"it lies outside the tubes, in {name} by {float(lower_end(most)):.3g} half-widths or more"
     if any(upper_end(ball) - lower_end(ball) >= 1 for ball in offsets):
         return most, f"its enclosure is too wide for the tube of {name}; certify it in a smaller box"
-    return most, f"it is not shown to lie inside the tube of {name}; more digits or a wider tube may decide"
+    return most, f"it is not shown to lie on the part of {name} that is proved; more digits or a wider tube may decide"
 
 
 def signs_of(atlas: Atlas, symmetry: str) -> list[int]:

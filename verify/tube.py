@@ -234,11 +234,12 @@ def read_tube(piece: Piece, results: Sequence[Mapping[str, Any]]) -> Tube:
 
 
 def _read_interval(piece: Piece, result: Mapping[str, Any]) -> ProvedInterval | str:
-    where = f"s in {result.get('interval')}"
+    ends = _numbers(result.get("interval"))
+    where = "s in an interval" if ends is None else f"s in [{', '.join(f'{float(end):.6g}' for end in ends)}]"
     if result.get("verdict") != "proved":
         reason = result.get("reason")
         return f"{where}: {reason.get('message', reason) if isinstance(reason, Mapping) else reason or 'not proved'}"
-    ends, deviation, slopes = (_numbers(result.get(key)) for key in ("interval", "deviation", "slope_deviation"))
+    deviation, slopes = (_numbers(result.get(key)) for key in ("deviation", "slope_deviation"))
     if ends is None or len(ends) != 2 or not -1 <= ends[0] < ends[1] <= 1:
         return f"{where}: not an interval within [-1, 1]"
     for name, values in (("deviation", deviation), ("slope_deviation", slopes)):
