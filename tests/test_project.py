@@ -91,7 +91,7 @@ def test_packages_are_the_tree_that_the_readme_shows() -> None:
 def test_base_install_carries_nothing_of_the_search_side() -> None:
     names = {re.split(r"[<>=\[]", line)[0] for line in PROJECT["project"]["dependencies"]}
     assert names.isdisjoint({"jax", "diffrax", "equinox", "mpmath", "matplotlib"})
-    assert set(PROJECT["project"]["optional-dependencies"]) == {"explore", "figures", "dev"}
+    assert set(PROJECT["project"]["optional-dependencies"]) == {"explore", "figures", "cluster", "dev"}
 
 
 def test_demo_verifies_where_the_search_side_is_blocked(tmp_path: Path) -> None:
