@@ -338,6 +338,7 @@ def test_on_both_sides_of_a_symmetric_point_only_what_the_symmetry_negates_incre
         assert tube.coordinate_increases(1, tube.runs[0], *everywhere)
         assert not other.coordinate_increases(1, other.runs[0], *everywhere)
         assert not tube.coordinate_increases(2, tube.runs[0], *everywhere)
+        assert not tube.coordinate_increases(0, tube.runs[0], *everywhere)
         assert tube.coordinate_increases(2, tube.runs[0], Fraction(0), Fraction(1))
         assert not tube.coordinate_increases(2, tube.runs[0], Fraction(-1), Fraction(0))
         assert tube.coordinate_increases(0, tube.runs[0], Fraction(-1), Fraction(0))
