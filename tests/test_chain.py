@@ -128,6 +128,15 @@ GAPS: dict[str, tuple[Case, str]] = {
         ),
         "the tube does not hold",
     ),
+    "interval and a part of it not proved": (
+        with_results(
+            symmetric_loop(), 2, {"interval": ["-1", "0"]},
+            {"interval": ["0", "1"], "verdict": "not proved", "reason": {"message": "the whole"}},
+            {"interval": ["0", "0.5"], "verdict": "not proved", "reason": {"message": "the part"}},
+            {"interval": ["0.5", "1"]},
+        ),
+        "s in [0, 0.5]: the part",
+    ),
     "piece not proved": (with_results(loop(), 3), "nothing is proved"),
     "first piece not proved": (with_results(loop(), 0), "nothing is proved"),
     "begins late": (with_results(parabola(), 0, {"interval": ["-0.875", "1"]}), "nothing is proved at s = -1"),

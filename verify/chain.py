@@ -34,7 +34,7 @@ def conclude(
 
     Args:
         atlas: the claim about a curve; that the results are about its pieces as they are is for the caller.
-        results: one JSON object for each interval of each piece, see `verify.tube.read_tube`.
+        results: one JSON object for each interval of each piece, see `verify.piece_results.read_results`.
         bifurcations: certificates that fit their schema, of points that may lie on the curve.
         examine: shows that a certificate's conclusion follows from what it stores.
         partner: encloses the other point of a symmetric orbit on Fix(R), by integration.

@@ -38,7 +38,7 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
 def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Chain:
     """Check every hypothesis of the claim; raises `NotEstablishedError` at the first that is not shown.
 
-    `results`: one JSON object for each interval of each piece, see `verify.tube.read_tube`.
+    `results`: one JSON object for each interval of each piece, see `verify.piece_results.read_results`.
     """
     claim = atlas.claim
     with checklist.hypothesis(

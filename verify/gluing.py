@@ -10,7 +10,8 @@ from flint import arb
 
 from verify.balls import all_finite, enclose, is_below, is_positive
 from verify.outcome import Evidence, show
-from verify.tube import Run, Tube, lower_end, upper_end
+from verify.piece_results import Run
+from verify.tube import Tube, lower_end, upper_end
 
 _TRIALS = 32
 """Places along a piece where the next one is looked for, from its end backwards."""
@@ -84,7 +85,7 @@ def follow(evidence: Evidence, kind: str, tubes: Sequence[Tube]) -> Chain | None
         enters = Fraction(-1) if kind == "arc" else Fraction(0)
         run = next((run for run in first.runs if run.start <= enters < run.end), None)
     if run is None:
-        evidence.require(False, _nothing_proved(first, f"s = {_decimal(enters)}"))
+        evidence.require(False, _nothing_proved(first, enters, f"s = {_decimal(enters)}"))
         return None
     reached = enters
     stretches: list[Stretch] = []
@@ -96,7 +97,7 @@ def follow(evidence: Evidence, kind: str, tubes: Sequence[Tube]) -> Chain | None
             evidence.require(reached < leaves, f"piece {tube.piece.id} is entered after s = {leaves}, its end")
             evidence.require(
                 run.end >= leaves,
-                _nothing_proved(tube, f"s from {_decimal(run.end)} to {leaves}, where the curve ends"),
+                _nothing_proved(tube, _above(run), f"s from {_decimal(run.end)} to {leaves}, where the curve ends"),
             )
             stretches.append(Stretch(tube, run, enters, reached, leaves))
             break
@@ -138,7 +139,7 @@ def _join(tube: Tube, run: Run, reached: Fraction, after: Tube) -> tuple[Joint, 
         return f"{place}: the curve leaves what is proved of {tube.piece.id} where it enters it"
     # How far the best place came is what helps: inside the interval but beside the tube, and so on.
     message = max(failures, key=lambda failure: failure[0])[1]
-    missing = "" if run.end == 1 else f"; {_nothing_proved(tube, f's just above {_decimal(run.end)}')}"
+    missing = "" if run.end == 1 else f"; {_nothing_proved(tube, _above(run), f's just above {_decimal(run.end)}')}"
     return f"{place}: {message}{missing}"
 
 
@@ -154,7 +155,9 @@ def _enter(tube: Tube, run: Run, s: Fraction, after: Tube) -> tuple[Joint, Run] 
     )
     if next_run is None:
         proved = ", ".join(f"[{_decimal(r.start)}, {_decimal(r.end)}]" for r in after.runs)
-        return 1, f"there is a gap: {place}, where nothing is proved (proved: {proved or 'nothing'})"
+        reason = after.refusal(lower_end(where))
+        why = f"; {reason}" if reason else ""
+        return 1, f"there is a gap: {place}, where nothing is proved (proved: {proved or 'nothing'}{why})"
     if after.is_symmetric and not is_positive(-where):
         return 2, f"{place}, but a symmetric piece has to be entered before s = 0"
     offsets = [ball / enclose(width) for ball, width in zip(after.offsets(where, p), after.piece.tube, strict=True)]
@@ -169,9 +172,14 @@ def _enter(tube: Tube, run: Run, s: Fraction, after: Tube) -> tuple[Joint, Run] 
     return Joint(tube.piece.id, after.piece.id, s, where, tuple(offsets), turn), next_run
 
 
-def _nothing_proved(tube: Tube, where: str) -> str:
-    reason = f" ({tube.refusals[0]})" if tube.refusals else ""
-    return f"piece {tube.piece.id}: nothing is proved at {where}{reason}"
+def _nothing_proved(tube: Tube, s: Fraction, where: str) -> str:
+    reason = tube.refusal(s)
+    return f"piece {tube.piece.id}: nothing is proved at {where}{f' ({reason})' if reason else ''}"
+
+
+def _above(run: Run) -> Fraction:
+    """A little more than the end of a run."""
+    return run.end + (1 - run.end) / 2**20
 
 
 def _decimal(value: Fraction) -> str:

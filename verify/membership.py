@@ -78,6 +78,7 @@ class Bifurcation:
             "s": None if self.place is None else ball_to_json(self.place.s),
             "mirrored": self.place is not None and self.place.mirrored,
             "other_point": self.place is not None and self.place.other_point,
+            "is_foreign": self.is_foreign,
             "reason": self.reason,
             "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
             "parameter_name": self.parameter_name,

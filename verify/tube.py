@@ -1,4 +1,4 @@
-"""Proved parts of a piece of a curve, and enclosures of the curve on them (docs/method.md, sections 15.3, 15.4).
+"""Enclosures of a curve on the proved parts of a piece (docs/method.md, section 15.4).
 
 On every proved interval of s the tube of the piece contains exactly one symmetric orbit, which is known up to a
 bound of its distance from the piece's polynomial. Everything is exact until it becomes a ball.
@@ -7,74 +7,20 @@ bound of its distance from the piece's polynomial. Everything is exact until it 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 from flint import arb, arb_poly, fmpq, fmpq_mat
 
-from shared.numbers import parse_exact
 from shared.pieces import Piece
-from verify.ball_text import ball_from_json, exact_value
+from verify.ball_text import exact_value
 from verify.balls import dot, enclose, is_inside, is_positive, symmetric, total
+from verify.piece_results import Refusal, Run, read_results
 
 _BISECTIONS = 12
 """How often an interval is halved at most to find the sign of a function on it."""
-
-
-@dataclass(frozen=True)
-class ProvedInterval:
-    """What is proved of a piece for s in [start, end].
-
-    For each s there is exactly one zero with |p_j - polynomial_j(s)| <= tube_j, it is regular and smooth in s, and
-    its p_j differs from polynomial_j(s) by d_j(s).
-
-    Attributes:
-        start, end: the interval, within [-1, 1].
-        deviation: shape (n,), bounds of |d_j|, smaller than the tube.
-        slope_deviation: shape (n,), bounds of |d_j'|, of |d_j'(s)/s| for a symmetric piece.
-        time: half periods of the orbits, not finite if they were not given.
-    """
-
-    start: Fraction
-    end: Fraction
-    deviation: tuple[Fraction, ...]
-    slope_deviation: tuple[Fraction, ...]
-    time: arb = field(default_factory=lambda: arb(float("nan")))
-
-    def mirrored(self) -> ProvedInterval:
-        """The same for -s, which S gives on a symmetric piece."""
-        return ProvedInterval(-self.end, -self.start, self.deviation, self.slope_deviation, self.time)
-
-
-@dataclass(frozen=True)
-class Run:
-    """Proved intervals of one piece in order, without a gap between them."""
-
-    intervals: tuple[ProvedInterval, ...]
-
-    @property
-    def start(self) -> Fraction:
-        """The least s."""
-        return self.intervals[0].start
-
-    @property
-    def end(self) -> Fraction:
-        """The greatest s."""
-        return max(interval.end for interval in self.intervals)
-
-    def at(self, s: Fraction) -> ProvedInterval:
-        """An interval that contains s. Raises `ValueError` if there is none."""
-        for interval in self.intervals:
-            if interval.start <= s <= interval.end:
-                return interval
-        raise ValueError(f"nothing is proved at s = {s}")
-
-    def between(self, lower: Fraction, upper: Fraction) -> list[tuple[ProvedInterval, Fraction, Fraction]]:
-        """Intervals that cover [lower, upper], each with the part of it that lies inside."""
-        parts = [(part, max(part.start, lower), min(part.end, upper)) for part in self.intervals]
-        return [(part, first, last) for part, first, last in parts if first <= last]
 
 
 @dataclass(frozen=True)
@@ -89,7 +35,15 @@ class Tube:
 
     piece: Piece
     runs: tuple[Run, ...]
-    refusals: tuple[str, ...] = ()
+    refusals: tuple[Refusal, ...] = ()
+
+    def refusal(self, s: Fraction) -> str:
+        """Why nothing is proved at s, from the shortest interval that was tried; empty if nothing is known."""
+        tried = [entry for entry in self.refusals if entry.start <= s <= entry.end]
+        shortest = min(tried, key=lambda entry: entry.end - entry.start, default=None)
+        if shortest is None:
+            return ""
+        return f"s in [{float(shortest.start):.6g}, {float(shortest.end):.6g}]: {shortest.reason}"
 
     @property
     def is_symmetric(self) -> bool:
@@ -207,68 +161,8 @@ class Tube:
 
 
 def read_tube(piece: Piece, results: Sequence[Mapping[str, Any]]) -> Tube:
-    """The proved parts of a piece from the results of its intervals, in JSON form.
-
-    A result counts if its verdict is "proved", its numbers are exact and complete, and its deviations are smaller
-    than the tube; others are named in `refusals`.
-    """
-    intervals: list[ProvedInterval] = []
-    refusals: list[str] = []
-    for result in results:
-        found = _read_interval(piece, result)
-        if isinstance(found, str):
-            refusals.append(found)
-            continue
-        intervals.append(found)
-        if piece.kind == "symmetric":
-            intervals.append(found.mirrored())
-    runs: list[list[ProvedInterval]] = []
-    reached = Fraction(-2)
-    for interval in sorted(intervals, key=lambda part: (part.start, part.end)):
-        if runs and interval.start <= reached:
-            runs[-1].append(interval)
-        else:
-            runs.append([interval])
-        reached = max(reached, interval.end)
-    return Tube(piece, tuple(Run(tuple(run)) for run in runs), tuple(refusals))
-
-
-def _read_interval(piece: Piece, result: Mapping[str, Any]) -> ProvedInterval | str:
-    ends = _numbers(result.get("interval"))
-    where = "s in an interval" if ends is None else f"s in [{', '.join(f'{float(end):.6g}' for end in ends)}]"
-    if result.get("verdict") != "proved":
-        reason = result.get("reason")
-        return f"{where}: {reason.get('message', reason) if isinstance(reason, Mapping) else reason or 'not proved'}"
-    deviation, slopes = (_numbers(result.get(key)) for key in ("deviation", "slope_deviation"))
-    if ends is None or len(ends) != 2 or not -1 <= ends[0] < ends[1] <= 1:
-        return f"{where}: not an interval within [-1, 1]"
-    for name, values in (("deviation", deviation), ("slope_deviation", slopes)):
-        if values is None or len(values) != len(piece.tube) or min(values, default=Fraction(-1)) < 0:
-            return f"{where}: {name} is not {len(piece.tube)} finite exact bounds"
-    assert deviation is not None
-    assert slopes is not None
-    if not all(value < width for value, width in zip(deviation, piece.tube, strict=True)):
-        return f"{where}: the deviation is not smaller than the tube"
-    return ProvedInterval(ends[0], ends[1], deviation, slopes, _time(result.get("time")))
-
-
-def _numbers(values: object) -> tuple[Fraction, ...] | None:
-    """Exact numbers; `None` if any entry is something else, a float included."""
-    if not isinstance(values, (list, tuple)):
-        return None
-    try:
-        return tuple(value if isinstance(value, Fraction) else parse_exact(value) for value in values)
-    except (TypeError, ValueError):
-        return None
-
-
-def _time(value: object) -> arb:
-    if isinstance(value, arb):
-        return value
-    try:
-        return ball_from_json(value)  # type: ignore[arg-type]
-    except (TypeError, KeyError, ValueError):
-        return arb(float("nan"))
+    """A piece with what its results, in JSON form, prove of it."""
+    return Tube(piece, *read_results(piece, results))
 
 
 def _ball_polynomial(coefficients: Sequence[Fraction]) -> arb_poly:
