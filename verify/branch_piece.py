@@ -36,8 +36,8 @@ _BEYOND = Fraction(17, 16)
 _TUBE = Fraction(1, 2)
 """The flow is enclosed for |omega_j| <= 1; the tube is |omega_j| <= _TUBE."""
 
-_PARTS = 16
-"""The Newton operator is evaluated on so many parts of the interval of s."""
+_PARTS, _HALVINGS = 8, 6
+"""The Newton operator is evaluated on so many parts of the interval of s, each halved at most so often."""
 
 _SLOPE_BITS = 52
 """Significant bits of the derivatives across the curve; what a Newton operator needs of them is little."""
@@ -57,7 +57,7 @@ class PieceLimits:
 
     precision: int = 80
     order: int = 40
-    width: int = 32
+    width: int = 40
 
     def __post_init__(self) -> None:
         if min(self.precision, self.order) < 16 or self.width < 1:
@@ -194,8 +194,16 @@ class _Proof:
         functions = [_Equation(equation) for equation in equations]
         images: list[list[arb]] = []
         slopes: list[list[arb]] = []
-        for part in _parts(_PARTS):
-            image, slope = self._newton(functions, part)
+        parts = [(part, 0) for part in _parts(_PARTS)]
+        while parts:
+            part, halvings = parts.pop()
+            try:
+                image, slope = self._newton(functions, part)
+            except IntegrationFailure:
+                if halvings == _HALVINGS:
+                    raise
+                parts += [(half, halvings + 1) for half in _halves(part)]
+                continue
             images.append(image)
             slopes.append(slope)
         deviation = [_largest([image[j] for image in images]) for j in range(len(self.tube))]
@@ -388,6 +396,12 @@ def recentred(coefficients: Sequence[Fraction], middle: Fraction, radius: Fracti
 def _parts(number: int) -> list[arb]:
     inside = 1 / enclose(_BEYOND)
     return [inside * (arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
+
+
+def _halves(part: arb) -> list[arb]:
+    """Two balls that cover a ball."""
+    middle, quarter = part.mid(), part.rad() / 2
+    return [middle + sign * quarter + arb(0, 1) * quarter for sign in (-1, 1)]
 
 
 def _over(polynomial: arb_poly, part: arb) -> arb:

@@ -77,7 +77,7 @@ def _return_times(program: PreparedProgram, section: int, start: Points, fixed: 
                 times[node] = elapsed + size * _root(scaled[section][:, node], low, high)
         if not np.any(np.isnan(times)):
             return times
-        start = polynomial.polyval(1.0, scaled.transpose(1, 0, 2))[:, None].astype(complex)
+        start = scaled.sum(axis=1)[:, None].astype(complex)
         elapsed += size
     return None
 
