@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from explore import (
+    atlas_command,
     atlas_libration_command,
     atlas_mass_command,
     branches_command,
@@ -105,6 +106,7 @@ def parser() -> Parser:
         branches_command,
         mass_curve_command,
         portraits_command,
+        atlas_command,
         atlas_libration_command,
         atlas_mass_command,
     ):

@@ -63,8 +63,10 @@ class AtlasRequest:
 
 def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atlas:
     """The atlas of a family. Raises `CoverFailure`."""
-    family = request.family
+    family = _directed(request)
     system, problem = family.problem.system, family.problem
+    if any(orbit.crossings != 1 for orbit in family.orbits):
+        raise CoverFailure("half orbits meet the section more than once; a piece follows them to the first return only")
     curve = Curve(family, system.family_parameter is not None)
     coverer = Coverer(curve, request.control, request.coordinates)
     overlap = request.control.overlap
@@ -105,6 +107,15 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
         claim=Claim(kind, symmetry if first is not None else None, request.increasing, covers),
         pieces=tuple(pieces), provenance=request.provenance,
     )  # fmt: skip
+
+
+def _directed(request: AtlasRequest) -> Family:
+    """The family in the direction in which the coordinate that it covers increases."""
+    family, covers = request.family, request.covers
+    if covers is None:
+        return family
+    index = family.problem.system.centre_coordinates.index(covers.coordinate)
+    return family if family.orbits[0].unknowns[index] < family.orbits[-1].unknowns[index] else family.turned()
 
 
 def _symmetric(coverer: Coverer, symmetry: str, index: int) -> Expansion:

@@ -21,6 +21,7 @@ from explore.flow import FlowFailure, Matrix, Vector
 NEWTON_LIMIT = 8
 NEWTON_ACCEPTED = 1e-7
 DIFFERENCE = 1e-7
+TIME_STEPS, CORRECTIONS = 3, 3
 NOISE = 1e-14
 """Relative size below which coefficients of the flow say nothing about their decay."""
 
@@ -63,8 +64,8 @@ class Expansion:
         returns: how the orbits were followed.
         coefficients: shape (n, K), of p_1, .., p_n in s.
         times: shape (K,), of the half return's time in s, in the units of `returns.coordinates`.
-        spectrum: shape (K,), largest coefficients of the state coordinates over the half return, relative to the
-            coordinates' magnitudes.
+        spectrum: shape (K,), largest coefficients of the state coordinates over the half return and of its time,
+            relative to their magnitudes.
         noise: shape (n,), error of the coefficients.
         steps: Runge-Kutta steps of the half return.
     """
@@ -166,10 +167,39 @@ def expand(
     if even:
         coefficients[:, 1::2] = 0.0
     noise = np.max(np.abs(coefficients[:, -count // 2 :]), axis=1)
-    return Expansion(
-        chart, returns, coefficients, (times @ transform).real, _spectrum(returns, chart, s, across, times, everything),
-        noise, result.steps,
-    )  # fmt: skip
+    series = (times @ transform).real
+    spectrum = np.maximum(
+        _spectrum(returns, chart, s, across, times, everything), np.abs(series) / float(np.max(np.abs(series)))
+    )
+    return Expansion(chart, returns, coefficients, series, spectrum, noise, result.steps)
+
+
+def newton_on_curve(
+    returns: HalfReturns, chart: Chart, s: Vector, across: Matrix, times: Vector
+) -> tuple[Matrix, float]:
+    """The p_j of the curve at N real s, from approximations, and the largest kernel coordinate of these.
+
+    Arguments:
+        s, times: shape (N,), N = LANES / (1 + n); the times of the half returns, roughly.
+        across: shape (n, N), approximate p_1, .., p_n.
+
+    Raises `ExpansionFailure`.
+    """
+    n = len(across)
+    nothing = np.zeros((LANES, 2 * len(s)), dtype=complex)
+    place, p, t = s.astype(complex), across.astype(complex), times.astype(complex)
+    for _ in range(TIME_STEPS):
+        result, _ = _newton(returns, chart, place, p, t, nothing)
+        t = t - result.values[0, : len(s)] / result.rates[0, : len(s)]
+    kernel = 0.0
+    for number in range(CORRECTIONS):
+        result, step = _newton(returns, chart, place, p, t, nothing)
+        if number == 0:
+            kernel = float(np.max(np.abs(result.values[1:, : len(s)])))
+        p, t = p - step[:, :n].T, t - step[:, n]
+    if not np.all(np.isfinite(p)):
+        raise ExpansionFailure("Newton's method does not converge on the curve")
+    return p.real, kernel
 
 
 def _spectrum(

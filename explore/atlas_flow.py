@@ -35,6 +35,8 @@ RELATIVE_TOLERANCE = 1e-14
 ABSOLUTE_TOLERANCE = 1e-15
 MAX_STEPS = 4000
 
+POWER_COST = 8
+
 LANES = 96
 """Points that are followed at once."""
 
@@ -79,9 +81,10 @@ class HalfReturns:
 
     @cached_property
     def products(self) -> int:
-        """Multiplications, divisions and powers in the vector field."""
+        """What the vector field costs a verifier, in multiplications: a power of a series is worth several."""
         program = self.system.program if self.regularisation is None else self.regularisation.program
-        return sum(step.operation in ("mul", "div", "pow") for step in program.instructions)
+        costs = {"mul": 1, "div": POWER_COST, "pow": POWER_COST}
+        return sum(costs.get(step.operation, 0) for step in program.instructions)
 
     def evaluate(self, points: ComplexArray, times: ComplexArray, transform: ComplexArray) -> Returns:
         """Follow the orbits of `points` over `times`.
