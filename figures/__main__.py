@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from figures import all_command, data_command
+from figures import all_command, atlas_command, data_command
 from figures.folder import check_folder
 from shared.formats import InputError, read_candidates, write_text
 
@@ -107,7 +107,7 @@ def argument_parser() -> argparse.ArgumentParser:
         "--allow-missing", action="store_true", help="exit code 0 also if published rows have no certificate"
     )
     tables.add_argument("--quiet", action="store_true", help="no messages on standard error")
-    for command in (all_command, data_command):
+    for command in (all_command, atlas_command, data_command):
         command.add_parser(commands)
     return parser
 

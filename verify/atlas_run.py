@@ -36,6 +36,7 @@ class AtlasRun:
         self._pieces = {piece.id: piece for piece in atlas.pieces}
         self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
         self._begun: set[tuple[str, Interval]] = set()
+        self._told: set[str] = set()
 
     @property
     def results(self) -> list[Result]:
@@ -99,7 +100,10 @@ class AtlasRun:
 
     def _tell(self, display: Display, name: str, result: Mapping[str, Any]) -> None:
         state = self._plans[name]
+        if name in self._told:
+            return
         if state.is_settled:
+            self._told.add(name)
             results = self._results[name]
             seconds = sum(float(entry["computation"]["seconds"]) for entry in results)
             number = sum(entry["verdict"] == "proved" for entry in results)

@@ -1,0 +1,73 @@
+"""``python -m figures atlas``: pictures of proved branches, from the certificates of their atlases."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from figures.folder import check_folder
+from shared.formats import InputError
+
+_EXAMPLES = """\
+examples:
+  python -m verify.atlas l1.json -o l1-certificate.json
+  python -m figures atlas l1-certificate.json -o figures-out/
+  python -m figures atlas l1-earth-moon.json l1-sun-jupiter.json -o figures-out/
+
+For each certificate its atlas (atlas-*: widths of the pieces, the coordinates in which orbits were followed, tubes,
+certified points); for all certificates of one kind of curve together the curves themselves, drawn from the certified
+polynomials (curves-*). Every verdict is copied.
+Exit codes: 0 written, 1 written, but something is not proved, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = commands.add_parser(
+        "atlas", help="proved branches: their pieces, and the curves", epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    parser.add_argument("certificates", type=Path, nargs="+", help="certificates of atlases (JSON)")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
+    from figures.atlas import Curve, read_curve
+
+    curves = [read_curve(path) for path in options.certificates]
+    names = [_name(curve.atlas.id) for curve in curves]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two certificates of one atlas, {name!r}; give each atlas once")
+
+    # Matplotlib takes a second to load: only after the input is known to be good.
+    from figures.atlas_pictures import draw_curves, draw_pieces
+    from figures.style import close, save, use_style
+
+    check_folder(options.output)
+    groups: dict[str, list[Curve]] = {}
+    with use_style():
+        for name, curve in zip(names, curves, strict=True):
+            groups.setdefault(f"{curve.system.name}-{curve.atlas.claim.kind}", []).append(curve)
+            figure = draw_pieces(curve)
+            _print(save(figure, options.output / f"atlas-{name}"))
+            close(figure)
+        for name, group in groups.items():
+            figure = draw_curves(group)
+            _print(save(figure, options.output / f"curves-{_name(name)}"))
+            close(figure)
+    return 0 if all(curve.is_proved for curve in curves) else 1
+
+
+def _print(paths: Sequence[Path]) -> None:
+    for path in paths:
+        print(path, flush=True)
+
+
+def _name(text: str) -> str:
+    return re.sub(r"[^A-Za-z0-9.]+", "-", text).strip("-.") or "atlas"
