@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -37,10 +38,11 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.atlas import Atlas, Claim, Covers, Piece
+from shared.atlas import Atlas, Claim, Covers, Piece, read_atlas
 from shared.systems import CR3BP, FALKNER_SKAN
 from verify.ball_text import ball_from_json, bounds
 from verify.balls import enclose
+from verify.branch_piece import prove_piece
 from verify.certify import certify
 from verify.chain import conclude
 from verify.conclusion import Conclusion
@@ -48,6 +50,8 @@ from verify.curve_conditions import check_two_points
 from verify.other_point import other_point
 from verify.outcome import Checklist, NotEstablishedError
 from verify.tube import read_tube
+
+DATA = Path(__file__).parent / "data"
 
 CASES: dict[str, Callable[[], Case]] = {
     "arc": parabola,
@@ -459,6 +463,19 @@ def test_a_bifurcation_on_the_curve_or_its_mirror_image_is_found_there(angle: fl
     assert abs(math.sin(abs(angle) - piece_angle) / float(HALF_WIDTH) - float(entry.place.s.mid())) < 1e-9
 
 
+def test_a_branch_that_is_left_through_a_symmetric_point_is_found() -> None:
+    # From the half circle to the line of points in the plane that goes through its symmetric point.
+    def planar(piece: Piece) -> Piece:
+        one, zero = Fraction(1), Fraction(0)
+        frame = ((one, zero, zero), (zero, one, zero), (one, zero, one))
+        flat = replace(piece, centre=(one, zero, Fraction(2)), frame=frame)
+        return replace(flat, polynomial=((zero,), (zero,)))
+
+    message = refusal(concluded(with_piece(symmetric_arc(Claim("symmetric-arc", "S")), 1, planar)))
+    assert "p000 and p001" in message
+    assert "beside its tube" in message
+
+
 def test_a_mirror_image_counts_on_symmetric_curves_only() -> None:
     half = circle(Claim("arc"), [0.7, 1.3])
     above, below = (certificate(circle_point(angle)) for angle in (1.0, -1.0))
@@ -667,3 +684,26 @@ def test_an_orbit_that_is_not_symmetric_has_no_other_point() -> None:
     }
     assert other_point(candidate.system, candidate.parameters, point) is None
     assert other_point(candidate.system, candidate.parameters, {key: arb("nan") for key in point}) is None
+
+
+@pytest.mark.slow
+def test_two_pieces_of_a_branch_are_proved_and_glued_and_carry_its_bifurcations() -> None:
+    atlas = read_atlas(DATA / "atlas-falkner-skan.json")
+    pieces = atlas.curve_pieces()
+    results = [
+        json.loads(json.dumps(prove_piece(atlas.system, {}, piece, (Fraction(-1), Fraction(1))).to_json()))
+        for piece in pieces
+    ]
+    certificates = [json.loads(json.dumps(certify(known(name)))) for name in ("fs2", "fs3", "fs4")]
+    conclusion = conclude(atlas, results, certificates)
+    assert conclusion.is_proved
+    assert [entry.place is not None for entry in conclusion.bifurcations] == [True, True, True]
+    assert "beta takes all values from 260 to 690" in conclusion.statement
+    # The same results do not join the first piece to another branch that runs 1e-6 beside the second.
+    beside = replace(pieces[1], centre=(pieces[1].centre[0], pieces[1].centre[1] + Fraction(1, 10**6)))
+    other = replace(atlas, pieces=(pieces[0], beside))
+    assert "beside its tube" in refusal(conclude(other, results))
+    # A tampered polynomial is not that of an orbit.
+    (first, *rest) = pieces[0].polynomial[0]
+    tampered = replace(pieces[0], polynomial=((first + Fraction(1, 10**8), *rest),))
+    assert not prove_piece(atlas.system, {}, tampered, (Fraction(-1), Fraction(1))).is_proved

@@ -74,7 +74,8 @@ def _curve(atlas: Atlas, ends: Ends) -> str:
     first, last = _point(ends["start"]), _point(ends["end"])
     fixed = f"Fix({claim.symmetry})"
     if claim.kind == "arc":
-        return f"There is a smooth curve {where} from {first} to {last}; {orbits}."
+        simple = " without self-intersections" if claim.increasing else ""
+        return f"There is a smooth curve{simple} {where} from {first} to {last}; {orbits}."
     if claim.kind == "loop":
         return f"There is a smooth closed curve without self-intersections {where}, through {first}; {orbits}."
     if claim.kind == "symmetric-arc":
