@@ -38,7 +38,7 @@ def draw_pieces(curve: Curve) -> Figure:
     for stretch in curve.stretches:
         _bar(widths, axis.ends(stretch), stretch)
         for start, _ in stretch.intervals[1:]:
-            if stretch.s[0] < start < stretch.s[-1]:
+            if stretch.is_proved and stretch.s[0] < start < stretch.s[-1]:
                 widths.plot([axis.at(stretch, start)] * 2, [0.0, stretch.half_width], color="white", linewidth=0.8)
         ends = axis.ends(stretch)
         tubes.plot(ends, [stretch.tube] * 2, color=INK)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -231,17 +231,27 @@ def _conclude(
     if atlas.is_surface:
         return conclude_surface(atlas, results).to_json()
     checks: dict[str, Recheck] = {}
+
+    def finished(check: Recheck) -> None:
+        checks[check.id] = check
+        display.finish(check.id, "certificate stands" if check.stands else "certificate does not stand")
+
     if bifurcations:
         display = Display({entry["id"]: 1.0 for entry in bifurcations}, options.quiet)
-
-        def finished(check: Recheck) -> None:
-            checks[check.id] = check
-            display.finish(check.id, "certificate stands" if check.stands else "certificate does not stand")
-
         with display.shown():
             recheck_all(bifurcations, False, options.jobs, display.advance, finished)
-    examine: Callable[[Certificate], Recheck] = lambda certificate: checks[certificate["id"]]  # noqa: E731
-    return conclude(atlas, results, bifurcations, examine).to_json()
+    placing = Display({entry["id"]: 1.0 for entry in bifurcations}, options.quiet)
+    placed: list[str] = []
+
+    def examine(certificate: Certificate) -> Recheck:
+        # Called for one certificate after the other.
+        if placed:
+            placing.finish(placed[-1], "looked for on the curve")
+        placed.append(certificate["id"])
+        return checks[certificate["id"]]
+
+    with placing.shown():
+        return conclude(atlas, results, bifurcations, examine).to_json()
 
 
 def _recheck(options: argparse.Namespace) -> int:
