@@ -37,14 +37,17 @@ OVERLAP = Fraction(1, 512)
 AMPLITUDE = 0.03
 """z of the halo orbits that give the curvatures; their relative error is about its square."""
 
-SAFETY = 2.0
-"""Factor by which the radii of p_0 and p_2 exceed what the branch and the family need."""
+ALONG = 1.0
+"""Half-width of P_0 in units of what the halo branch moves along the family; it is bent away, but not exactly."""
+
+ACROSS = 0.125
+"""P_2 in units of P_0: across the family the half return is about so much more sensitive."""
 
 _FLAT = 0.1
 """For L3 pieces become narrower towards small masses, where the equations hardly depend on the orbit, down to this."""
 
 _NEWTON_STEPS = 8
-_SAMPLES = np.linspace(-1.0, 1.0, 9)
+_SAMPLES = np.cos(np.pi * (np.arange(7) + 0.5) / 7)
 
 
 @dataclass(frozen=True)
@@ -130,7 +133,8 @@ def piece(
             progress((number + 1) / len(_SAMPLES))
     middle = shapes[len(shapes) // 2].tangent
     frame = np.array([middle, [-middle[1], middle[0]]]).T
-    radii = _radii(frame, shapes, float(z))
+    shears, radii = _box(frame, shapes, float(z))
+    tilt, *bend = (tuple(Fraction(float(c)) for c in row) for row in shears)
     zero, one = Fraction(0), Fraction(1)
     parameter = (centre, width)
     position = [Fraction(float(c)) for c in polynomials[0]]
@@ -145,6 +149,8 @@ def piece(
         frame=((rows[0][0], zero, rows[0][1]), (zero, one, zero), (rows[1][0], zero, rows[1][1])),
         kernel_frame=((zero, one), (one, zero)),
         radii=(_few_bits(radii[0]), z, _few_bits(radii[1])),
+        tilt=(tilt,),
+        bend=tuple(bend),
     )
 
 
@@ -222,20 +228,19 @@ class _Equations:
         return end.state[rows], np.column_stack(columns)
 
 
-def _radii(frame: Matrix, shapes: Sequence[Shape], z: float) -> tuple[float, float]:
-    """Half-widths of P_0 and P_2 that hold branch and family for all s, with `SAFETY` to spare."""
-    along = across = 0.0
-    slopes, bends = [], []
-    for shape in shapes:
-        p_0, p_2 = np.linalg.solve(frame, shape.curvature)
-        t_0, t_2 = np.linalg.solve(frame, shape.tangent)
-        along = max(along, abs(p_0) / 2 * z * z)
-        slopes.append(abs(t_2 / t_0))
-        bends.append(abs(p_2 - t_2 / t_0 * p_0) / 2 * z * z)
-    along = SAFETY * max(along, z * z / 64)
-    along = float(_few_bits(along))
-    across = SAFETY * max(slope * along + bend for slope, bend in zip(slopes, bends, strict=True))
-    return along, max(across, z * z / 64)
+def _box(frame: Matrix, shapes: Sequence[Shape], z: float) -> tuple[list[Vector], list[float]]:
+    """Polynomials in s of tilt_2, bend_0 and bend_2, with which the family is p_2 = 0 and the halo branch p_0 = p_2 = 0
+    to leading order, and the half-widths of P_0 and P_2."""
+    tangents = np.linalg.solve(frame, np.array([shape.tangent for shape in shapes]).T)
+    curvatures = np.linalg.solve(frame, np.array([shape.curvature for shape in shapes]).T)
+    values = [tangents[1] / tangents[0], curvatures[0] / 2, curvatures[1] / 2]
+    along = float(np.abs(values[1]).max()) * z * z
+    degree = len(_SAMPLES) - 1
+    rows = [
+        np.asarray(np.polynomial.chebyshev.cheb2poly(np.polynomial.chebyshev.chebfit(_SAMPLES, value, degree)))
+        for value in values
+    ]
+    return rows, [ALONG * along, ACROSS * ALONG * along]
 
 
 def _few_bits(value: float) -> Fraction:

@@ -80,11 +80,17 @@ class Piece:
 class SurfacePiece:
     """A symmetry-breaking candidate (docs/formats.md) whose parameters and centre are polynomials in s in [-1, 1].
 
+    Its box consists of the points with abs(p_i) <= radii_i in the coordinates p of
+
+        centre(s) + frame * (p_0 + bend_0(s) p_1^2, p_1, p_2 + tilt_2(s) p_0 + bend_2(s) p_1^2).
+
     Attributes:
         id: unique name within the atlas.
         parameters: for each of the system's fixed parameters the coefficients of 1, s, s^2, ..
         centre: for each of the 1 + n coordinates the coefficients of 1, s, s^2, ..
         frame, kernel_frame, radii: as in `shared.formats.Candidate`, the same for all s.
+        tilt: for p_2, .., p_n the coefficients of 1, s, s^2, .. of what p_0 adds to them; empty: nothing.
+        bend: the same for p_0 and p_2, .., p_n and what p_1^2 adds to them; empty: nothing.
     """
 
     id: str
@@ -93,12 +99,14 @@ class SurfacePiece:
     frame: Matrix
     kernel_frame: Matrix
     radii: Vector
+    tilt: Matrix = ()
+    bend: Matrix = ()
 
     kind = "symmetry_breaking"
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the piece. All numbers must be dyadic or decimal fractions."""
-        return {
+        result = {
             "id": self.id,
             "kind": self.kind,
             "parameters": {name: _vector_text(values) for name, values in self.parameters.items()},
@@ -107,6 +115,10 @@ class SurfacePiece:
             "kernel_frame": _matrix_text(self.kernel_frame),
             "radii": _vector_text(self.radii),
         }
+        for name, rows in (("tilt", self.tilt), ("bend", self.bend)):
+            if rows:
+                result[name] = _matrix_text(rows)
+        return result
 
 
 def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:
@@ -138,6 +150,8 @@ def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
             frame=frame,
             kernel_frame=numbers.regular("kernel_frame", kernel),
             radii=numbers.positive("radii", size, f"{system.name} needs {size}"),
+            tilt=numbers.rows("tilt", size - 2, f"{system.name} needs {size - 2}") if "tilt" in entry else (),
+            bend=numbers.rows("bend", size - 1, f"{system.name} needs {size - 1}") if "bend" in entry else (),
         )
     centre = numbers.vector("centre", entry["centre"])
     if len(centre) != size:

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import floor, log2
+from itertools import zip_longest
+from math import floor, log2, prod
 
 from flint import arb, arb_poly, ctx
 
@@ -45,8 +46,8 @@ class SurfaceLimits:
         top: the largest grade that is kept; p_1 has weight 1, the others weight 2.
     """
 
-    precision: int = 64
-    order: int = 24
+    precision: int = 80
+    order: int = 28
     width: int = 20
     top: int = 5
 
@@ -144,8 +145,9 @@ def _enclose(
     point = {}
     for name, curve, row in zip(system.centre_coordinates, piece.centre, piece.frame, strict=True):
         terms: dict[tuple[int, ...], Fraction | Sequence[Fraction]] = {constant: recentred(curve, middle, half)}
-        for j, (direction, scale) in enumerate(zip(row, scales, strict=True)):
-            terms[tuple(int(i == j) for i in range(size))] = direction * scale
+        for exponents, added in coordinate_terms(piece, row).items():
+            scale = prod((unit**power for unit, power in zip(scales, exponents, strict=True)), start=Fraction(1))
+            terms[exponents] = [value * scale for value in recentred(added, middle, half)]
         point[name] = arithmetic.polynomial(terms)
     zero = arithmetic.constant(Fraction(0))
     initial = [point.get(name, zero) for name in system.state]
@@ -167,3 +169,27 @@ def _enclose(
             value = value + state[index].scaled(factor)
         kernel.append(value)
     return SurfaceReturn(tuple(kernel), level, time, scales, interval, returns.steps)
+
+
+def coordinate_terms(piece: SurfacePiece, row: Sequence[Fraction]) -> dict[tuple[int, ...], tuple[Fraction, ...]]:
+    """What the coordinates p add to a coordinate of Fix(R), by exponents of p, as polynomials in s.
+
+    Args:
+        row: of the piece's frame, the one of that coordinate.
+    """
+    size = len(row)
+    unit = [tuple(int(i == j) for i in range(size)) for j in range(size)]
+    square = (0, 2, *(0,) * (size - 2))
+    terms: dict[tuple[int, ...], tuple[Fraction, ...]] = {unit[j]: (value,) for j, value in enumerate(row)}
+    across = range(2, size)
+    for j, polynomial in zip(across, piece.tilt, strict=bool(piece.tilt)):
+        terms[unit[0]] = plus(terms[unit[0]], polynomial, row[j])
+    for j, polynomial in zip((0, *across), piece.bend, strict=bool(piece.bend)):
+        terms[square] = plus(terms.get(square, ()), polynomial, row[j])
+    return terms
+
+
+def plus(left: Sequence[Fraction], right: Sequence[Fraction], factor: Fraction) -> tuple[Fraction, ...]:
+    """Coefficients of left + factor * right."""
+    zero = Fraction(0)
+    return tuple(a + factor * b for a, b in zip_longest(left, right, fillvalue=zero))

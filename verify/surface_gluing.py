@@ -73,7 +73,7 @@ class Sheet:
 
     def centre(self, s: arb) -> list[arb]:
         """The centre at s."""
-        return [arb_poly([enclose(c) for c in row])(s) for row in self.piece.centre]
+        return [_value(row, s) for row in self.piece.centre]
 
     def local(self, low: Fraction, high: Fraction) -> list[arb]:
         """The coordinates p of the bifurcation points for s in [low, high]. Raises `ValueError` beyond the parts."""
@@ -84,19 +84,37 @@ class Sheet:
 
     def point(self, low: Fraction, high: Fraction) -> list[arb]:
         """The coordinates of the bifurcation points for s in [low, high]."""
-        p = self.local(low, high)
         s = hull(enclose(low), enclose(high))
+        u = self._sheared(s, self.local(low, high), 1)
         return [
-            middle + dot([enclose(value) for value in row], p)
+            middle + dot([enclose(value) for value in row], u)
             for middle, row in zip(self.centre(s), self.piece.frame, strict=True)
         ]
 
     def offsets(self, low: Fraction, high: Fraction, point: Sequence[arb]) -> list[arb]:
         """The coordinates p of a point in the box of some s in [low, high]."""
-        away = [x - c for x, c in zip(point, self.centre(hull(enclose(low), enclose(high))), strict=True)]
+        s = hull(enclose(low), enclose(high))
+        away = [x - c for x, c in zip(point, self.centre(s), strict=True)]
         frame = arb_mat([[enclose(value) for value in row] for row in self.piece.frame])
         solution = frame.solve(arb_mat([[value] for value in away]))
-        return [solution[i, 0] for i in range(len(away))]
+        return self._sheared(s, [solution[i, 0] for i in range(len(away))], -1)
+
+    def _sheared(self, s: arb, p: Sequence[arb], sign: int) -> list[arb]:
+        """(p_0 + bend_0 p_1^2, p_1, p_2 + tilt_2 p_0 + bend_2 p_1^2) for sign 1, the inverse of this for sign -1."""
+        result = list(p)
+        across = range(2, len(p))
+        square = p[1] * p[1]
+        for j, row in zip((0, *across), self.piece.bend, strict=bool(self.piece.bend)):
+            result[j] = result[j] + sign * _value(row, s) * square
+        # What the tilt multiplies is p_0, not what the bend made of it.
+        first = p[0] if sign > 0 else result[0]
+        for j, row in zip(across, self.piece.tilt, strict=bool(self.piece.tilt)):
+            result[j] = result[j] + sign * _value(row, s) * first
+        return result
+
+
+def _value(coefficients: Sequence[Fraction], s: arb) -> arb:
+    return arb_poly([enclose(c) for c in coefficients])(s)
 
 
 @dataclass(frozen=True)
