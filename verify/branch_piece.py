@@ -36,6 +36,9 @@ _BEYOND = Fraction(17, 16)
 _TUBE = Fraction(1, 2)
 """The flow is enclosed for |omega_j| <= 1; the tube is |omega_j| <= _TUBE."""
 
+_MARGIN = 16
+"""The curve has to lie so much closer to its polynomial than the tube is wide: the tubes of neighbours may be narrower."""
+
 _PARTS, _HALVINGS = 8, 6
 """The Newton operator is evaluated on so many parts of the interval of s, each halved at most so often."""
 
@@ -304,9 +307,9 @@ class _Proof:
                 "give a narrower tube or piece; the curve may bifurcate or turn",
             )  # fmt: skip
         image = newton_image(matrix, residual)
-        if not all(is_inside(ball, _TUBE) for ball in image):
+        if not all(is_inside(ball, _TUBE / _MARGIN) for ball in image):
             raise IntegrationFailure(
-                "newton", f"the Newton image {_size_text(image)} does not lie inside the tube",
+                "newton", f"the Newton image, {_size_text(image)} of the tube, is not well inside of it",
                 "give a better polynomial, a wider tube or a narrower piece",
             )  # fmt: skip
         change = [function.wide_derivative(image, part, self.divided) for function in functions]
@@ -426,4 +429,4 @@ def _above(bound: arb) -> Fraction:
 
 
 def _size_text(image: Sequence[arb]) -> str:
-    return ", ".join(f"{float(ball.abs_upper()):.3g}" for ball in image)
+    return ", ".join(f"{float(ball.abs_upper() / enclose(_TUBE)):.3g}" for ball in image)
