@@ -37,7 +37,7 @@ _TUBE = Fraction(1, 2)
 """The flow is enclosed for |omega_j| <= 1; the tube is |omega_j| <= _TUBE."""
 
 _MARGIN = 16
-"""The curve has to lie so much closer to its polynomial than the tube is wide: the tubes of neighbours may be narrower."""
+"""The curve has to be so much closer to its polynomial than the tube is wide: neighbours may have narrower tubes."""
 
 _PARTS, _HALVINGS = 8, 6
 """The Newton operator is evaluated on so many parts of the interval of s, each halved at most so often."""
