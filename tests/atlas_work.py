@@ -48,6 +48,12 @@ def short_only(argument: Argument, report: Report) -> dict[str, Any]:
     return proving(argument, report) if _length(argument) <= 1 or not _second(argument) else failing(argument, report)
 
 
+def precise_only(argument: Argument, report: Report) -> dict[str, Any]:
+    """Fails with little precision on the second piece."""
+    enough = argument["integrator"]["precision"] > _LITTLE_PRECISION
+    return proving(argument, report) if enough or not _second(argument) else failing(argument, report)
+
+
 def not_the_second(argument: Argument, report: Report) -> dict[str, Any]:
     """Fails on the second piece, however short the interval."""
     return failing(argument, report) if _second(argument) else proving(argument, report)
@@ -65,6 +71,9 @@ def endless(argument: Argument, report: Report) -> dict[str, Any]:
     if _second(argument):
         time.sleep(600)
     return proving(argument, report)
+
+
+_LITTLE_PRECISION = 100
 
 
 def _second(argument: Argument) -> bool:

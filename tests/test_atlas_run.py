@@ -94,7 +94,8 @@ def test_of_a_symmetric_piece_one_half_is_asked_for() -> None:
 
 def test_a_piece_that_fails_is_split_and_the_others_are_left_whole() -> None:
     run, engine = go(CURVE, atlas_work.short_only)
-    assert [name for name, _ in engine.asked].count("p001") == 1 + 2 + 4
+    # Both attempts at the whole and at its halves, one at their halves.
+    assert [name for name, _ in engine.asked].count("p001") == 2 * (1 + 2) + 4
     assert [name for name, _ in engine.asked].count("p000") == 1
     assert run.plan_of("p001").is_proved
     assert covers([interval_of(r) for r in run.results_of("p001") if r["verdict"] == "proved"], whole(CURVE.pieces[1]))
@@ -105,7 +106,7 @@ def test_a_piece_that_fails_is_split_and_the_others_are_left_whole() -> None:
 @pytest.mark.parametrize("splits", [0, 1, 3])
 def test_a_piece_is_given_up_at_the_first_interval_that_may_not_be_split(splits: int) -> None:
     run, engine = go(CURVE, atlas_work.not_the_second, RunLimits({}, None, splits))
-    assert [name for name, _ in engine.asked].count("p001") == splits + 1
+    assert [name for name, _ in engine.asked].count("p001") == 2 * (splits + 1)
     assert run.plan_of("p001").failed
     assert not run.plan_of("p001").is_proved
     assert run.plan_of("p002").is_proved
@@ -124,8 +125,27 @@ def test_more_splits_go_on_where_fewer_ended() -> None:
 def test_a_proved_interval_counts_only_if_it_covers_what_is_asked() -> None:
     piece = CURVE.pieces[1]
     nearly = {"piece": "p001", "interval": ["-0x1", format_exact(1 - Fraction(1, 2**40))], "verdict": "proved"}
-    assert plan(piece, [nearly], 3).missing == ((Fraction(-1), Fraction(1)),)
-    assert plan(piece, [{**nearly, "interval": ["-0x1", "0x1"]}], 3).is_proved
+    assert plan(piece, [nearly], [{}], 3).missing == (((Fraction(-1), Fraction(1)), 0),)
+    assert plan(piece, [{**nearly, "interval": ["-0x1", "0x1"]}], [{}], 3).is_proved
+
+
+def test_more_precision_is_tried_before_an_interval_is_split() -> None:
+    run, engine = go(CURVE, atlas_work.precise_only)
+    assert not run.pending
+    assert [name for name, _ in engine.asked].count("p001") == 2
+    precisions = [result["computation"]["precision"] for result in run.results_of("p001")]
+    assert precisions[0] < precisions[1]
+    assert run.plan_of("p001").is_proved
+
+
+def test_what_takes_too_long_is_split_at_once() -> None:
+    piece = CURVE.pieces[1]
+    late = {
+        "piece": "p001", "interval": ["-0x1", "0x1"], "verdict": "not proved",
+        "reason": {"condition": "time", "message": "", "remedy": ""}, "computation": {"precision": 80},
+    }  # fmt: skip
+    missing = plan(piece, [late], [{"precision": 80}, {"precision": 128}], 3).missing
+    assert missing == tuple((half, 0) for half in halves(whole(piece)))
 
 
 # Certificates
@@ -182,11 +202,12 @@ def test_the_theorem_is_proved_printed_and_stored(tmp_path: Path, capsys: Any) -
     assert stored.is_proved
     assert stored.document["statement"]["theorem"] in output
     assert stored.document["conclusion"]["joints"]
+    assert "p001: again with more precision, not proved for s in [-1, 1]: the tube is empty" in errors
     assert "p001: split, not proved for s in [-1, 1]: the tube is empty" in errors
     assert "[3/3]" in errors
     assert "s left" in errors
     row = next(line for line in output.splitlines() if line.startswith("p001"))
-    assert row.split() == ["p001", "regular", "proved", "4", "physical", "28", "2.5", "s"]
+    assert row.split() == ["p001", "regular", "proved", "4", "physical", "28", "4.0", "s"]
 
     assert main(["--recheck", str(target)]) == 0
     assert "stands" in capsys.readouterr().out

@@ -27,9 +27,10 @@ from verify.chain import conclude
 from verify.cluster import connected
 from verify.engines import GRACE_SECONDS, Engine, Processes, Work
 from verify.options import ArgumentParser, positive_integer, positive_seconds
-from verify.piece_task import RunLimits, prove_task, settings_of
+from verify.piece_task import RunLimits, attempts_of, prove_task
 from verify.recheck import Recheck
 from verify.report import Display
+from verify.splitting import Settings
 from verify.surface_chain import conclude_surface
 from verify.workers import recheck_all
 
@@ -46,7 +47,7 @@ examples:
   python -m verify.atlas --recheck curve.json
       check that the theorem follows from what the certificate carries, without integrating
 
-A piece that fails is split in two; what was proved is kept.
+A piece that fails is tried with more precision, then split in two; what was proved is kept.
 exit codes: 0 the theorem is proved, and every bifurcation asked about lies on the curve; 1 not, or interrupted;
 2 bad input. "not proved" never means "shown to be false"
 """
@@ -86,7 +87,12 @@ def _parser() -> argparse.ArgumentParser:
         ("order", "degree of the expansions in time"),
         ("width", "degree of the expansions along the curve"),
     ):
-        parser.add_argument(f"--{name}", type=positive_integer, metavar="N", help=f"{what} (default: as it suits)")
+        parser.add_argument(
+            f"--{name}",
+            type=positive_integer,
+            metavar="N",
+            help=f"{what}, for the first attempt (default: as it suits)",
+        )
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
     parser.add_argument("--recheck", action="store_true", help="check a certificate again")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
@@ -116,7 +122,7 @@ def _run(options: argparse.Namespace, work: Work) -> int:
     atlas = read_atlas(options.file)
     limits = _limits(options, atlas)
     bifurcations = _bifurcations(options, atlas)
-    earlier = _earlier(options, atlas, settings_of(atlas, limits))
+    earlier = _earlier(options, atlas, attempts_of(atlas, limits))
     run = AtlasRun(atlas, limits, earlier)
     kept = frozenset(piece.id for piece in atlas.pieces) - frozenset(run.pending)
     display = Display(dict.fromkeys(run.pending, 1.0), options.quiet)
@@ -172,7 +178,7 @@ def _limits(options: argparse.Namespace, atlas: Atlas) -> RunLimits:
         {name: value for name, value in given.items() if value is not None}, options.timeout, options.max_splits
     )
     try:
-        settings_of(atlas, limits)
+        attempts_of(atlas, limits)
     except ValueError as error:
         raise InputError(f"--precision, --order, --width: {error}; give larger numbers") from None
     return limits
@@ -184,7 +190,7 @@ def _engine(options: argparse.Namespace) -> AbstractContextManager[Engine]:
     return nullcontext(Processes(options.jobs, options.timeout))
 
 
-def _earlier(options: argparse.Namespace, atlas: Atlas, settings: Mapping[str, int]) -> list[Result]:
+def _earlier(options: argparse.Namespace, atlas: Atlas, attempts: Sequence[Settings]) -> list[Result]:
     """What an earlier run left in the output file. The certificate of another atlas is not overwritten."""
     path = options.output
     if path is None:
@@ -201,7 +207,7 @@ def _earlier(options: argparse.Namespace, atlas: Atlas, settings: Mapping[str, i
             f"{path}: holds the certificate of another atlas ({before.atlas.id!r}); "
             "choose another output, or replace the file with --fresh"
         )
-    return reusable(before, atlas, settings)
+    return reusable(before, atlas, attempts)
 
 
 def _bifurcations(options: argparse.Namespace, atlas: Atlas) -> list[Certificate]:

@@ -12,7 +12,7 @@ from shared.atlas import Atlas, atlas_from_json
 from shared.formats import InputError, read_document, validate_document, write_text
 from shared.program import record
 from verify.certificate import digest, software
-from verify.splitting import NOT_FOR_SPLITTING, condition_of, interval_of
+from verify.splitting import NOT_FOR_SPLITTING, Settings, condition_of, interval_of, made_with
 
 _SCHEMA = "atlas-certificate"
 
@@ -152,8 +152,8 @@ def _filled(text: str, empty: str, lines: Sequence[str], indent: str, outer: str
     return text.replace(empty, f"{empty[:-1]}\n{content}\n{outer}]", 1)
 
 
-def reusable(certificate: AtlasCertificate, atlas: Atlas, settings: Mapping[str, int]) -> list[Result]:
-    """The results of an earlier run that count for an atlas, with these settings of the integrator.
+def reusable(certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Settings]) -> list[Result]:
+    """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
 
     They must come from this software, and be about a piece that has not changed. What failed for want of time or
     memory, or with other settings, is tried again.
@@ -170,12 +170,11 @@ def reusable(certificate: AtlasCertificate, atlas: Atlas, settings: Mapping[str,
     return [
         result
         for result in certificate.results
-        if result["piece"] in unchanged and (result["verdict"] == "proved" or _is_final(result, settings))
+        if result["piece"] in unchanged and (result["verdict"] == "proved" or _is_final(result, attempts))
     ]
 
 
-def _is_final(result: Result, settings: Mapping[str, int]) -> bool:
-    computation = result["computation"]
-    return condition_of(result) not in (*NOT_FOR_SPLITTING, "time") and all(
-        computation.get(name) == value for name, value in settings.items()
+def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
+    return condition_of(result) not in (*NOT_FOR_SPLITTING, "time") and any(
+        made_with(result, settings) for settings in attempts
     )

@@ -9,7 +9,7 @@ from shared.atlas import Atlas
 from shared.pieces import Piece, SurfacePiece
 from verify.atlas_certificate import Result
 from verify.engines import Answer, Engine, Task, Work
-from verify.piece_task import RunLimits, prove_task, result_of, task_of
+from verify.piece_task import RunLimits, attempts_of, prove_task, result_of, task_of
 from verify.report import Display
 from verify.splitting import Interval, Plan, interval_of, plan, whole
 
@@ -30,12 +30,13 @@ class AtlasRun:
         """`earlier` are results that count already."""
         self.atlas = atlas
         self.limits = limits
+        self._attempts = attempts_of(atlas, limits)
         self._results: dict[str, list[Result]] = {piece.id: [] for piece in atlas.pieces}
         for result in earlier:
             self._results[result["piece"]].append(result)
         self._pieces = {piece.id: piece for piece in atlas.pieces}
         self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
-        self._begun: set[tuple[str, Interval]] = set()
+        self._begun: set[tuple[str, Interval, int]] = set()
         self._told: set[str] = set()
 
     @property
@@ -73,17 +74,18 @@ class AtlasRun:
         engine.run(work, self._next, progress, finished)
 
     def _plan(self, piece: Piece | SurfacePiece) -> Plan:
-        return plan(piece, self._results[piece.id], self.limits.max_splits)
+        return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits)
 
     def _next(self) -> Task | None:
         """The first interval along the curve that nobody works on; so halves come before pieces further on."""
         for name, state in self._plans.items():
             if state.is_settled:
                 continue
-            for interval in state.missing:
-                if (name, interval) not in self._begun:
-                    self._begun.add((name, interval))
-                    return task_of(self.atlas, self._pieces[name], interval, self.limits, self._steps())
+            for interval, attempt in state.missing:
+                if (name, interval, attempt) not in self._begun:
+                    self._begun.add((name, interval, attempt))
+                    settings = self._attempts[attempt]
+                    return task_of(self.atlas, self._pieces[name], interval, settings, self.limits, self._steps())
         return None
 
     def _steps(self) -> int:
@@ -95,7 +97,7 @@ class AtlasRun:
         start, end = whole(self._pieces[name])
         state = self._plans[name]
         done = sum(float(last - first) for first, last in state.proved) / float(end - start)
-        longest = max((float(last - first) for first, last in state.missing), default=0.0) / float(end - start)
+        longest = max((float(last - first) for (first, last), _ in state.missing), default=0.0) / float(end - start)
         return done + fraction * longest
 
     def _tell(self, display: Display, name: str, result: Mapping[str, Any]) -> None:
@@ -114,5 +116,7 @@ class AtlasRun:
         if result["verdict"] != "proved":
             start, end = interval_of(result)
             message = result["reason"]["message"]
-            display.message(f"{name}: split, not proved for s in [{float(start):g}, {float(end):g}]: {message}")
+            again = any(interval == (start, end) for interval, _ in state.missing)
+            word = "again with more precision" if again else "split"
+            display.message(f"{name}: {word}, not proved for s in [{float(start):g}, {float(end):g}]: {message}")
         display.advance(name, self._share(name, 0.0), "next interval")

@@ -13,7 +13,7 @@ from shared.numbers import format_exact, parse_exact
 from shared.pieces import Piece, SurfacePiece, piece_from_json
 from verify.branch_piece import PieceLimits, prove_piece
 from verify.engines import Answer, Failure, Report, Task
-from verify.splitting import Interval
+from verify.splitting import Interval, Settings
 from verify.surface import SurfaceLimits
 from verify.surface_piece import prove_surface_piece
 
@@ -26,7 +26,7 @@ class RunLimits:
     """How to prove pieces.
 
     Attributes:
-        integrator: settings of `PieceLimits` or `SurfaceLimits` other than the default ones, by name.
+        integrator: settings of `PieceLimits` or `SurfaceLimits` for the first attempt, by name, if not the default.
         timeout: seconds for an interval, or `None`.
         max_splits: how often an interval is halved at most.
     """
@@ -36,15 +36,25 @@ class RunLimits:
     max_splits: int = 6
 
 
-def settings_of(atlas: Atlas, limits: RunLimits) -> dict[str, int]:
-    """All settings of the integrator for the pieces of an atlas. Raises `ValueError` if one is out of range."""
-    return asdict((SurfaceLimits if atlas.is_surface else PieceLimits)(**limits.integrator))
+def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
+    """Settings of the integrator for the first attempt at an interval and for the next one.
+
+    Some orbits lose more digits than others, and no shorter interval makes up for them. Raises `ValueError` if a
+    setting is out of range.
+    """
+    kind = SurfaceLimits if atlas.is_surface else PieceLimits
+    first = asdict(kind(**limits.integrator))
+    return first, {**first, "precision": first["precision"] + _MORE_BITS, "order": first["order"] + _MORE_ORDER}
+
+
+_MORE_BITS = 48
+_MORE_ORDER = 8
 
 
 def task_of(
-    atlas: Atlas, piece: Piece | SurfacePiece, interval: Interval, limits: RunLimits, expected_steps: int
+    atlas: Atlas, piece: Piece | SurfacePiece, interval: Interval, settings: Settings, limits: RunLimits, steps: int
 ) -> Task:
-    """The task of proving a piece on an interval; `expected_steps` is for progress only."""
+    """The task of proving a piece on an interval; the expected number of `steps` is for progress only."""
     return Task(
         piece.id,
         {
@@ -53,9 +63,9 @@ def task_of(
             "symmetry": atlas.claim.symmetry,
             "piece": piece.to_json(),
             "interval": [format_exact(end) for end in interval],
-            "integrator": settings_of(atlas, limits),
+            "integrator": dict(settings),
             "timeout": limits.timeout,
-            "expected_steps": expected_steps,
+            "expected_steps": steps,
         },
     )
 

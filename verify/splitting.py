@@ -1,7 +1,7 @@
-"""Which intervals of the pieces of an atlas remain to be proved: what fails is split in two and tried again.
+"""Which intervals of the pieces of an atlas remain to be proved.
 
-Nothing here carries proof: what the proved intervals show together is decided by `verify.chain`, from the intervals
-themselves.
+What fails is tried again with more precision, and then split in two. Nothing here carries proof: what the proved
+intervals show together is decided by `verify.chain`, from the intervals themselves.
 """
 
 from __future__ import annotations
@@ -22,6 +22,9 @@ _OVERLAP = Fraction(1, 64)
 NOT_FOR_SPLITTING = ("process",)
 """Conditions that a shorter interval does not mend."""
 
+Settings = Mapping[str, int]
+"""Of the integrator, by name, as they stand in a result's ``computation``."""
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -29,12 +32,12 @@ class Plan:
 
     Attributes:
         proved: the intervals of the tree of halves that are covered by proved ones.
-        missing: intervals that were not tried, from left to right.
+        missing: what is to be tried next, from left to right: intervals, and which of the attempts.
         failed: intervals that were not proved and may not be split again.
     """
 
     proved: tuple[Interval, ...]
-    missing: tuple[Interval, ...]
+    missing: tuple[tuple[Interval, int], ...]
     failed: tuple[Interval, ...]
 
     @property
@@ -60,20 +63,36 @@ def halves(interval: Interval) -> tuple[Interval, Interval]:
     return (start, middle + beyond), (middle - beyond, end)
 
 
-def plan(piece: Piece | SurfacePiece, results: Sequence[Mapping[str, Any]], max_splits: int) -> Plan:
-    """What is left to do for a piece, given the results of its intervals; each is halved at most `max_splits` times."""
+def plan(
+    piece: Piece | SurfacePiece, results: Sequence[Mapping[str, Any]], attempts: Sequence[Settings], max_splits: int
+) -> Plan:
+    """What is left to do for a piece, given the results of its intervals.
+
+    Each interval is tried with one of the `attempts` after the other, and then halved, at most `max_splits` times.
+    """
     proved = [interval_of(result) for result in results if result["verdict"] == "proved"]
-    tried = {interval_of(result): result for result in results if result["verdict"] != "proved"}
+    failures: dict[Interval, list[Mapping[str, Any]]] = {}
+    for result in results:
+        if result["verdict"] != "proved":
+            failures.setdefault(interval_of(result), []).append(result)
     done: list[Interval] = []
-    missing: list[Interval] = []
+    missing: list[tuple[Interval, int]] = []
     failed: list[Interval] = []
 
     def walk(interval: Interval, splits: int) -> None:
         if covers(proved, interval):
             done.append(interval)
-        elif interval not in tried:
-            missing.append(interval)
-        elif splits == max_splits or condition_of(tried[interval]) in NOT_FOR_SPLITTING:
+            return
+        against = failures.get(interval, [])
+        if any(condition_of(result) in NOT_FOR_SPLITTING for result in against):
+            failed.append(interval)
+            return
+        # What takes too long would take longer with more precision.
+        late = any(condition_of(result) == "time" for result in against)
+        untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in against)]
+        if untried and not late:
+            missing.append((interval, untried[0]))
+        elif splits == max_splits:
             failed.append(interval)
         else:
             for half in halves(interval):
@@ -81,6 +100,11 @@ def plan(piece: Piece | SurfacePiece, results: Sequence[Mapping[str, Any]], max_
 
     walk(whole(piece), 0)
     return Plan(tuple(done), tuple(missing), tuple(failed))
+
+
+def made_with(result: Mapping[str, Any], settings: Settings) -> bool:
+    """Whether a result comes from these settings of the integrator."""
+    return all(result["computation"].get(name) == value for name, value in settings.items())
 
 
 def covers(intervals: Sequence[Interval], wanted: Interval) -> bool:
