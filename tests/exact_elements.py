@@ -4,6 +4,8 @@ The exact elements are known parts plus explicit unknown parts, whose monomials 
 l1 norm is the error bound of that grade. They are evaluated with 600 bits at complex points of the polydisc with
 |xi_i| = t^(weight of i): there an unknown part of grade g is at most e_g t^g, so that a small t shows whether an
 error is charged to the right grade.
+
+With a wide variable s, of weight 0, points and exponents have one more entry, the last.
 """
 
 from __future__ import annotations
@@ -70,15 +72,34 @@ def known_value(series: Series, theta: mpmath.mpf, point: Sequence[Any]) -> Any:
     arithmetic = series.arithmetic
     grading = arithmetic.grading
     result = mpmath.mpc(0)
+    wide: Sequence[Any] = ()
+    if arithmetic.width:
+        *point, s = point
+        wide = [s**power for power in range(arithmetic.width + 1)]
     for exponents, polynomial in zip(grading.monomials, series.coefs, strict=True):
         value = mpmath.mpf(0)
-        for coefficient in reversed(polynomial.coeffs()):
-            value = value * theta + int(coefficient)
-        value = mpmath.ldexp(value, -arithmetic.bits - arithmetic.grade_bits * grading.grade(exponents))
+        for row in reversed(rows_of(arithmetic, polynomial)):
+            value = value * theta + (sum(c * power for c, power in zip(row, wide, strict=True)) if wide else row[0])
+        value *= mpmath.ldexp(1, -arithmetic.bits - arithmetic.grade_bits * grading.grade(exponents))
         for base, exponent in zip(point, exponents, strict=True):
             value = value * base**exponent
         result += value
     return result
+
+
+def rows_of(arithmetic: Arithmetic, packed: fmpz_poly) -> list[list[int]]:
+    """The coefficients by powers of theta, and in each row by powers of s: theta^n s^j has index n (2 d + 1) + j."""
+    width, stride = arithmetic.width, 2 * arithmetic.width + 1
+    values = [int(c) for c in packed.coeffs()]
+    values += [0] * (-len(values) % stride)
+    rows = [values[start : start + stride] for start in range(0, len(values), stride)]
+    assert not any(any(row[width + 1 :]) for row in rows)
+    return [row[: width + 1] for row in rows]
+
+
+def packed_from(arithmetic: Arithmetic, rows: Sequence[Sequence[int]]) -> fmpz_poly:
+    """The packed polynomial with these rows."""
+    return fmpz_poly([value for row in rows for value in [*row, *[0] * (2 * arithmetic.width + 1 - len(row))]])
 
 
 def exponents_of_grade(grading: Grading, grade: int) -> list[Exponents]:
@@ -97,10 +118,10 @@ def exponents_of_grade(grading: Grading, grade: int) -> list[Exponents]:
     return found
 
 
-def random_arithmetic(source: random.Random) -> Arithmetic:
+def random_arithmetic(source: random.Random, wide: bool = False) -> Arithmetic:
     """A format: coarse ones show roundings, low degrees show truncations."""
     return Arithmetic(source.choice(GRADINGS), source.choice((30, 64, 120)), source.choice((0, 7, 40)),
-                      source.choice((0, 2, 5, 12, 20)))  # fmt: skip
+                      source.choice((0, 2, 5, 12, 20)), width=source.choice((1, 2, 5, 11)) if wide else 0)  # fmt: skip
 
 
 def random_element(source: random.Random, arithmetic: Arithmetic, centre: float | None = None) -> Element:
@@ -118,7 +139,11 @@ def random_element(source: random.Random, arithmetic: Arithmetic, centre: float 
             values[0] <<= max(0, scale - 60)
         if scale < 60:
             values = [value >> (60 - scale) for value in values]
-        coefs.append(fmpz_poly(values))
+        rows = [
+            [value, *(int(value * source.uniform(-1, 1) * 4.0**-j) for j in range(1, arithmetic.width + 1))]
+            for value in values
+        ]
+        coefs.append(packed_from(arithmetic, rows))
     errors = arithmetic.zero_errors()
     unknown: list[Unknown] = []
     for slot in range(grading.top + 2):
@@ -131,14 +156,19 @@ def random_element(source: random.Random, arithmetic: Arithmetic, centre: float 
         size = 10.0 ** source.uniform(-30, -1)
         if centre is not None:
             size *= 0.1 * centre
+        if arithmetic.width:
+            powers = (0, 1, arithmetic.width, arithmetic.width + 1, 3 * arithmetic.width)
+            monomials = [(*exponents, power) for exponents in monomials for power in powers]
         shares = [2.0 ** -(i + 1) for i in range(source.randint(1, 4))]
         unknown += [Unknown(size * share, source.choice(monomials), source.randrange(4)) for share in shares]
         errors[slot] = size
     return Element(Series(arithmetic, coefs, errors), tuple(unknown))
 
 
-def random_point(source: random.Random, grading: Grading) -> tuple[mpmath.mpf, mpmath.mpf, list[Any]]:
-    """theta, t and xi with |xi_i| = t^weight: real, complex or a corner of the polydisc."""
+def random_point(
+    source: random.Random, grading: Grading, wide: bool = False
+) -> tuple[mpmath.mpf, mpmath.mpf, list[Any]]:
+    """theta, t and xi with |xi_i| = t^weight, and s with |s| <= 1: real, complex or a corner of the polydisc."""
     theta = mpmath.mpf(source.choice((0.0, 1.0, source.random())))
     t = mpmath.mpf(source.choice((1.0, 0.9, 2.0**-10, 2.0**-40)))
     phases = {"real": (1, -1), "imaginary": (mpmath.mpc(0, 1), 1)}.get(source.choice(("real", "imaginary", "complex")))
@@ -146,6 +176,9 @@ def random_point(source: random.Random, grading: Grading) -> tuple[mpmath.mpf, m
     for weight in grading.weights:
         phase = mpmath.expjpi(2 * source.random()) if phases is None else source.choice(phases)
         point.append(phase * t**weight)
+    if wide:
+        s = mpmath.expjpi(2 * source.random()) if phases is None else source.choice(phases)
+        point.append(s * mpmath.mpf(source.choice((1, 1, source.random()))))
     return theta, t, point
 
 
