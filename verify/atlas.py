@@ -257,7 +257,10 @@ def _conclude(
         return checks[certificate["id"]]
 
     with placing.shown():
-        return conclude(atlas, results, bifurcations, examine).to_json()
+        conclusion = conclude(atlas, results, bifurcations, examine)
+        for name in placed[-1:]:
+            placing.finish(name, "looked for on the curve")
+    return conclusion.to_json()
 
 
 def _recheck(options: argparse.Namespace) -> int:
