@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -22,15 +23,17 @@ _REGULARISED = "#d8b070"
 _UNPROVED = "#b2182b"
 _LIGHT = "#9dbdd3"
 _MANY_DECADES = 100.0
+_CHARACTERS = 100
+"""That fit into a line of a picture."""
 
 
 def draw_pieces(curve: Curve) -> Figure:
     """The pieces along the curve: their widths and coordinates, the tube and how much of it the proof needs."""
-    figure = plt.figure(figsize=(_WIDTH, 4.4))
+    figure = plt.figure(figsize=(_WIDTH, 4.6))
     claims = [(mark.k, mark.kind) for mark in curve.marks]
     foot = (0.62 + legend_height(claims, [True] * bool(claims))) / figure.get_figheight()
     grid = figure.add_gridspec(
-        2, 1, left=0.09, right=0.985, top=0.94, bottom=foot, hspace=0.24, height_ratios=(1.5, 1.0)
+        2, 1, left=0.09, right=0.985, top=0.9, bottom=foot, hspace=0.24, height_ratios=(1.5, 1.0)
     )
     widths = figure.add_subplot(grid[0, 0])
     tubes = figure.add_subplot(grid[1, 0], sharex=widths)
@@ -64,7 +67,8 @@ def draw_pieces(curve: Curve) -> Figure:
     number = sum(len(_own(stretch)) for stretch in curve.stretches)
     many = f" ({number} intervals)" if number > proved else ""
     count = f"{proved} of {len(curve.stretches)} pieces proved{many}"
-    widths.set_title(f"(a)  {title_of(curve)}: {count}", color=INK)
+    figure.text(0.09, 0.965, _lines(title_of(curve), 1), color=INK, fontweight="bold", va="center")
+    widths.set_title(f"(a)  {count}", color=INK)
     tubes.set_title("(b)  the tube, and the proved distance from the polynomial", color=INK)
     handles: list[Any] = [*_coordinate_handles(curve.stretches), *_tube_handles(curve.stretches)]
     _legend(figure, handles, claims)
@@ -76,13 +80,13 @@ def draw_curves(curves: Sequence[Curve]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 4.6 if len(curves) > 1 else 5.2))
     claims = sorted({(mark.k, mark.kind) for curve in curves for mark in curve.marks})
     foot = (0.62 + legend_height(claims, [True] * bool(claims))) / figure.get_figheight()
-    grid = figure.add_gridspec(1, len(curves), left=0.09, right=0.985, top=0.93, bottom=foot, wspace=0.2)
+    grid = figure.add_gridspec(1, len(curves), left=0.09, right=0.985, top=0.92, bottom=foot, wspace=0.2)
     handles: dict[str, Line2D] = {}
     for number, curve in enumerate(curves):
         axes = figure.add_subplot(grid[0, number])
         handles |= _draw_curve(axes, curve)
         letter = f"({'abcdefgh'[number % 8]})  " if len(curves) > 1 else ""
-        axes.set_title(f"{letter}{title_of(curve)}", color=INK)
+        axes.set_title(letter + _lines(title_of(curve), len(curves)), color=INK)
     _legend(figure, list(handles.values()), claims)
     return figure
 
@@ -106,11 +110,7 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
     for mark in curve.marks:
         draw_point(axes, curve.place_of(mark)[1][:2], mark.k, True, mark.id)
     if names[:2] == ("x", "z"):
-        mu = float(curve.parameters["mu"])
-        (line,) = axes.plot(
-            [-mu, 1 - mu], [0.0, 0.0], linestyle="none", marker="x", color=INK, markersize=4.5, label="primaries"
-        )
-        handles.setdefault("primaries", line)
+        handles |= _draw_primaries(axes, curve)
         axes.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
         axes.set_aspect("equal", adjustable="datalim")
     if axis.is_logarithmic:
@@ -118,6 +118,23 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
     axes.set_xlabel(label_of(names[0]))
     axes.set_ylabel(label_of(names[1]))
     return handles
+
+
+def _draw_primaries(axes: Axes, curve: Curve) -> dict[str, Line2D]:
+    """Those near the curve; to show the other one would make the curve small."""
+    mu = float(curve.parameters["mu"])
+    along = np.concatenate([stretch.points[:, 0] for stretch in curve.stretches])
+    near = [x for x in (-mu, 1 - mu) if along.min() - _NEAR < x < along.max() + _NEAR]
+    if not near:
+        return {}
+    label = "primaries" if len(near) > 1 else "smaller primary" if near[0] > 0.5 else "larger primary"
+    (line,) = axes.plot(
+        near, [0.0] * len(near), linestyle="none", marker="x", color=INK, markersize=4.5, label=label
+    )  # fmt: skip
+    return {label: line}
+
+
+_NEAR = 0.2
 
 
 class _Along:
@@ -155,6 +172,11 @@ def title_of(curve: Curve) -> str:
     if mass is None or mass.split("-")[0] in title.lower():
         return title
     return f"{title}, {'-'.join(part.capitalize() for part in mass.split('-'))}"
+
+
+def _lines(title: str, panels: int) -> str:
+    """A title in lines that fit above one of so many panels."""
+    return "\n".join(wrap(title.replace("<=", "≤"), _CHARACTERS // panels))
 
 
 def _own(stretch: Stretch) -> list[tuple[float, float]]:
