@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
 from explore.flow import FlowFailure, Vector, flow_of
 from explore.libration import LibrationPoint, libration_point, lyapunov_orbit
@@ -20,6 +21,8 @@ from shared.atlas import Atlas, Claim, Covers, Piece
 from shared.libration import AROUND
 from shared.systems import CR3BP, ReversibleSystem
 
+ComplexArray = NDArray[np.complex128]
+
 NEWTON_LIMIT = 12
 NEWTON_TOLERANCE = 1e-11
 STEP = 0.02
@@ -27,10 +30,13 @@ STEP = 0.02
 NODES = 48
 NOISE = 3e-15
 """Size, relative to vy, below which Chebyshev coefficients are rounding."""
-LEAST_DECAY = 6.0
-"""A piece is narrow enough if its Chebyshev coefficients decay by this factor from degree to degree: then the branch
-is analytic in a disc three times as wide as the piece, and as measured so are the orbits."""
-MOST_PIECES = 40
+CIRCLE, FROM, TO = 64, 8, 20
+TIME_STEPS = 300
+SMALL = 1e-10
+LEAST_DECAY = 2.95
+"""A piece is narrow enough if the Taylor coefficients of the half return in s decay by this factor from degree to
+degree; then degree 32 is enough for a proof, as was found for all three points."""
+SHRINK, NARROWEST = 0.8, 1e-3
 BEYOND, BEFORE = 0.06, 0.12
 """The pieces go this far beyond the symmetry breaking and beyond eps = 0, relative to the range between."""
 OVERLAP = 0.04
@@ -133,41 +139,69 @@ class LyapunovFamily:
         raise LibrationFailure(f"S does not break at any abs(eps) < {self.libration.distance:.6g}; give the end")
 
     def expansion(self, low: float, high: float) -> Vector:
-        """Chebyshev coefficients of vy on [low, high]."""
+        """Chebyshev coefficients of vy on [low, high], those above the rounding."""
         nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
         middle, half = 0.5 * (low + high), 0.5 * (high - low)
         values = [self.orbit(middle + half * node).vy for node in nodes]
-        return np.asarray(chebyshev.chebfit(nodes, values, NODES - 1))
+        coefficients = np.asarray(chebyshev.chebfit(nodes, values, NODES - 1))
+        return coefficients[: np.flatnonzero(np.abs(coefficients) > NOISE * abs(coefficients[0]))[-1] + 1]
 
 
-def decay(coefficients: Vector) -> float:
-    """The factor from one Chebyshev coefficient to the next, from those above the noise."""
-    sizes = np.abs(coefficients) / abs(coefficients[0])
-    degrees = np.flatnonzero(sizes > 30 * NOISE)
-    degrees = degrees[: np.argmax(np.diff(np.append(degrees, NODES + 2)) > 2) + 1]
-    if len(degrees) < 3:
+def decay(family: LyapunovFamily, low: float, high: float, coefficients: Vector) -> float:
+    """The factor by which the Taylor coefficients of the half return in s decay on the piece over [low, high].
+
+    The orbits are followed from the points of the unit circle of s by the classical Runge-Kutta method, whose errors
+    are below the coefficients of the degrees `FROM` and `TO` that are compared; infinite if the latter is `SMALL`.
+    """
+    s = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    program = family.system.program
+    parameters = [float(family.mu), family.libration.x, middle + half * s]
+
+    def slope(state: ComplexArray) -> ComplexArray:
+        return np.array(program.evaluate([*state, *parameters]))
+
+    step = family.orbit(middle).half_period / TIME_STEPS
+    ones = np.ones(CIRCLE, dtype=complex)
+    state = np.array([ones, 0 * ones, 0 * ones, chebyshev.chebval(s, coefficients)])
+    with np.errstate(all="ignore"):
+        for _ in range(TIME_STEPS):
+            first = slope(state)
+            second = slope(state + 0.5 * step * first)
+            third = slope(state + 0.5 * step * second)
+            fourth = slope(state + step * third)
+            state = state + step / 6 * (first + 2 * (second + third) + fourth)
+    if not np.all(np.isfinite(state)):
+        return 0.0
+    sizes = np.abs(np.fft.fft(state, axis=1)).max(axis=0)
+    if sizes[TO] < SMALL * sizes[0]:
         return np.inf
-    return float(np.exp(-np.polyfit(degrees[1:], np.log(sizes[degrees[1:]]), 1)[0]))
+    return float((sizes[FROM] / sizes[TO]) ** (1 / (TO - FROM)))
 
 
 def pieces_over(family: LyapunovFamily, low: float, high: float, tube: float) -> tuple[Piece, ...]:
-    """Equal pieces over [low, high], as few as are narrow enough. Raises `LibrationFailure`."""
-    for count in range(1, MOST_PIECES):
-        half = 0.5 * (high - low) / (count - OVERLAP * (count - 1))
-        middles = [low + half + 2 * (1 - OVERLAP) * half * index for index in range(count)]
-        expansions = [family.expansion(middle - half, middle + half) for middle in middles]
-        if min(map(decay, expansions)) >= LEAST_DECAY:
-            return tuple(
-                _piece(f"p{index + 1:03d}", middle, half, coefficients, tube)
-                for index, (middle, coefficients) in enumerate(zip(middles, expansions, strict=True))
-            )
-    raise LibrationFailure(f"{MOST_PIECES} pieces over [{low:.6g}, {high:.6g}] are too few")
+    """Pieces over [low, high] from left to right, each as wide as is narrow enough. Raises `LibrationFailure`."""
+    pieces: list[Piece] = []
+    begin = low
+    while True:
+        end = high
+        while True:
+            coefficients = family.expansion(begin, end)
+            if decay(family, begin, end, coefficients) >= LEAST_DECAY:
+                break
+            end = begin + SHRINK * (end - begin)
+            if end - begin < NARROWEST * (high - low):
+                raise LibrationFailure(f"at eps = {begin:.6g}: no piece is narrow enough (near a singularity)")
+        name = f"p{len(pieces) + 1:03d}"
+        pieces.append(_piece(name, 0.5 * (begin + end), 0.5 * (end - begin), coefficients, tube))
+        if end == high:
+            return tuple(pieces)
+        begin = end - OVERLAP * (end - begin)
 
 
 def _piece(name: str, middle: float, half: float, coefficients: Vector, tube: float) -> Piece:
     size = abs(float(coefficients[0]))
-    degree = int(np.flatnonzero(np.abs(coefficients) > NOISE * size)[-1])
-    monomials = chebyshev.cheb2poly(coefficients[: degree + 1])
+    monomials = chebyshev.cheb2poly(coefficients)
     return Piece(
         id=name,
         kind="regular",
