@@ -175,6 +175,8 @@ def _place_near(curve: Curve, point: Vector, origin: float, width: float) -> flo
 def _above(point: Vector, covers: Covers, names: Sequence[str]) -> Fraction:
     """The first point's coordinate of a range, rounded up to six digits."""
     value = float(point[list(names).index(covers.coordinate)])
+    if value == 0:
+        return Fraction(0)
     unit = Fraction(10) ** (floor(log10(abs(value))) - 5)
     return ceil(Fraction(value) / unit) * unit
 

@@ -136,7 +136,7 @@ def check_piece(atlas: Atlas, piece: Piece, seed: int = 0) -> PieceCheck:
     try:
         nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
         starts = chart.points(np.vstack([chart.half_width * nodes, across(nodes)]))
-        returned = [first_return(returns, start) for start in starts.T]
+        returned = first_returns(returns, starts)
         times = np.polynomial.polynomial.polyval(places, np.polynomial.polynomial.polyfit(nodes, returned, NODES - 1))
         found, kernel = newton_on_curve(returns, chart, places, across(places), times)
     except (FlowFailure, ExpansionFailure) as error:
@@ -146,18 +146,23 @@ def check_piece(atlas: Atlas, piece: Piece, seed: int = 0) -> PieceCheck:
     return PieceCheck(piece.id, deviation, kernel)
 
 
-def first_return(returns: HalfReturns, point: ComplexArray) -> float:
-    """The time, in the coordinates', of the first return of a point of Fix(R) to the section. Raises `FlowFailure`.
+def first_returns(returns: HalfReturns, points: ComplexArray) -> Vector:
+    """The times, in the coordinates', of the first returns of N points of Fix(R) to the section, to six digits.
 
-    The point is followed over many times at once; the first sign change is then searched between its two neighbours.
+    Each point is followed over many times at once, at first all over the same ones; the first change of sign is then
+    searched between its two neighbours. Raises `FlowFailure`.
     """
-    points = np.repeat(point[:, None], LANES, axis=1)
-    nothing = np.zeros((LANES, 2 * (LANES // len(point))), dtype=complex)
-    low, high, sign, failures = 0.0, 1.0, 0.0, 0
-    while high < LONGEST_TIME:
-        times = low + (high - low) * (np.arange(LANES) + 1) / LANES
+    number = points.shape[1]
+    parts = LANES // number
+    lanes = np.repeat(points, parts, axis=1)
+    nothing = np.zeros((LANES, 2 * (LANES // len(points))), dtype=complex)
+    low, high, signs = np.zeros(number), np.full(number, 1.0), np.zeros(number)
+    found = np.zeros(number, dtype=bool)
+    failures = 0
+    while np.all(high < LONGEST_TIME):
+        times = low[:, None] + (high - low)[:, None] * (np.arange(parts) + 1) / parts
         try:
-            heights = returns.evaluate(points, times.astype(complex), nothing).values[0].real
+            heights = returns.evaluate(lanes, times.ravel().astype(complex), nothing).values[0].real
         except FlowFailure:
             # Beyond its return an orbit may run away.
             failures += 1
@@ -165,13 +170,17 @@ def first_return(returns: HalfReturns, point: ComplexArray) -> float:
                 raise
             high = low + (high - low) / 8
             continue
-        sign = sign or float(np.sign(heights[0]))
-        beyond = np.flatnonzero(heights * sign < 0)
-        if not len(beyond):
-            low, high = high, high + (high - low) * (1 if failures else 2)
-            continue
-        index = int(beyond[0])
-        if high - low < 1e-6 * high:
-            return float(times[index])
-        low, high = float(times[index - 1]) if index else low, float(times[index])
+        heights = heights.reshape(number, parts)
+        signs = np.where(signs == 0, np.sign(heights[:, 0]), signs)
+        beyond = heights * signs[:, None] < 0
+        found |= np.any(beyond, axis=1)
+        if np.all(found) and np.all(high - low < 1e-5 * high):
+            return np.asarray(high)
+        width = high - low
+        first = np.argmax(beyond, axis=1)
+        inside = np.any(beyond, axis=1)
+        before = np.where(first > 0, times[np.arange(number), first - 1], low)
+        low = np.where(inside, before, np.where(found, low, high))
+        high = np.where(inside, times[np.arange(number), first], high)
+        high = np.where(found, high, low + width * (1 if failures else 2))
     raise FlowFailure("an orbit does not return to the section")

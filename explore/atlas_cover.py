@@ -26,6 +26,9 @@ STAGE, STAGES = 0.2, 4
 """A chart is first tried with this part of its width, and less if Newton's method does not converge there."""
 
 WIDER, NARROWER = 1.1, 0.8
+STRETCHED = 1.12
+"""A last piece may be so much wider than its first half, if that saves another one."""
+
 ATTEMPTS = 12
 
 
@@ -192,7 +195,7 @@ class Coverer:
             reach = float(chart.local(end)[0])
             # The curve may turn back: only what is near along the curve is in the chart.
             near = end_place < centre.place + 2 * (centre.place - here.place)
-            last = near and reach <= 1.02 * chart.half_width
+            last = near and reach <= STRETCHED * chart.half_width
             if last and reach < 0.9 * chart.half_width:
                 # The piece would go beyond the end: put it in the middle.
                 width = max(0.5 * (chart.half_width + reach), 0.1 * chart.half_width)
