@@ -36,6 +36,7 @@ class Stretch:
         points: shape (M, 1 + n), in the order of the system's centre coordinates.
         arclength: shape (M,), from the beginning of the curve, in these coordinates.
         half_width: length of the piece's half from its centre along its column 0, in the same unit.
+        first_half_width: how far the first coordinate goes on this way.
         intervals: s-intervals that are proved.
         coordinates: in which orbits were followed, `PHYSICAL` or the name of the regularisation; empty if unproved.
         tube: geometric mean of the tube's half-widths.
@@ -47,6 +48,7 @@ class Stretch:
     points: Array
     arclength: Array
     half_width: float
+    first_half_width: float
     intervals: tuple[tuple[float, float], ...]
     coordinates: str
     tube: float
@@ -168,6 +170,7 @@ def _stretch(certificate: AtlasCertificate, piece: Piece, s: Array, length: floa
         points=points,
         arclength=length + np.concatenate([[0.0], np.cumsum(steps)]),
         half_width=float(piece.half_width) * float(np.linalg.norm([float(row[0]) for row in piece.frame])),
+        first_half_width=float(piece.half_width * abs(piece.frame[0][0])),
         intervals=tuple(sorted(intervals)),
         coordinates=next((name for name in names if name != PHYSICAL), names[0] if names else ""),
         tube=_mean(np.array([float(width) for width in piece.tube])),

@@ -22,7 +22,8 @@ _WIDTH = 7.2
 _REGULARISED = "#d8b070"
 _UNPROVED = "#b2182b"
 _LIGHT = "#9dbdd3"
-_MANY_DECADES = 100.0
+_MANY = 100.0
+"""A parameter that grows by more than this factor has a logarithmic axis."""
 _CHARACTERS = 100
 """That fit into a line of a picture."""
 
@@ -39,15 +40,16 @@ def draw_pieces(curve: Curve) -> Figure:
     tubes = figure.add_subplot(grid[1, 0], sharex=widths)
     axis = _Along(curve)
     for stretch in curve.stretches:
-        _bar(widths, axis.ends(stretch), stretch)
+        height = axis.half_width(stretch)
+        _bar(widths, axis.ends(stretch), height, stretch)
         for start, _ in stretch.intervals[1:]:
             if stretch.is_proved and stretch.s[0] < start < stretch.s[-1]:
-                widths.plot([axis.at(stretch, start)] * 2, [0.0, stretch.half_width], color="white", linewidth=0.8)
+                widths.plot([axis.at(stretch, start)] * 2, [0.0, height], color="white", linewidth=0.8)
         ends = axis.ends(stretch)
         tubes.plot(ends, [stretch.tube] * 2, color=INK)
         if stretch.deviation:
             tubes.plot(ends, [stretch.deviation] * 2, color=CURVE)
-    heights = {stretch.piece: stretch.half_width for stretch in curve.stretches}
+    heights = {stretch.piece: axis.half_width(stretch) for stretch in curve.stretches}
     for mark in curve.marks:
         stretch = next(stretch for stretch in curve.stretches if stretch.piece == mark.piece)
         draw_point(widths, (axis.at(stretch, mark.s), heights[mark.piece]), mark.k, True, mark.id)
@@ -138,19 +140,20 @@ _NEAR = 0.2
 
 
 class _Along:
-    """The horizontal axis: arclength, or the family parameter where it grows over decades."""
+    """The horizontal axis: the family parameter where it increases along the curve, else arclength."""
 
     def __init__(self, curve: Curve) -> None:
         first = np.concatenate([stretch.points[:, 0] for stretch in curve.stretches])
-        is_parameter = curve.system.family_parameter is not None
-        self.is_logarithmic = bool(
-            is_parameter and first.min() > 0 and first.max() > _MANY_DECADES * first.min() and _increases(first)
-        )
+        self.is_parameter = curve.system.family_parameter is not None and _increases(first)
+        self.is_logarithmic = bool(self.is_parameter and first.min() > 0 and first.max() > _MANY * first.min())
         name = curve.system.centre_coordinates[0]
-        self.label = label_of(name) if self.is_logarithmic else "arclength along the curve  (nondimensional)"
+        self.label = label_of(name) if self.is_parameter else "arclength along the curve  (nondimensional)"
+
+    def half_width(self, stretch: Stretch) -> float:
+        return stretch.first_half_width if self.is_parameter else stretch.half_width
 
     def values(self, stretch: Stretch) -> Array:
-        return stretch.points[:, 0] if self.is_logarithmic else stretch.arclength
+        return stretch.points[:, 0] if self.is_parameter else stretch.arclength
 
     def at(self, stretch: Stretch, s: float) -> float:
         return float(np.interp(s, stretch.s, self.values(stretch)))
@@ -192,8 +195,8 @@ def _look(stretch: Stretch) -> dict[str, Any]:
     return {"facecolor": _REGULARISED, "edgecolor": "#7a5518", "hatch": "////", "linewidth": 0.4}
 
 
-def _bar(axes: Axes, ends: tuple[float, float], stretch: Stretch) -> None:
-    axes.bar(ends[0], stretch.half_width, width=ends[1] - ends[0], align="edge", zorder=2, **_look(stretch))
+def _bar(axes: Axes, ends: tuple[float, float], height: float, stretch: Stretch) -> None:
+    axes.bar(ends[0], height, width=ends[1] - ends[0], align="edge", zorder=2, **_look(stretch))
 
 
 def _coordinate_handles(stretches: Sequence[Stretch]) -> list[Patch]:

@@ -39,7 +39,15 @@ _KINDS = {
     "period_tupling": "period tupling",
     "touch_and_go": "touch-and-go",
 }
-_TEX = {"vx": r"\dot{x}", "vy": r"\dot{y}", "vz": r"\dot{z}", "beta": r"\beta", "mu": r"\mu", "nu": r"\nu"}
+_TEX = {
+    "vx": r"\dot{x}",
+    "vy": r"\dot{y}",
+    "vz": r"\dot{z}",
+    "beta": r"\beta",
+    "mu": r"\mu",
+    "nu": r"\nu",
+    "eps": r"\varepsilon",
+}
 
 
 def use_style() -> Any:

@@ -162,9 +162,11 @@ def test_a_parameter_that_grows_over_decades_has_a_logarithmic_axis() -> None:
     figure = draw_pieces(curve((atlas, [])))
     assert figure.axes[0].get_xscale() == "log"
     assert bars(figure)[0].get_x() == pytest.approx(float(Fraction(3) * 2 / 5))
+    assert [bar.get_height() for bar in bars(figure)] == pytest.approx([float(piece.half_width) for piece in pieces])
     close(figure)
     figure = draw_pieces(curve(parabola()))
     assert figure.axes[0].get_xscale() == "linear"
+    assert bars(figure)[0].get_x() == pytest.approx(1.0)
     close(figure)
 
 
