@@ -39,7 +39,7 @@ from verify.symmetry import check_symmetries, parities
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 DIGITS = 60
-FAST = PieceLimits(48, 20, 20)
+FAST = PieceLimits(56, 24, 24)
 WHOLE = (Fraction(-1), Fraction(1))
 
 
@@ -213,7 +213,7 @@ def test_every_family_has_an_atlas() -> None:
     for before, after in pairwise(pieces):
         place = before.centre[0] + before.half_width
         s = (place - after.centre[0]) / after.half_width
-        assert -1 < s < -0.9
+        assert -1 < s < -0.8
         assert abs(before.point(Fraction(1))[1] - after.point(s)[1]) < after.tube[0] / 1000
 
 
@@ -273,7 +273,7 @@ def test_only_the_family_of_that_mass_is_proved(atlas: Atlas, claim: str) -> Non
     part = (Fraction(0), Fraction(1, 8))
     result = prove_piece(atlas.system, {"mu": mu}, piece, part, PieceLimits(48, 20, 8))
     assert result.is_proved == (claim == "true")
-    assert claim == "true" or "does not lie inside the tube" in str(result.reason)
+    assert claim == "true" or "of the tube" in str(result.reason)
 
 
 def test_a_point_is_written_in_units_of_its_orbit() -> None:

@@ -49,7 +49,7 @@ class Root:
 
 
 def derived_parameter(system: ReversibleSystem, name: str, parameters: Mapping[str, Fraction], bits: int) -> Root:
-    """Enclosure of a derived parameter at given values of the others, to 2^-bits, or that times its size if it is above 1.
+    """Enclosure of a derived parameter at given values of the others, to 2^-bits (relative where it is above 1).
 
     Raises `IntegrationFailure` if none was found.
     """
