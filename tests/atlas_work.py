@@ -73,6 +73,11 @@ def endless(argument: Argument, report: Report) -> dict[str, Any]:
     return proving(argument, report)
 
 
+def other_times(argument: Argument, report: Report) -> dict[str, Any]:
+    """Half periods that cannot be those of `proving`."""
+    return {**proving(argument, report), "time": {"mid": "0x9", "rad": "0x1p-2", "decimal": "[8.75, 9.25]"}}
+
+
 _LITTLE_PRECISION = 100
 
 

@@ -227,6 +227,22 @@ def test_a_conclusion_that_the_results_do_not_give_does_not_stand(tmp_path: Path
     assert "verdict: stored is 'proved', the results give 'not proved'" in errors
 
 
+def test_every_interval_is_proved_again_with_more_precision(tmp_path: Path, capsys: Any) -> None:
+    target = str(tmp_path / "curve.json")
+    assert main([write(tmp_path / "atlas.json"), "-o", target, "--quiet"], atlas_work.short_only) == 0
+    capsys.readouterr()
+    assert main(["--recheck", "--integrate", target], atlas_work.precise_only) == 0
+    output, errors = capsys.readouterr()
+    assert "stands, also with another integration" in output
+    assert "[6/6]" in errors
+    assert main(["--recheck", "--integrate", target], atlas_work.not_the_second) == 1
+    output, errors = capsys.readouterr()
+    assert "DOES NOT STAND" in output
+    assert errors.count("FAILED parabola: piece p001, s in") == 4
+    assert main(["--recheck", "--integrate", target], atlas_work.other_times) == 1
+    assert "the half periods have no common point" in capsys.readouterr().err
+
+
 def test_a_piece_that_cannot_be_proved_is_named_and_the_rest_is_kept(tmp_path: Path, capsys: Any) -> None:
     source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
     assert main([source, "-o", str(target), "--max-splits", "1"], atlas_work.not_the_second) == 1
@@ -329,6 +345,7 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path, capsys: Any, monk
     assert "cannot be read" in refused(capsys, str(tmp_path / "none.json"))
     assert "does not exist" in refused(capsys, source, "-o", str(tmp_path / "none" / "curve.json"))
     assert "--only" in refused(capsys, source, "--only", "x")
+    assert "--integrate" in refused(capsys, source, "--integrate")
     assert "too small" in refused(capsys, source, "--precision", "3")
     assert "not an address" in refused(capsys, source, "--scheduler", "somewhere")
     assert "--output: --recheck writes no file" in refused(capsys, "--recheck", source, "-o", str(target))

@@ -13,13 +13,13 @@ from typing import Any
 from shared.atlas import Atlas, read_atlas
 from shared.formats import InputError, check_writable
 from verify.atlas_certificate import (
-    AtlasCertificate,
     Result,
     make_atlas_certificate,
     read_atlas_certificate,
     reusable,
     write_atlas_certificate,
 )
+from verify.atlas_recheck import differences, name_of, proved_again, proved_of
 from verify.atlas_report import conclusion_text, piece_table
 from verify.atlas_run import AtlasRun
 from verify.certificate import Certificate, read_certificates
@@ -46,6 +46,8 @@ examples:
       hand the pieces to a cluster (dask.distributed)
   python -m verify.atlas --recheck curve.json
       check that the theorem follows from what the certificate carries, without integrating
+  python -m verify.atlas --recheck --integrate curve.json --jobs 2
+      and prove every interval again, at another precision and order
 
 A piece that fails is tried with more precision, then split in two; what was proved is kept.
 exit codes: 0 the theorem is proved, and every bifurcation asked about lies on the curve; 1 not, or interrupted;
@@ -95,6 +97,7 @@ def _parser() -> argparse.ArgumentParser:
         )
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
     parser.add_argument("--recheck", action="store_true", help="check a certificate again")
+    parser.add_argument("--integrate", action="store_true", help="with --recheck: prove all again, in another way")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
     return parser
 
@@ -112,13 +115,15 @@ def main(arguments: Sequence[str] | None = None, work: Work = prove_task) -> int
     """Run the command line; returns the exit code. `work` is what a process does for each interval."""
     options = _parser().parse_args(arguments)
     try:
-        return _recheck(options) if options.recheck else _run(options, work)
+        return _recheck(options, work) if options.recheck else _run(options, work)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
 
 
 def _run(options: argparse.Namespace, work: Work) -> int:
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     atlas = read_atlas(options.file)
     limits = _limits(options, atlas)
     bifurcations = _bifurcations(options, atlas)
@@ -263,33 +268,33 @@ def _conclude(
     return conclusion.to_json()
 
 
-def _recheck(options: argparse.Namespace) -> int:
-    """Whether the conclusion follows from the stored results."""
-    for name in ("output", "fresh", "scheduler"):
+def _recheck(options: argparse.Namespace, work: Work) -> int:
+    """Whether the conclusion follows from the stored results, or from those of another integration."""
+    for name in ("output", "fresh"):
         if getattr(options, name):
-            raise InputError(f"--{name}: --recheck writes no file and proves no piece; leave it out")
+            raise InputError(f"--{name}: --recheck writes no file; leave it out")
     stored = read_atlas_certificate(options.file)
-    again = _conclude(stored.atlas, stored.results, _bifurcations(options, stored.atlas), options)
-    findings = list(_differences(stored, again, bool(options.bifurcations)))
+    atlas = stored.atlas
+    bifurcations = _bifurcations(options, atlas)
+    findings = differences(stored, _conclude(atlas, stored.results, bifurcations, options), bool(bifurcations))
+    try:
+        if options.integrate and not findings:
+            weights = {name_of(entry["piece"], entry["interval"]): 1.0 for entry in proved_of(stored)}
+            display = Display(weights, options.quiet)
+            with _engine(options) as engine, display.shown():
+                results, findings = proved_again(stored, engine, display, work, options.timeout)
+            if not findings and stored.is_proved:
+                conclusion = _conclude(atlas, results, [], options)
+                findings = [] if conclusion["verdict"] == "proved" else [f"not proved again: {conclusion['reason']}"]
+    except KeyboardInterrupt:
+        print("interrupted: nothing is known yet", file=sys.stderr)
+        return 1
     for finding in findings:
-        print(f"FAILED {stored.atlas.id}: {finding}", file=sys.stderr)
-    print(f"{stored.atlas.id}: {stored.document['verdict']}: {'DOES NOT STAND' if findings else 'stands'}")
+        print(f"FAILED {atlas.id}: {finding}", file=sys.stderr)
+    integrated = ", also with another integration" if options.integrate and not findings else ""
+    verdict = "DOES NOT STAND" if findings else "stands"
+    print(f"{atlas.id}: {stored.document['verdict']}: {verdict}{integrated}")
     return 1 if findings else 0
-
-
-def _differences(stored: AtlasCertificate, again: Mapping[str, Any], with_bifurcations: bool) -> list[str]:
-    """What the stored conclusion says otherwise. Ends and statement depend on the bifurcations, if they are given."""
-    document = stored.document
-    before = document["conclusion"]
-    if before is None:
-        return ["the run was not finished, so there is no conclusion; run the same command again"]
-    same = [key for key in again if with_bifurcations or key not in ("ends", "statement", "bifurcations")]
-    found = [f"{key}: differs from what the results give" for key in same if before.get(key) != again[key]]
-    if document["verdict"] != again["verdict"]:
-        found.append(f"verdict: stored is {document['verdict']!r}, the results give {again['verdict']!r}")
-    if document["statement"].get("theorem", "") != before["statement"]:
-        found.append("theorem: is not the statement of the conclusion")
-    return found
 
 
 if __name__ == "__main__":
