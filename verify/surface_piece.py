@@ -29,6 +29,9 @@ from verify.theorems import prove
 
 __all__ = ["SurfaceLimits", "SurfacePart", "SurfaceResult", "candidate_at", "check_exact_claim", "prove_surface_piece"]
 
+_END = Fraction(1, 64)
+"""Length of the first and of the last part, relative to the interval."""
+
 _HALVINGS = 14
 """How often an interval of s is halved at most to show the hypotheses on its parts."""
 
@@ -144,7 +147,11 @@ def prove_surface_piece(
             returned = enclose_surface(system, piece, interval, limits, progress)
         steps = returned.steps
         with ctx.workprec(limits.precision + GUARD_BITS):
-            parts = tuple(_parts(system, piece, returned, interval, symmetry, _HALVINGS))
+            parts = tuple(
+                part
+                for first in _sections(interval)
+                for part in _parts(system, piece, returned, first, symmetry, _HALVINGS)
+            )
         found = SurfaceResult(piece.id, interval, parts, returned.time)
     except NotEstablishedError as error:
         found = SurfaceResult(piece.id, interval, reason=error.reason.message, remedy=error.reason.remedy)
@@ -175,6 +182,13 @@ def check_exact_claim(system: ReversibleSystem, piece: SurfacePiece, interval: I
             raise IntegrationFailure(
                 "symmetry", f"{symmetry} negates {name}, and the centre moves along it", "set it to 0"
             )
+
+
+def _sections(interval: Interval) -> list[Interval]:
+    """The interval in three parts: where pieces meet, at the ends, short parts enclose the bifurcation point well."""
+    start, end = interval
+    margin = _END * (end - start)
+    return [(start, start + margin), (start + margin, end - margin), (end - margin, end)]
 
 
 def _parts(

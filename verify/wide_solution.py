@@ -105,9 +105,12 @@ def wide_step_size(arithmetic: Arithmetic, taylor: Points) -> float:
 def _product(factors: Factors, left: Points, right: Points) -> Points:
     """The sum over the first axis of products of graded elements, shape (monomials, points)."""
     result = np.zeros(left.shape[1:], complex)
+    # By symmetries, half of the monomials are often zero.
+    some_left, some_right = left.any(axis=(0, 2)), right.any(axis=(0, 2))
     for position, pairs in enumerate(factors):
         for i, j in pairs:
-            result[position] += np.einsum("np,np->p", left[:, i], right[:, j])
+            if some_left[i] and some_right[j]:
+                result[position] += np.einsum("np,np->p", left[:, i], right[:, j])
     return result
 
 
