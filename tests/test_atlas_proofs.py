@@ -1,0 +1,66 @@
+"""Real pieces through the command: proved, and refused if polynomial or certificate are not what they should be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import atlas_work
+import pytest
+
+from shared.atlas import Atlas, Piece, read_atlas, write_atlas
+from verify.atlas import main
+from verify.atlas_certificate import read_atlas_certificate
+
+SOURCE = Path(__file__).parent / "data" / "atlas-falkner-skan.json"
+
+
+def written(path: Path, atlas: Atlas) -> str:
+    write_atlas(path, atlas)
+    return str(path)
+
+
+def lifted(piece: Piece, height: Fraction) -> Piece:
+    """The piece with its polynomial moved across the curve."""
+    return replace(piece, polynomial=tuple((row[0] + height, *row[1:]) for row in piece.polynomial))
+
+
+@pytest.mark.slow
+def test_a_branch_is_proved_and_proved_again_in_another_way(tmp_path: Path, capsys: Any) -> None:
+    target = str(tmp_path / "curve.json")
+    assert main([str(SOURCE), "-o", target]) == 0
+    assert "Along it beta increases strictly." in capsys.readouterr().out
+    assert main(["--recheck", target]) == 0
+    assert main(["--recheck", "--integrate", target, "--jobs", "2"]) == 0
+    assert "stands, also with another integration" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_polynomial_that_was_changed_is_found(tmp_path: Path, capsys: Any) -> None:
+    atlas = read_atlas(SOURCE)
+    first, second = atlas.curve_pieces()
+    changed = replace(atlas, pieces=(first, lifted(second, 2 * second.tube[0])))
+    target = tmp_path / "curve.json"
+    assert main([written(tmp_path / "atlas.json", changed), "-o", str(target), "--max-splits", "0"]) == 1
+    output, errors = capsys.readouterr()
+    assert "NOT PROVED" in output
+    assert f"{second.id}: not proved" in errors
+    assert {r["piece"] for r in read_atlas_certificate(target).results if r["verdict"] == "proved"} == {first.id}
+
+
+@pytest.mark.slow
+def test_a_forged_certificate_is_found_by_integrating(tmp_path: Path, capsys: Any) -> None:
+    """Consistent in itself, with a right digest: but no orbit is where it says."""
+    atlas = read_atlas(SOURCE)
+    wide = [replace(piece, tube=(10 * piece.tube[0],)) for piece in atlas.curve_pieces()]
+    forged = replace(atlas, pieces=tuple(lifted(piece, 5 * piece.tube[0]) for piece in wide))
+    target = str(tmp_path / "curve.json")
+    assert main([written(tmp_path / "atlas.json", forged), "-o", target, "--quiet"], atlas_work.proving) == 0
+    assert main(["--recheck", target]) == 0
+    capsys.readouterr()
+    assert main(["--recheck", "--integrate", target]) == 1
+    output, errors = capsys.readouterr()
+    assert "DOES NOT STAND" in output
+    assert f"piece {wide[0].id}, s in [-0x1, 0x1]: is not proved again" in errors
