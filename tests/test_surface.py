@@ -96,7 +96,7 @@ def test_the_half_return_is_enclosed_for_all_masses(piece: SurfacePiece, returne
     """At random points of the box and random s, against orbits in high precision."""
     source = random.Random(1)
     with ctx.workprec(160):
-        for _ in range(3):
+        for _ in range(2):
             s = Fraction(source.randint(-1000, 1000), 1000)
             part = (s - Fraction(1, 500), s) if s > 0 else (s, s + Fraction(1, 500))
             kernel, level = returned.tables(part)
@@ -170,8 +170,8 @@ def test_the_certified_point_of_the_earth_moon_system_is_the_surfaces(
         assert is_inside(zeta, slack)
         assert (1 - enclose(mu) + h * xi).overlaps(enclose(x) + arb(0, 1e-25))
         assert (h * veta).overlaps(enclose(vy) + arb(0, 1e-25))
-        assert xi.rad() < 1e-8
-        assert veta.rad() < 1e-8
+        assert xi.rad() < 1e-7
+        assert veta.rad() < 1e-7
 
 
 FALSE: dict[str, tuple[Callable[[SurfacePiece], SurfacePiece], str]] = {

@@ -106,7 +106,7 @@ def _product(factors: Factors, left: Points, right: Points) -> Points:
     """The sum over the first axis of products of graded elements, shape (monomials, points)."""
     result = np.zeros(left.shape[1:], complex)
     # By symmetries, half of the monomials are often zero.
-    some_left, some_right = left.any(axis=(0, 2)), right.any(axis=(0, 2))
+    some_left, some_right = np.any(left, axis=(0, 2)), np.any(right, axis=(0, 2))
     for position, pairs in enumerate(factors):
         for i, j in pairs:
             if some_left[i] and some_right[j]:
