@@ -69,6 +69,7 @@ class SurfaceReturn:
         scales: p_i = scales_i xi_i.
         interval: of s.
         steps: of the integration.
+        coordinates: in which the orbits were followed.
     """
 
     kernel: tuple[Series, ...]
@@ -77,6 +78,7 @@ class SurfaceReturn:
     scales: tuple[Fraction, ...]
     interval: Interval
     steps: int
+    coordinates: str
 
     def tables(self, part: Interval) -> tuple[tuple[DerivativeTable, ...], DerivativeTable]:
         """Tables of pi_q P and of the first integral that hold for every s in `part`, a part of the interval."""
@@ -131,8 +133,10 @@ def _enclose(
     progress: Callable[[float], None] | None,
 ) -> SurfaceReturn:
     program = system.first_integral_program
-    if program is None or system.family_parameter is not None:
-        raise IntegrationFailure("system", f"{system.name} has no first integral", "surfaces need one")
+    if program is None or system.normalised or system.derived_parameters:
+        raise IntegrationFailure(
+            "system", f"{system.name} has no first integral, or units of its own", "choose another system"
+        )
     size = len(piece.radii)
     weights = tuple(1 if j == 1 else 2 for j in range(size))
     scales = tuple(radius / _RATIO for radius in piece.radii)
@@ -168,7 +172,7 @@ def _enclose(
         for index, factor in zip(system.kernel_coordinates, row, strict=True):
             value = value + state[index].scaled(factor)
         kernel.append(value)
-    return SurfaceReturn(tuple(kernel), level, time, scales, interval, returns.steps)
+    return SurfaceReturn(tuple(kernel), level, time, scales, interval, returns.steps, returns.coordinates.name)
 
 
 def coordinate_terms(piece: SurfacePiece, row: Sequence[Fraction]) -> dict[tuple[int, ...], tuple[Fraction, ...]]:

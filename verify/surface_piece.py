@@ -76,7 +76,7 @@ class SurfaceResult:
         time: half periods of the orbits.
         reason: why it is not proved; `None` if it is.
         remedy: what may help.
-        computation: precision, order, width, top, steps, seconds.
+        computation: precision, order, width, top, steps, coordinates, seconds.
     """
 
     piece: str
@@ -140,12 +140,12 @@ def prove_surface_piece(
     """
     limits = SurfaceLimits() if limits is None else limits
     start = time.monotonic()
-    steps = 0
+    steps, coordinates = 0, ""
     try:
         check_exact_claim(system, piece, interval, symmetry)
         with np.errstate(all="ignore"):
             returned = enclose_surface(system, piece, interval, limits, progress)
-        steps = returned.steps
+        steps, coordinates = returned.steps, returned.coordinates
         with ctx.workprec(limits.precision + GUARD_BITS):
             parts = tuple(
                 part
@@ -162,7 +162,7 @@ def prove_surface_piece(
         found = SurfaceResult(piece.id, interval, reason=reason, remedy="give a narrower piece")
     computation: dict[str, float | int | str] = {
         "precision": limits.precision, "order": limits.order, "width": limits.width, "top": limits.top,
-        "steps": steps, "coordinates": "physical", "seconds": round(time.monotonic() - start, 3),
+        "steps": steps, "coordinates": coordinates, "seconds": round(time.monotonic() - start, 3),
     }  # fmt: skip
     return SurfaceResult(
         found.piece, found.interval, found.parts, found.time, found.reason, found.remedy, computation
