@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from figures.folder import check_folder
 from shared.formats import InputError
+
+if TYPE_CHECKING:
+    from figures.atlas import Curve
 
 _EXAMPLES = """\
 examples:
@@ -37,7 +40,7 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
-    from figures.atlas import Curve, read_curve
+    from figures.atlas import read_curve
 
     curves = [read_curve(path) for path in options.certificates]
     names = [_name(curve.atlas.id) for curve in curves]
@@ -46,27 +49,30 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"two certificates of one atlas, {name!r}; give each atlas once")
 
     # Matplotlib takes a second to load: only after the input is known to be good.
-    from figures.atlas_pictures import draw_curves, draw_pieces
-    from figures.style import close, save, use_style
+    from figures.style import use_style
 
     check_folder(options.output)
-    groups: dict[str, list[Curve]] = {}
     with use_style():
-        for name, curve in zip(names, curves, strict=True):
-            groups.setdefault(f"{curve.system.name}-{curve.atlas.claim.kind}", []).append(curve)
-            figure = draw_pieces(curve)
-            _print(save(figure, options.output / f"atlas-{name}"))
-            close(figure)
-        for name, group in groups.items():
-            figure = draw_curves(group)
-            _print(save(figure, options.output / f"curves-{_name(name)}"))
-            close(figure)
+        for path in write(curves, options.output):
+            print(path, flush=True)
     return 0 if all(curve.is_proved for curve in curves) else 1
 
 
-def _print(paths: Sequence[Path]) -> None:
-    for path in paths:
-        print(path, flush=True)
+def write(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:
+    """Draw the pieces of each curve, and all curves of one kind together; yields the paths written."""
+    from figures.atlas_pictures import draw_curves, draw_pieces
+    from figures.style import close, save
+
+    groups: dict[str, list[Curve]] = {}
+    for curve in curves:
+        groups.setdefault(f"{curve.system.name}-{curve.atlas.claim.kind}", []).append(curve)
+        figure = draw_pieces(curve)
+        yield from save(figure, folder / f"atlas-{_name(curve.atlas.id)}")
+        close(figure)
+    for name, group in groups.items():
+        figure = draw_curves(group)
+        yield from save(figure, folder / f"curves-{_name(name)}")
+        close(figure)
 
 
 def _name(text: str) -> str:

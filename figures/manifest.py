@@ -37,6 +37,25 @@ def _step(products: str, command: str, cost: str, needs: str = "") -> Step:
     return Step(tuple(products.split()), tuple(command.split()), cost, tuple(needs.split()))
 
 
+def _proofs() -> tuple[Step, ...]:
+    """Whole branches: an atlas and its certificate each, which names the certified bifurcations on the branch."""
+    steps: list[Step] = []
+    for preset, bifurcations in (
+        ("falkner-skan", "falkner-skan-*"),
+        ("l1-circle-earth-moon", "earth-moon-L1-*"),
+        ("l1-circle-sun-jupiter", "sun-jupiter-L1-*"),
+        ("l2-arc-earth-moon", "earth-moon-L2-*"),
+        ("l2-arc-sun-jupiter", "sun-jupiter-L2-*"),
+    ):
+        atlas, certificate = f"atlas-{preset}.json", f"branch-{preset}.json"
+        steps.append(_step(atlas, f"explore atlas --preset {preset} -o {atlas}", "a minute"))
+        command = (
+            f"verify.atlas {atlas} -o {certificate} --bifurcations certificates.json --only {bifurcations} --jobs 2"
+        )
+        steps.append(_step(certificate, command, "5 minutes", f"{atlas} certificates.json"))
+    return tuple(steps)
+
+
 STEPS: tuple[Step, ...] = (
     _step("portraits.json", "explore portraits -o portraits.json", "a few seconds"),
     _step(
@@ -74,6 +93,7 @@ STEPS: tuple[Step, ...] = (
         "candidates.json",
     ),
     _step("branches.json", "explore branches certificates.json -o branches.json", "3 minutes", "certificates.json"),
+    *_proofs(),
 )
 """In the order in which they are run: a step needs products of earlier ones only."""
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from figures.atlas import read_curve
+from figures.atlas_command import write as write_atlases
 from figures.branches import write as write_branches
 from figures.certified_branches import write as write_certified_branches
 from figures.data_folder import DataFolder
@@ -128,6 +130,21 @@ def _certified_branches(data: DataFolder, folder: Path) -> Iterator[Path]:
     yield from write_certified_branches(data.path("certificates.json"), branches, folder / "certified-branches")
 
 
+def _proved_branches(*names: str) -> Callable[[DataFolder, Path], Iterator[Path]]:
+    """The `write` of the pictures of certificates of atlases."""
+
+    def write(data: DataFolder, folder: Path) -> Iterator[Path]:
+        curves = [read_curve(data.path(name)) for name in names]
+        with use_style():
+            yield from write_atlases(curves, folder)
+
+    return write
+
+
+_LOOPS = ("branch-l1-circle-earth-moon.json", "branch-l1-circle-sun-jupiter.json")
+_ARCS = ("branch-l2-arc-earth-moon.json", "branch-l2-arc-sun-jupiter.json")
+_FALKNER_SKAN = ("branch-falkner-skan.json",)
+
 PICTURES: tuple[Picture, ...] = (
     Picture(
         "phase-portraits", "a reversible planar map before, at and after its 1:4 and 1:3 resonances",
@@ -179,6 +196,18 @@ PICTURES: tuple[Picture, ...] = (
     Picture(
         "gallery", "orbits along each halo family, with Jacobi constant and period",
         ("families.json", "l3-halo.json"), _saved(_galleries),
+    ),
+    Picture(
+        "proved-loops", "the L1 loops of halo orbits, both masses, from their certificates: pieces, curves",
+        _LOOPS, _proved_branches(*_LOOPS),
+    ),
+    Picture(
+        "proved-arcs", "the L2 arcs of halo orbits, both masses, from their certificates: pieces, curves",
+        _ARCS, _proved_branches(*_ARCS),
+    ),
+    Picture(
+        "proved-falkner-skan", "the Falkner-Skan family, from its certificate: pieces, curve",
+        _FALKNER_SKAN, _proved_branches(*_FALKNER_SKAN),
     ),
 )  # fmt: skip
 """In the order of the paper, then those that it does not have."""

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 
 import figures.data_command as data_command
 import verify.__main__
+import verify.atlas
 from explore.arguments import parser as explore_parser
 from figures.__main__ import main
 from figures.data_folder import DataFolder, MissingData
@@ -113,7 +114,8 @@ def test_every_file_of_a_picture_is_made_by_a_step_after_what_the_step_needs() -
 @pytest.mark.parametrize("step", STEPS, ids=lambda step: step.products[0])
 def test_commands_of_the_steps_are_accepted_and_write_into_the_folder(step: Step) -> None:
     package, *rest = step.words(Path("some data"))
-    parser = explore_parser() if package == "explore" else verify.__main__._parser()
+    parsers = {"explore": explore_parser, "verify": verify.__main__._parser, "verify.atlas": verify.atlas._parser}
+    parser = parsers[package]()
     options = parser.parse_args(rest)
     assert options.output == Path("some data") / step.products[-1 if "families.json" in step.products else 0] or (
         options.family_output == Path("some data") / step.products[0]
