@@ -345,6 +345,10 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path, capsys: Any, monk
     assert "cannot be read" in refused(capsys, str(tmp_path / "none.json"))
     assert "does not exist" in refused(capsys, source, "-o", str(tmp_path / "none" / "curve.json"))
     assert "--only" in refused(capsys, source, "--only", "x")
+    certificates = str(ROOT / "tests" / "data" / "figures-certificates.json")
+    text = refused(capsys, source, "--bifurcations", certificates, "--only", "halo-*", "none-such")
+    assert "--only none-such: no such bifurcation; the ids are: " in text
+    assert "is in another file too" in refused(capsys, source, "--bifurcations", certificates, certificates)
     assert "--integrate" in refused(capsys, source, "--integrate")
     assert "too small" in refused(capsys, source, "--precision", "3")
     assert "not an address" in refused(capsys, source, "--scheduler", "somewhere")

@@ -230,7 +230,8 @@ def _bifurcations(options: argparse.Namespace, atlas: Atlas) -> list[Certificate
     if options.only is None:
         return list(found.values())
     for pattern in options.only:
-        if not any(fnmatchcase(name, pattern) for name in found):
+        # A pattern may well match nothing, an id may not.
+        if not any(fnmatchcase(name, pattern) for name in found) and not set(pattern) & set("*?["):
             raise InputError(f"--only {pattern}: no such bifurcation; the ids are: {', '.join(found)}")
     return [entry for name, entry in found.items() if any(fnmatchcase(name, pattern) for pattern in options.only)]
 
