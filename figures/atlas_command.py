@@ -13,6 +13,7 @@ from shared.formats import InputError
 
 if TYPE_CHECKING:
     from figures.atlas import Curve
+    from figures.atlas_surface import Surface
 
 _EXAMPLES = """\
 examples:
@@ -22,7 +23,7 @@ examples:
 
 For each certificate its atlas (atlas-*: widths of the pieces, the coordinates in which orbits were followed, tubes,
 certified points); for all certificates of one kind of curve together the curves themselves, drawn from the certified
-polynomials (curves-*). Every verdict is copied.
+polynomials (curves-*); surfaces over the mass parameter (surface-*). Every verdict is copied.
 Exit codes: 0 written, 1 written, but something is not proved, 2 bad input.
 """
 
@@ -40,22 +41,26 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
-    from figures.atlas import read_curve
+    from verify.atlas_certificate import read_atlas_certificate
 
-    curves = [read_curve(path) for path in options.certificates]
-    names = [_name(curve.atlas.id) for curve in curves]
+    certificates = [read_atlas_certificate(path) for path in options.certificates]
+    names = [_name(certificate.atlas.id) for certificate in certificates]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"two certificates of one atlas, {name!r}; give each atlas once")
 
     # Matplotlib takes a second to load: only after the input is known to be good.
+    from figures.atlas import curve_of
+    from figures.atlas_surface import surface_of
     from figures.style import use_style
 
     check_folder(options.output)
+    curves = [curve_of(certificate) for certificate in certificates if not certificate.atlas.is_surface]
+    surfaces = [surface_of(certificate) for certificate in certificates if certificate.atlas.is_surface]
     with use_style():
-        for path in write(curves, options.output):
+        for path in (*write(curves, options.output), *write_surfaces(surfaces, options.output)):
             print(path, flush=True)
-    return 0 if all(curve.is_proved for curve in curves) else 1
+    return 0 if all(certificate.is_proved for certificate in certificates) else 1
 
 
 def write(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:
@@ -72,6 +77,17 @@ def write(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:
     for name, group in groups.items():
         figure = draw_curves(group)
         yield from save(figure, folder / f"curves-{_name(name)}")
+        close(figure)
+
+
+def write_surfaces(surfaces: Sequence[Surface], folder: Path) -> Iterator[Path]:
+    """Draw each surface; yields the paths written."""
+    from figures.atlas_surface import draw_surface
+    from figures.style import close, save
+
+    for surface in surfaces:
+        figure = draw_surface(surface)
+        yield from save(figure, folder / f"surface-{_name(surface.atlas.id)}")
         close(figure)
 
 

@@ -47,6 +47,9 @@ _TEX = {
     "mu": r"\mu",
     "nu": r"\nu",
     "eps": r"\varepsilon",
+    "xi": r"\xi",
+    "zeta": r"\zeta",
+    "veta": r"\dot{\eta}",
 }
 
 

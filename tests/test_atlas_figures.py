@@ -19,6 +19,7 @@ from matplotlib.patches import Rectangle
 from figures.__main__ import main
 from figures.atlas import Curve, curve_of
 from figures.atlas_pictures import draw_curves, draw_pieces
+from figures.atlas_surface import draw_surface, surface_of
 from figures.style import close, use_style
 from shared.atlas import Atlas, Claim, SurfacePiece
 from shared.systems import CR3BP, FALKNER_SKAN
@@ -194,6 +195,47 @@ def test_the_command_writes_pieces_and_curves_and_says_whether_all_is_proved(
     assert saved[3:] == ["curves-falkner-skan-arc", "curves-cr3bp-symmetric-loop"]
 
 
+def surface_certificate(results: Sequence[dict[str, Any]]) -> AtlasCertificate:
+    """Two pieces over mu from 1/8 to 3/8 and from 3/8 to 5/8; x = 1 + mu, vy = 2."""
+    unit = tuple(tuple(Fraction(i == j) for j in range(3)) for i in range(3))
+    tall = (unit[0], (Fraction(0), Fraction(2), Fraction(0)), unit[2])
+    pieces = tuple(
+        SurfacePiece(
+            id=name, parameters={"mu": (middle, Fraction(1, 8))},
+            centre=((1 + middle, Fraction(1, 8)), (Fraction(0),), (Fraction(2),)), frame=tall,
+            kernel_frame=tuple(row[:2] for row in unit[:2]), radii=(Fraction(1, 100),) * 3,
+        )
+        for name, middle in (("m1", Fraction(1, 4)), ("m2", Fraction(1, 2)))
+    )  # fmt: skip
+    atlas = Atlas("surface", "a surface", CR3BP, {}, Claim("symmetry-breaking-surface", "S"), pieces)
+    return AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
+
+
+def test_pieces_of_a_surface_stand_over_their_parameters_as_high_as_their_orbits_reach(tmp_path: Path) -> None:
+    parts = [{"interval": ["-0x1", "0x0"]}, {"interval": ["0x0", "0x1"]}]
+    result = {
+        "piece": "m1",
+        "interval": ["-0x1", "0x1"],
+        "verdict": "proved",
+        "parts": parts,
+        "computation": {"seconds": 1},
+    }
+    found = surface_of(surface_certificate([result]))
+    figure = draw_surface(found)
+    first, second = bars(figure)
+    assert (first.get_x(), first.get_width(), first.get_height()) == pytest.approx((0.125, 0.25, 0.02))
+    assert (second.get_x(), second.get_width(), second.get_height()) == pytest.approx((0.375, 0.25, 0.02))
+    assert to_hex(first.get_facecolor()) != to_hex(second.get_facecolor()) == "#ffffff"
+    assert found.sheets[0].borders == pytest.approx((0.25,))
+    assert "1 of 2 pieces proved, in 2 parts" in figure.axes[0].get_title(loc="left")
+    for line, value in zip(figure.axes[1].lines[:2], (lambda mu: 1 + mu, lambda mu: 2 + 0 * mu), strict=True):
+        assert np.allclose(line.get_ydata(), value(np.asarray(line.get_xdata())))
+    close(figure)
+    path = write(tmp_path / "surface.json", dict(surface_certificate([]).document))
+    assert main(["atlas", path, "-o", str(tmp_path / "out")]) == 1
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"surface-surface.pdf", "surface-surface.png"}
+
+
 def test_bad_input_is_one_line(tmp_path: Path, capsys: Any) -> None:
     def refused(*arguments: str) -> str:
         assert main(["atlas", *arguments, "-o", str(tmp_path / "out")]) == 2
@@ -205,12 +247,5 @@ def test_bad_input_is_one_line(tmp_path: Path, capsys: Any) -> None:
     arc = write(tmp_path / "arc.json", document_of(parabola()))
     assert "give each atlas once" in refused(arc, arc)
     assert "cannot be read" in refused(str(tmp_path / "none.json"))
-    one = Fraction(1)
-    unit = tuple(tuple(one * (i == j) for j in range(3)) for i in range(3))
-    patch = SurfacePiece("m", {"mu": (one / 8,)}, ((one,), (0 * one,), (one,)), unit, unit[:2], (one,) * 3)
-    patch = replace(patch, kernel_frame=tuple(row[:2] for row in unit[:2]))
-    surface = Atlas("surface", "a surface", CR3BP, {}, Claim("symmetry-breaking-surface", "S"), (patch,))
-    path = write(tmp_path / "surface.json", make_atlas_certificate(surface, [], None))
-    assert "a surface; give certificates of curves" in refused(path)
     (tmp_path / "arc.json").write_text((tmp_path / "arc.json").read_text().replace("parabola", "Parabola"))
     assert "digest" in refused(arc)
