@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from math import comb, floor, log2
 from typing import Any
 
@@ -18,6 +19,7 @@ from flint import arb, arb_poly, ctx
 
 from shared.numbers import format_exact
 from shared.pieces import Piece
+from shared.pieces import is_regular as is_regular_frame
 from shared.systems import ReversibleSystem
 from verify.algebra import Arithmetic, Series
 from verify.ball_text import ball_to_json
@@ -178,13 +180,15 @@ class _Proof:
         self.interval = (start, end)
         self.middle = (start + end) / 2
         self.radius = (end - start) / 2 * _BEYOND
-        self.signs = system.symmetries[symmetry] if symmetry is not None else None
-        tube = [width / _TUBE for width in piece.tube]
+        self.signs = system.symmetries.get(symmetry) if symmetry is not None else None
+        self.tube = [width / _TUBE for width in piece.tube]
+
+    @cached_property
+    def arithmetic(self) -> Arithmetic:
+        """The format, of a piece that has passed `_check`."""
+        limits, tube = self.limits, self.tube
         grade_bits = floor(-log2(max(tube))) - max(0, limits.precision - _SLOPE_BITS)
-        self.arithmetic = Arithmetic(
-            Grading((1,) * len(tube), 1), limits.precision, grade_bits, limits.order, width=limits.width
-        )
-        self.tube = tube
+        return Arithmetic(Grading((1,) * len(tube), 1), limits.precision, grade_bits, limits.order, width=limits.width)
 
     def run(self, progress: Progress | None) -> PieceResult:
         self._check()
@@ -226,6 +230,17 @@ class _Proof:
         start, end = self.interval
         if not -1 <= start < end <= 1:
             raise IntegrationFailure("interval", f"[{start}, {end}] is no interval within [-1, 1]", "correct it")
+        system, piece = self.system, self.piece
+        across, every = len(system.kernel_coordinates), len(system.centre_coordinates)
+        sizes = len(piece.tube), len(piece.polynomial), len(piece.centre), len(piece.frame), *map(len, piece.frame)
+        if sizes != (across, across, *[every] * (every + 2)) or not set(system.fixed_parameters) <= set(self.given):
+            raise IntegrationFailure(
+                "piece", f"the piece or its parameters are not those of {system.name}", "correct it"
+            )
+        if piece.kind not in ("regular", "symmetric") or not is_regular_frame(piece.frame):
+            raise IntegrationFailure("piece", "the piece has an unknown kind or a singular frame", "correct it")
+        if min(piece.half_width, *piece.tube) <= 0:
+            raise IntegrationFailure("piece", "the half width or the tube of the piece is not positive", "correct it")
         if self.piece.kind == "symmetric":
             self._check_symmetry()
 
