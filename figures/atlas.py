@@ -171,7 +171,7 @@ def _stretch(certificate: AtlasCertificate, piece: Piece, s: Array, length: floa
         arclength=length + np.concatenate([[0.0], np.cumsum(steps)]),
         half_width=float(piece.half_width) * float(np.linalg.norm([float(row[0]) for row in piece.frame])),
         first_half_width=float(piece.half_width * abs(piece.frame[0][0])),
-        intervals=tuple(sorted(intervals)),
+        intervals=tuple(sorted(set(intervals))),
         coordinates=next((name for name in names if name != PHYSICAL), names[0] if names else ""),
         tube=_mean(np.array([float(width) for width in piece.tube])),
         deviation=_mean(deviations.max(axis=0)) if results else 0.0,

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from figures.atlas import PHYSICAL, Curve, Stretch
 from figures.family import Array
@@ -111,6 +112,8 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
             handles.setdefault(str(line.get_label()), line)
     for mark in curve.marks:
         draw_point(axes, curve.place_of(mark)[1][:2], mark.k, True, mark.id)
+    if curve.atlas.claim.kind == "symmetric-loop":
+        _magnify(axes, curve)
     if names[:2] == ("x", "z"):
         handles |= _draw_primaries(axes, curve)
         axes.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
@@ -120,6 +123,40 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
     axes.set_xlabel(label_of(names[0]))
     axes.set_ylabel(label_of(names[1]))
     return handles
+
+
+def _magnify(axes: Axes, curve: Curve) -> None:
+    """An inset inside the loop around the longest run of marks that are close together."""
+    places = np.array([curve.place_of(mark)[1][:2] for mark in curve.marks]).reshape(-1, 2)
+    extent = np.ptp(np.concatenate([stretch.points[:, :2] for stretch in curve.stretches]), axis=0)
+    runs: list[list[int]] = []
+    for number in range(len(places)):
+        far = number == 0 or np.linalg.norm((places[number] - places[number - 1]) / extent) > _CLOSE
+        runs = [*runs, [number]] if far else [*runs[:-1], [*runs[-1], number]]
+    crowd = max(runs, key=len, default=[])
+    if len(crowd) < _CROWD:
+        return
+    inset = axes.inset_axes((0.36, 0.53, 0.34, 0.32))
+    for number, stretch in enumerate(curve.stretches):
+        colour = (CURVE, _LIGHT)[number % 2] if stretch.is_proved else _UNPROVED
+        inset.plot(stretch.points[:, 0], stretch.points[:, 1], color=colour, linewidth=1.6)
+    for index in crowd:
+        draw_point(inset, places[index], curve.marks[index].k, True, curve.marks[index].id)
+    low, high = places[crowd].min(axis=0), places[crowd].max(axis=0)
+    pad = 0.12 * (high - low)
+    inset.set_xlim(low[0] - pad[0], high[0] + pad[0])
+    inset.set_ylim(low[1] - pad[1], high[1] + pad[1])
+    inset.tick_params(labelsize=6, pad=1.5, length=2)
+    inset.xaxis.set_major_locator(MaxNLocator(3))
+    inset.yaxis.set_major_locator(MaxNLocator(4))
+    for side in ("top", "right"):
+        inset.spines[side].set_visible(True)
+    axes.indicate_inset_zoom(inset, edgecolor="#888888", linewidth=0.6)
+
+
+_CLOSE = 0.2
+"""Marks closer than this part of the loop's size belong to one run."""
+_CROWD = 4
 
 
 def _draw_primaries(axes: Axes, curve: Curve) -> dict[str, Line2D]:
