@@ -11,10 +11,29 @@ import atlas_work
 import pytest
 
 from shared.atlas import Atlas, Piece, read_atlas, write_atlas
+from shared.formats import candidate_from_json
 from verify.atlas import main
 from verify.atlas_certificate import read_atlas_certificate
+from verify.certificate import write_certificates
+from verify.certify import Limits, certify
 
 SOURCE = Path(__file__).parent / "data" / "atlas-falkner-skan.json"
+
+
+TOUCH_AND_GO = candidate_from_json(
+    {
+        "id": "touch-and-go",
+        "system": "falkner-skan",
+        "parameters": {},
+        "kind": "touch_and_go",
+        "k": 3,
+        "centre": ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"],
+        "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
+        "kernel_frame": [["1"]],
+        "radii": ["1e-11", "1e-15"],
+    },
+    "test",
+)
 
 
 def written(path: Path, atlas: Atlas) -> str:
@@ -35,6 +54,28 @@ def test_a_branch_is_proved_and_proved_again_in_another_way(tmp_path: Path, caps
     assert main(["--recheck", target]) == 0
     assert main(["--recheck", "--integrate", target, "--jobs", "2"]) == 0
     assert "stands, also with another integration" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_certified_bifurcations_are_found_on_the_branch_or_missed(tmp_path: Path, capsys: Any) -> None:
+    target, certificates = tmp_path / "curve.json", tmp_path / "certificates.json"
+    vague = replace(TOUCH_AND_GO, id="not proved", kernel_frame=((Fraction(0),),))
+    write_certificates(certificates, [certify(candidate, Limits()) for candidate in (TOUCH_AND_GO, vague)])
+    asked = [str(SOURCE), "-o", str(target), "--bifurcations", str(certificates)]
+    assert main([*asked, "--only", "touch*"]) == 0
+    assert "- touch-and-go: touch-and-go of order 3, beta in [453.44258682138482" in capsys.readouterr().out
+    (entry,) = read_atlas_certificate(target).document["conclusion"]["bifurcations"]
+    assert entry["on_curve"]
+    assert entry["piece"] == "p015"
+
+    # All pieces are kept; one of the two points is not certified, so it cannot be said to lie there.
+    assert main([*asked, "--quiet"]) == 1
+    output, _ = capsys.readouterr()
+    assert "PROVED" in output
+    assert "Of these it is not shown that they lie on it:\n- not proved" in output
+    assert main(["--recheck", str(target), "--bifurcations", str(certificates)]) == 0
+    assert main(["--recheck", str(target), "--bifurcations", str(certificates), "--only", "touch*"]) == 1
+    assert "bifurcations: differs from what the results give" in capsys.readouterr().err
 
 
 @pytest.mark.slow
