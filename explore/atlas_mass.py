@@ -46,7 +46,8 @@ ACROSS = 0.125
 _FLAT = 0.1
 """For L3 pieces become narrower towards small masses, where the equations hardly depend on the orbit, down to this."""
 
-_NEWTON_STEPS = 8
+_NEWTON_STEPS = 12
+_NEWTON_TOLERANCE, _NEWTON_ACCEPTED = 1e-11, 1e-6
 _SAMPLES = np.cos(np.pi * (np.arange(7) + 0.5) / 7)
 
 
@@ -198,12 +199,16 @@ def _shape(system: ReversibleSystem, libration: str, parameter: float, x: float,
     _, _, rows = np.linalg.svd(jacobian[:2])
     tangent = rows[-1][:2] / np.linalg.norm(rows[-1][:2])
     equations = _Equations(system, parameter, AMPLITUDE)
+    last = np.inf
     for _ in range(_NEWTON_STEPS):
         residual, jacobian = equations(unknowns)
         step = np.linalg.solve(jacobian, residual)
+        size = float(np.linalg.norm(step))
         unknowns = unknowns - step
-        if np.linalg.norm(step) < 1e-11:
+        # At small masses around L3 the last equation is nearly the same for all orbits, and known to few digits.
+        if size < _NEWTON_TOLERANCE or (size < _NEWTON_ACCEPTED and size > 0.25 * last):
             break
+        last = size
     else:
         raise CorrectionFailure(f"no halo orbit with z = {AMPLITUDE} at the parameter {parameter:.6g}")
     return Shape(tangent, 2 * (unknowns[:2] - [start, velocity]) / AMPLITUDE**2)

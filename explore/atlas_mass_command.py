@@ -12,23 +12,26 @@ from explore.option_types import positive
 from explore.progress import Reporter
 from shared.atlas import SURFACE, Atlas, Claim, Covers, write_atlas
 from shared.formats import InputError, check_writable
-from shared.numbers import parse_exact, round_dyadic
+from shared.numbers import parse_exact
 
 POINTS = ("L1", "L2", "L3")
-AMPLITUDES = {"L1": 0.0025, "L2": 0.0015, "L3": 0.000125}
-"""Values of --z by default: what the verifier proves in a few pieces, L3 for masses from 1/2 to 0.00095."""
+AMPLITUDES = {"L1": Fraction(4, 1000), "L2": Fraction(4, 1000), "L3": Fraction(125, 10**6)}
+"""Values of --z by default: what the verifier proves in a few pieces."""
 
-LOWEST = {"L1": Fraction(0), "L2": Fraction(0), "L3": Fraction(95, 100000)}
+LOWEST = {"L1": Fraction(0), "L2": Fraction(0), "L3": Fraction(1, 10**5)}
+
+LIGHT, LIGHT_AMPLITUDE = (Fraction(95, 10**5), Fraction(1, 1000)), Fraction(3, 10**5)
+"""L3 at masses below these two (the pieces on either side overlap between them): --z by default."""
+
 LARGEST_MASS = Fraction(1, 2)
 WIDEST_AMPLITUDE, WIDEST_SHARE = 0.1, 0.5
-_AMPLITUDE_BITS = 16
 _GRAIN = 10**4
 
 _EXAMPLES = """\
 examples:
   python -m explore atlas-mass --point L1 -o mass-l1.json
   python -m explore atlas-mass --point L2 --z 0.001 -o mass-l2.json
-  python -m explore atlas-mass --point L3 --mu-min 0.0002 --z 0.00002 -o mass-l3.json
+  python -m explore atlas-mass --point L3 --mu-min 0.0002 --z 0.00005 -o mass-l3.json
   python -m verify.atlas mass-l1.json -o mass-l1-certificate.json
 
 Near L1 and L2 the equations are written in Hill's units, lengths in units of mu^(1/3), and the range of masses may
@@ -44,14 +47,14 @@ def add_parser(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
     parser.add_argument(
-        "--mu-min", metavar="MU", help="smallest mass parameter (default: 0 for L1 and L2, 0.00095 for L3)"
+        "--mu-min", metavar="MU", help="smallest mass parameter (default: 0 for L1 and L2, 0.00001 for L3)"
     )
     parser.add_argument("--mu-max", default="0.5", metavar="MU", help="largest, at most 1/2 (default: %(default)s)")
     parser.add_argument(
         "--z", type=positive, metavar="Z",
         help="halo orbits up to this abs(z), for L1 and L2 in units of mu^(1/3) (default: "
-        + ", ".join(f"{name} {value:g}" for name, value in AMPLITUDES.items())
-        + ")",
+        + ", ".join(f"{name} {float(value):g}" for name, value in AMPLITUDES.items())
+        + f"; L3 below mass {float(LIGHT[0]):g} {float(LIGHT_AMPLITUDE):g})",
     )  # fmt: skip
     parser.add_argument(
         "--share", type=positive, default=0.2, metavar="S",
@@ -71,14 +74,17 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--mu-max: give a mass above --mu-min and at most 1/2, the smaller mass over the total")
     if point == "L3" and smallest < Fraction(1, 10**8):
         raise InputError("--mu-min: below 1e-8 the equations around L3 lose all their digits; give a larger mass")
-    amplitude = AMPLITUDES[point] if options.z is None else options.z
-    if amplitude > WIDEST_AMPLITUDE:
-        raise InputError(f"--z {amplitude:g}: above {WIDEST_AMPLITUDE:g}; give a smaller number")
+    if options.z is not None and options.z > WIDEST_AMPLITUDE:
+        raise InputError(f"--z {options.z:g}: above {WIDEST_AMPLITUDE:g}; give a smaller number")
     if options.share > WIDEST_SHARE:
         raise InputError(f"--share {options.share:g}: above {WIDEST_SHARE:g}; the default is 0.2")
     check_writable(options.output)
     lowest, highest = (smallest, largest) if point == "L3" else (_root(smallest, floor), _root(largest, ceil))
-    z = Fraction(str(amplitude)) if options.z is None else round_dyadic(Fraction(amplitude), _AMPLITUDE_BITS)
+    z = AMPLITUDES[point] if options.z is None else Fraction(str(options.z))
+    ranges = [(lowest, highest, z)]
+    if point == "L3" and options.z is None and smallest < LIGHT[0]:
+        ranges = [(lowest, min(LIGHT[1], highest), LIGHT_AMPLITUDE)]
+        ranges += [(LIGHT[0], highest, z)] if highest > LIGHT[1] else []
 
     # Only now: JAX takes a moment to load.
     from explore.atlas_mass import intervals, piece, system_of, trace
@@ -91,11 +97,15 @@ def run(options: argparse.Namespace) -> int:
         try:
             report.stage(f"{point}, the curve of symmetry-breaking points")
             curve = trace(point, max(float(smallest) / 2, 1e-7), float(largest))
-            places = intervals(point, lowest, highest, options.share)
+            places = [
+                (interval, width)
+                for start, end, width in ranges
+                for interval in intervals(point, start, end, options.share)
+            ]
             report.stage(f"{point}, pieces")
-            for number, interval in enumerate(places, start=1):
+            for number, (interval, width) in enumerate(places, start=1):
                 report.update(f"{number} of {len(places)}", number / len(places))
-                pieces.append(piece(point, curve.points, interval, z, f"p{number:03d}"))
+                pieces.append(piece(point, curve.points, interval, width, f"p{number:03d}"))
         except (FamilyFailure, CorrectionFailure) as error:
             report.error(f"python -m explore atlas-mass: {error}")
             return 1
@@ -110,9 +120,9 @@ def run(options: argparse.Namespace) -> int:
             provenance={"point": point, "share": options.share},
         )
         write_atlas(options.output, atlas)
-        number = f"{len(pieces)} piece" + "s" * (len(pieces) > 1)
+        count = f"{len(pieces)} piece" + "s" * (len(pieces) > 1)
         report.message(
-            f"{number} over {parameter} from {float(lowest):.6g} to {float(highest):.6g} written to {options.output}"
+            f"{count} over {parameter} from {float(lowest):.6g} to {float(highest):.6g} written to {options.output}"
         )
     return 0
 

@@ -26,7 +26,7 @@ from tests.claims import known
 from verify.ball_text import ball_to_json
 from verify.balls import enclose, is_inside
 from verify.surface import SurfaceLimits, SurfaceReturn, coordinate_terms, enclose_surface
-from verify.surface_chain import SurfaceConclusion, conclude_surface, height
+from verify.surface_chain import SurfaceConclusion, conclude_surface, heights
 from verify.surface_gluing import Sheet, read_sheet
 from verify.surface_piece import SurfaceResult, candidate_at, prove_surface_piece
 
@@ -281,11 +281,19 @@ def test_pieces_that_overlap_become_one_surface() -> None:
     for joint, (before, after) in zip(conclusion.joints, pairwise(pieces), strict=True):
         assert evaluate(after.parameters["h"], -ONE) < joint.parameter < evaluate(before.parameters["h"], ONE)
         assert all(ball.contains(0) for ball in joint.offsets)
-    assert height(flat_atlas(pieces)) == Fraction(2, 4096)
+    assert {entry.z for entry in heights(flat_atlas(pieces))} == {Fraction(2, 4096)}
     text = conclusion.statement
     assert "for all mu in [0.001953125, 0.125000000]" in text
     assert "|zeta| <= 0.00048828125" in text
     json.dumps(conclusion.to_json())
+
+
+def test_the_statement_says_where_the_orbits_reach_higher() -> None:
+    pieces = three()
+    pieces[1:] = [replace(piece, radii=(piece.radii[0], ONE / 1000, piece.radii[2])) for piece in pieces[1:]]
+    text = conclude(pieces).statement
+    assert "and |zeta| <= 0.00048828125," in text
+    assert "Over h in [0.248046875, 0.501953125] all this holds up to |zeta| <= 0.002." in text
 
 
 def test_the_place_of_a_point_in_the_next_box_inverts_its_coordinates() -> None:

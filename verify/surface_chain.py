@@ -18,7 +18,7 @@ from verify.failure import IntegrationFailure
 from verify.frames import determinant
 from verify.outcome import Checklist, Evidence, Hypothesis, NotEstablishedError, Reason
 from verify.surface_gluing import Sheet, SurfaceJoint, glue, read_sheet
-from verify.surface_text import Ends, surface_statement
+from verify.surface_text import Ends, Height, surface_statement
 from verify.symmetry import check_symmetries
 
 PRECISION = 256
@@ -112,7 +112,7 @@ def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Surf
             sheets, joints = _check(checklist, atlas, results)
             ends = _ends(atlas, sheets)
             sides = {part.side for sheet in sheets for part in sheet.parts}
-            statement = surface_statement(atlas, ends, height(atlas), sides, _half_period(results))
+            statement = surface_statement(atlas, ends, heights(atlas), sides, _half_period(results))
         except NotEstablishedError as error:
             reason = error.reason
         except (EmptyIntersectionError, ValueError, KeyError) as error:
@@ -122,11 +122,16 @@ def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Surf
     )
 
 
-def height(atlas: Atlas) -> Fraction:
-    """The z up to which the halo orbits over the pieces reach: R_1 times the entry of the frame, the least of all."""
-    signs = atlas.system.symmetries[atlas.claim.symmetry or ""]
-    odd = [i for i, name in enumerate(atlas.system.centre_coordinates) if signs[atlas.system.state.index(name)] < 0]
-    return min(abs(piece.frame[odd[0]][1]) * piece.radii[1] for piece in atlas.surface_pieces())
+def heights(atlas: Atlas) -> list[Height]:
+    """For each piece the ends of its range and the z up to which the halo orbits over it reach: R_1 |A_z1|."""
+    system = atlas.system
+    signs = system.symmetries[atlas.claim.symmetry or ""]
+    odd = next(i for i, name in enumerate(system.centre_coordinates) if signs[system.state.index(name)] < 0)
+    rows = [(piece.parameters[system.fixed_parameters[0]], piece) for piece in atlas.surface_pieces()]
+    return [
+        Height(evaluate(row, Fraction(-1)), evaluate(row, Fraction(1)), abs(piece.frame[odd][1]) * piece.radii[1])
+        for row, piece in rows
+    ]
 
 
 def _check(

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
+from itertools import groupby
 from math import ceil, floor
 
 from flint import arb
@@ -21,8 +24,18 @@ _SIDES = {"below": "less than at it", "above": "greater than at it"}
 _HILL_LEVEL = HILL.first_integral_name
 
 
-def surface_statement(atlas: Atlas, ends: Ends, height: Fraction, sides: set[str], half_period: arb) -> str:
+@dataclass(frozen=True)
+class Height:
+    """The z up to which the halo orbits reach over a range [start, end] of the parameter."""
+
+    start: Fraction
+    end: Fraction
+    z: Fraction
+
+
+def surface_statement(atlas: Atlas, ends: Ends, heights: Sequence[Height], sides: set[str], half_period: arb) -> str:
     """What is proved. `sides`: of the levels of the first integral at which the new orbits live, from all pieces."""
+    height = min(entry.z for entry in heights)
     system, claim = atlas.system, atlas.claim
     parameter = system.fixed_parameters[0]
     symmetry = claim.symmetry
@@ -54,10 +67,25 @@ def surface_statement(atlas: Atlas, ends: Ends, height: Fraction, sides: set[str
         paragraphs.append(
             f"At the {text} {parameter}, {_rough(ends[key][parameter])}, the bifurcation point has {values}."
         )
+    paragraphs += [
+        f"Over {parameter} in [{_digits(run.start, ceil)}, {_digits(run.end, floor)}] all this holds up to "
+        f"|{odd}| <= {_number(run.z)}."
+        for run in _higher(heights, height)
+    ]
     if half_period.is_finite():
         paragraphs.append(f"All half periods lie in {decimal_interval(half_period, 6)}.")
     further = _meaning(atlas, height)
     return "\n".join([*paragraphs, *([further] if further else [])])
+
+
+def _higher(heights: Sequence[Height], least: Fraction) -> list[Height]:
+    """Runs of neighbours over which the orbits reach higher than the least height, with what they have in common."""
+    runs: list[Height] = []
+    for reaches, group in groupby(heights, key=lambda entry: entry.z > least):
+        if reaches:
+            entries = list(group)
+            runs.append(Height(entries[0].start, entries[-1].end, min(entry.z for entry in entries)))
+    return runs
 
 
 def _meaning(atlas: Atlas, height: Fraction) -> str:
@@ -77,7 +105,12 @@ def _meaning(atlas: Atlas, height: Fraction) -> str:
 
 def _decimal(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
     """A number in (0, 1] with nine decimals, rounded to one side."""
-    return f"{rounded(value * 10**9) / 10**9:.9f}"
+    return f"{Decimal(rounded(value * 10**9)).scaleb(-9):f}"
+
+
+def _digits(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
+    """A number with twelve decimals, rounded to one side."""
+    return f"{Decimal(rounded(value * 10**12)).scaleb(-12).normalize():f}"
 
 
 def _interval(ball: arb) -> str:
