@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -24,7 +26,7 @@ from hypothesis import strategies as st
 from shared.atlas import Atlas, write_atlas
 from shared.formats import InputError
 from shared.numbers import format_exact
-from verify.atlas import main
+from verify.atlas import _parser, main
 from verify.atlas_certificate import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
 from verify.atlas_run import AtlasRun
 from verify.certificate import digest
@@ -329,6 +331,17 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
     assert main([source, "-o", str(target)], atlas_work.proving) == 0
     assert "1 of 3 pieces settled already" in capsys.readouterr().err
     assert read_atlas_certificate(target).is_proved
+
+
+def test_examples_of_the_help_parse(capsys: Any) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["--help"])
+    assert stopped.value.code == 0
+    text = capsys.readouterr().out.partition("examples:")[2]
+    commands = [shlex.split(line) for line in re.findall(r"python -m verify\.atlas (.+)", text)]
+    assert len(commands) >= 5
+    for command in commands:
+        assert _parser().parse_args(command).file.suffix == ".json"
 
 
 def refused(capsys: Any, *arguments: str) -> str:
