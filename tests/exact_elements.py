@@ -120,8 +120,9 @@ def exponents_of_grade(grading: Grading, grade: int) -> list[Exponents]:
 
 def random_arithmetic(source: random.Random, wide: bool = False) -> Arithmetic:
     """A format: coarse ones show roundings, low degrees show truncations."""
+    degrees, widths = ((0, 2, 5, 10), (1, 2, 5, 9)) if wide else ((0, 2, 5, 12, 20), (0,))
     return Arithmetic(source.choice(GRADINGS), source.choice((30, 64, 120)), source.choice((0, 7, 40)),
-                      source.choice((0, 2, 5, 12, 20)), width=source.choice((1, 2, 5, 11)) if wide else 0)  # fmt: skip
+                      source.choice(degrees), width=source.choice(widths))  # fmt: skip
 
 
 def random_element(source: random.Random, arithmetic: Arithmetic, centre: float | None = None) -> Element:
