@@ -31,6 +31,9 @@ STRETCHED = 1.12
 
 ATTEMPTS = 12
 
+MUCH_DEARER, REST = 2.5, 4
+"""Coordinates in which a unit of length costs so many times more are not tried again for some pieces."""
+
 
 class CoverFailure(Exception):
     """The curve cannot be covered; one line says where and why."""
@@ -65,6 +68,7 @@ class Coverer:
     control: CoverControl
     coordinates: Coordinates | None = None
     _times: dict[Coordinates, float] = field(default_factory=dict)
+    _resting: dict[Coordinates, int] = field(default_factory=dict)
     _returns: dict[Coordinates, HalfReturns] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -83,20 +87,21 @@ class Coverer:
 
         The result has a narrower chart if the coefficients in that one show that the other is much too wide.
         """
-        best: tuple[float, Expansion] | None = None
+        found: list[tuple[float, Expansion]] = []
         failures = []
-        for name in self._returns if only is None else (only,):
+        for name in self._candidates(only):
             try:
                 small = self._first_stage(chart, half_period, even, name)
             except (ExpansionFailure, FlowFailure) as error:
                 failures.append(str(error))
                 continue
-            cost = small.steps * small.returns.products / self.best(small)
-            if best is None or cost < best[0]:
-                best = cost, small
-        if best is None:
+            found.append((small.steps * small.returns.products / self.best(small), small))
+        if not found:
             raise ExpansionFailure(failures[0])
-        small = best[1]
+        cost, small = min(found, key=lambda entry: entry[0])
+        for other, loser in found:
+            if other > MUCH_DEARER * cost:
+                self._resting[loser.returns.coordinates] = REST
         while small.chart.half_width < chart.half_width:
             if self.best(small) < min(0.5 * chart.half_width, 2 * small.chart.half_width):
                 return small
@@ -106,6 +111,14 @@ class Coverer:
                 small.returns, replace(chart, half_width=wider), small.times[0], guess=guess, even=even
             )  # fmt: skip
         return small
+
+    def _candidates(self, only: Coordinates | None) -> list[Coordinates]:
+        """The coordinates worth a try: coordinates that were much dearer on the last pieces rest for a while."""
+        if only is not None:
+            return [only]
+        for name, rest in self._resting.items():
+            self._resting[name] = max(rest - 1, 0)
+        return [name for name in self._returns if not self._resting.get(name)]
 
     def _first_stage(self, chart: Chart, half_period: float, even: bool, name: Coordinates) -> Expansion:
         """In a chart so narrow that its axis is a sufficient first approximation of the curve."""
