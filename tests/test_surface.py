@@ -452,3 +452,16 @@ def test_bad_input_of_atlas_mass_is_one_line(
 ) -> None:
     assert main(["atlas-mass", *arguments, "-o", str(tmp_path / "x.json")]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.slow
+def test_the_theorem_for_l1_and_all_masses(tmp_path: Path) -> None:
+    """Symmetry breaking and halo orbits of L1 for all mass parameters up to 1/2; about a minute."""
+    path = tmp_path / "mass.json"
+    assert main(["atlas-mass", "--point", "L1", "--quiet", "-o", str(path)]) == 0
+    atlas = read_atlas(path)
+    results = [prove_surface_piece(HILL, piece, WHOLE).to_json() for piece in atlas.surface_pieces()]
+    conclusion = conclude_surface(atlas, results)
+    assert conclusion.is_proved, conclusion.reason
+    assert "for all mu in (0, 0.500188017]" in conclusion.statement
+    assert "|z| <= 0.004 mu^(1/3)" in conclusion.statement
