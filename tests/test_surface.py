@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
 from flint import arb, ctx
 
 from explore.__main__ import main
 from explore.atlas_mass import intervals
+from explore.flow import flow_of
 from shared.atlas import SURFACE, Atlas, Claim, Covers, read_atlas
 from shared.hill import hill_field, hill_integral
 from shared.numbers import format_exact
@@ -172,6 +174,26 @@ def test_the_certified_point_of_the_earth_moon_system_is_the_surfaces(
         assert (h * veta).overlaps(enclose(vy) + arb(0, 1e-25))
         assert xi.rad() < 1e-7
         assert veta.rad() < 1e-7
+
+
+def test_halo_orbits_found_by_shooting_lie_where_the_box_bends(piece: SurfacePiece) -> None:
+    """Float64 orbits at several masses and heights: p_0 and p_2 are far inside P_0 and P_2, for every z in P_1."""
+    flow = flow_of(HILL)
+    sheet = Sheet(piece, piece.parameters["h"], ())
+    for s, share in ((Fraction(-1), 1.0), (Fraction(1, 3), 0.9), (ONE, -1.0)):
+        h = float(evaluate(piece.parameters["h"], s))
+        z = share * float(piece.radii[1])
+        unknowns = np.array([float(evaluate(piece.centre[0], s)), float(evaluate(piece.centre[2], s)), 1.35])
+        for _ in range(8):
+            x, vy, time = unknowns
+            end = flow.derivative([x, 0.0, z, 0.0, vy, 0.0], time, [h])
+            rows = [1, 3, 5]
+            matrix = np.column_stack([end.state_transition[rows][:, [0, 4]], end.velocity[rows]])
+            unknowns = unknowns - np.linalg.solve(matrix, end.state[rows])
+        with ctx.workprec(128):
+            p = sheet.offsets(s, s, [arb(unknowns[0]), arb(z), arb(unknowns[1])])
+        assert float(p[1]) == pytest.approx(z)
+        assert all(abs(float(p[j])) < float(piece.radii[j]) / 8 for j in (0, 2))
 
 
 FALSE: dict[str, tuple[Callable[[SurfacePiece], SurfacePiece], str]] = {
