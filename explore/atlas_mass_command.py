@@ -15,7 +15,7 @@ from shared.formats import InputError, check_writable
 from shared.numbers import parse_exact
 
 POINTS = ("L1", "L2", "L3")
-AMPLITUDES = {"L1": Fraction(4, 1000), "L2": Fraction(4, 1000), "L3": Fraction(125, 10**6)}
+AMPLITUDES = {"L1": Fraction(4, 1000), "L2": Fraction(3, 1000), "L3": Fraction(125, 10**6)}
 """Values of --z by default: what the verifier proves in a few pieces."""
 
 LOWEST = {"L1": Fraction(0), "L2": Fraction(0), "L3": Fraction(1, 10**5)}
