@@ -7,6 +7,7 @@ the section to the next, with the proof that it is that crossing.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -235,6 +236,9 @@ class Returns:
         if regularisation is None:
             return
         rate = flow.slopes[regularisation.time_index]
+        if self.arithmetic.width:
+            # Over a wide piece the coarse bounds of the tube are too coarse for a passage close to the primary.
+            rate = self._clock_rate(flow)
         if not all(stays_positive(rate, counter.wide) for counter in self.counters):
             raise IntegrationFailure(
                 "collision",
@@ -242,6 +246,18 @@ class Returns:
                 "give smaller radii or another centre",
                 needs_precision=True,
             )
+
+    def _clock_rate(self, flow: FlowStep) -> Series:
+        """The derivative of the system's time over a step, for all orbits."""
+        regularisation = self.coordinates.regularisation
+        assert regularisation is not None
+        field = self.coordinates.field
+        only = prepare(replace(field, outputs=(field.outputs[regularisation.time_index],)))
+        evaluation = Evaluation(only, self.arithmetic)
+        inputs = [*flow.solution, *self.constants]
+        for position in range(len(self.arithmetic.grading.monomials)):
+            evaluation.fill(position, [x.coefs[position] for x in inputs])
+        return evaluation.enclose(inputs)[0]
 
     def _clock(self) -> float:
         """About the system's time, for messages."""
