@@ -338,6 +338,18 @@ def test_the_tube_holds_every_element_near_the_solution(seed: int) -> None:
         assert is_enclosed(result, neighbour.at(theta, point), theta, t, point[-1:])
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_the_rounding_of_the_norm_computation_counts(seed: int) -> None:
+    """An exact element of 150 bits, all of whose powers are kept."""
+    source = random.Random(seed)
+    fine = Arithmetic(Grading((1,), 1), 150, 0, 3, width=2)
+    rows = [[source.randint(-(2**150), 2**150) for _ in range(3)] for _ in range(4)]
+    element = Series(fine, [packed_from(fine, rows), fmpz_poly([])], [0.0] * 3)
+    result = centre_and_norms(norm_arithmetic(fine), element, [0.0] * 3)
+    for theta, t, point in points(source, fine):
+        assert is_enclosed(result, known_value(element, theta, point), theta, t, point[-1:])
+
+
 @pytest.mark.parametrize("name", ["falkner-skan", "cr3bp", "cr3bp-l1"])
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_derivatives_of_the_field_are_bounded_on_the_tube(name: str, seed: int) -> None:
