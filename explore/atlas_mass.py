@@ -6,8 +6,9 @@ linear in s. The polynomials interpolate `explore.mass_curve` at Chebyshev nodes
 themselves: (x, vy) on the branch is x* + curvature z^2/2.
 
 Half-widths. With u the parameter (h or mu), Taylor coefficients in u of the orbits of L1 and L2 decay like R^-n with R
-between 0.9 (1 - h) and 1.1 (1 - h) (the masses change roles at h = 1; measured at h = 0.1, 0.2, .., 0.7 over all
-of the half return), those of L3 with R between 0.42 and 0.5. A piece is a share of that wide.
+between 1 - h and 1.3 (1 - h) (the masses change roles at h = 1), those of L3 with R between 0.42 and 0.5: measured over
+the half return, from values on circles in the complex plane, at h = 0.1, 0.2, 0.45, 0.55, 0.7 and mu = 0.05, 0.15, ..,
+0.45. A piece is a share of that wide.
 """
 
 from __future__ import annotations
@@ -67,11 +68,6 @@ class Shape:
 def system_of(libration: str) -> ReversibleSystem:
     """The system that the pieces of a libration point are about."""
     return CR3BP if libration == "L3" else HILL
-
-
-def parameter_of(libration: str, mu: float) -> float:
-    """The system's parameter, h or mu."""
-    return mu if libration == "L3" else float(np.cbrt(mu))
 
 
 def intervals(libration: str, lowest: Fraction, highest: Fraction, share: float) -> list[tuple[Fraction, Fraction]]:

@@ -99,8 +99,7 @@ class SurfaceReturn:
 
 def _over(coefficients: Sequence[arb], centre: Fraction, reach: Fraction) -> arb:
     """Values of a polynomial at all t within `reach` of `centre`, from its expansion there."""
-    recentred = arb_poly(list(coefficients))(arb_poly([enclose(centre), enclose(reach)]))
-    values = recentred.coeffs()
+    values = arb_poly(list(coefficients))(arb_poly([enclose(centre), enclose(reach)])).coeffs()
     if not values:
         return arb(0)
     return values[0] + arb(0, sum((abs(value).upper() for value in values[1:]), arb(0)).upper())
