@@ -49,7 +49,7 @@ class Chart:
     def points(self, coordinates: ComplexArray) -> ComplexArray:
         """The points with coordinates p of shape (1 + n, N), in extended precision."""
         frame, centre = self.frame.astype(np.longdouble), self.centre.astype(np.longdouble)
-        return centre[:, None] + frame @ coordinates.astype(np.clongdouble)
+        return np.asarray(centre[:, None] + frame @ coordinates.astype(np.clongdouble), dtype=np.clongdouble)
 
     def local(self, point: Vector) -> Vector:
         """The coordinates p of a real point."""
@@ -64,8 +64,8 @@ class Expansion:
         returns: how the orbits were followed.
         coefficients: shape (n, K), of p_1, .., p_n in s.
         times: shape (K,), of the half return's time in s, in the units of `returns.coordinates`.
-        spectrum: shape (K,), largest coefficients of the state coordinates over the half return and of its time,
-            relative to their magnitudes.
+        spectrum: shape (K,), largest coefficients of the state coordinates, at equal parts of the half returns, and
+            of the half return's time, relative to their magnitudes.
         noise: shape (n,), error of the coefficients.
         steps: Runge-Kutta steps of the half return.
     """
@@ -168,9 +168,7 @@ def expand(
         coefficients[:, 1::2] = 0.0
     noise = np.max(np.abs(coefficients[:, -count // 2 :]), axis=1)
     series = (times @ transform).real
-    spectrum = np.maximum(
-        _spectrum(returns, chart, s, across, times, everything), np.abs(series) / float(np.max(np.abs(series)))
-    )
+    spectrum = np.maximum(result.spectrum, np.abs(series) / float(np.max(np.abs(series))))
     return Expansion(chart, returns, coefficients, series, spectrum, noise, result.steps)
 
 
@@ -202,21 +200,13 @@ def newton_on_curve(
     return p.real, kernel
 
 
-def _spectrum(
-    returns: HalfReturns, chart: Chart, s: ComplexArray, across: ComplexArray, times: ComplexArray, transform: Matrix
-) -> Vector:
-    """That of the flow over a time that is the same for all points, as a verifier follows them."""
-    points = chart.points(np.vstack([chart.half_width * s, across]))
-    copies = len(transform) // len(s)
-    common = np.full(len(transform), np.mean(times.real), dtype=complex)
-    try:
-        return returns.evaluate(np.tile(points, (1, copies)), common, transform).spectrum
-    except FlowFailure as error:
-        raise ExpansionFailure(str(error)) from None
-
-
 def _newton(
-    returns: HalfReturns, chart: Chart, s: ComplexArray, across: ComplexArray, times: ComplexArray, transform: Matrix
+    returns: HalfReturns,
+    chart: Chart,
+    s: ComplexArray,
+    across: ComplexArray,
+    times: ComplexArray,
+    transform: ComplexArray,
 ) -> tuple[Returns, ComplexArray]:
     """The returns and the Newton step in (p_1, .., p_n, time) for each point, shape (N, n + 1)."""
     n, count = across.shape
