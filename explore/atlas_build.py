@@ -92,7 +92,8 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
     else:
         end_place = places[-1] if request.covers is None else _place(curve, request.covers, request.covers.end)
         end = curve.at(end_place).point
-    middle = coverer.pieces(start, start_place, end, end_place, width, progress)
+    # A short range may lie in the symmetric piece alone.
+    middle = [] if end_place <= start_place else coverer.pieces(start, start_place, end, end_place, width, progress)
     expansions = [item for item in (first, *middle, last) if item is not None]
     kind = "arc" if first is None else "symmetric-arc" if last is None else "symmetric-loop"
     covers = request.covers

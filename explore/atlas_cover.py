@@ -178,10 +178,10 @@ class Coverer:
             s = 1.0 - self.control.overlap
             left, width = piece.point(s), piece.chart.half_width
             place = centre + (centre - place) * s
-            place = self._place_of(left, piece.chart, centre, place, s)
+            place = self._place_of(piece.chart, centre, place, s)
 
-    def _place_of(self, point: Vector, chart: Chart, centre: float, guess: float, s: float) -> float:
-        """The family's arclength at which p_0 in `chart` is that of a point ahead."""
+    def _place_of(self, chart: Chart, centre: float, guess: float, s: float) -> float:
+        """The family's arclength at which p_0 in `chart` is s half-widths."""
         target = s * chart.half_width
         before, value_before = centre, 0.0
         last = self.curve.family.arclengths[-1]

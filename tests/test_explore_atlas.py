@@ -122,6 +122,14 @@ def test_a_branch_that_leaves_the_plane_begins_with_a_symmetric_piece(halo_famil
         assert np.allclose([float(value) for value in found], [x, z, vy], rtol=0, atol=1e-12)
 
 
+def test_a_short_arc_is_its_symmetric_piece_alone(halo_family: Family) -> None:
+    covers = Covers("z", Fraction(0), Fraction(1, 100))
+    atlas = build_atlas(AtlasRequest("halo", "halo orbits", halo_family, covers, coordinates="physical"))
+    (piece,) = atlas.curve_pieces()
+    assert piece.kind == "symmetric"
+    assert piece.point(Fraction(1))[1] >= Fraction(1, 100)
+
+
 def test_orbits_lie_deep_inside_the_tubes(halo_atlas: Atlas) -> None:
     for piece in halo_atlas.curve_pieces()[:2]:
         result = check_piece(halo_atlas, piece)
