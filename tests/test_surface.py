@@ -90,8 +90,11 @@ def returned(piece: SurfacePiece) -> SurfaceReturn:
 
 
 @pytest.fixture(scope="module")
-def proved(piece: SurfacePiece) -> SurfaceResult:
-    return prove_surface_piece(HILL, piece, WHOLE, FAST)
+def proved(piece: SurfacePiece, returned: SurfaceReturn) -> SurfaceResult:
+    """The proof with the integration above, which takes the time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("verify.surface_piece.enclose_surface", lambda *_: returned)
+        return prove_surface_piece(HILL, piece, WHOLE, FAST)
 
 
 def test_the_half_return_is_enclosed_for_all_masses(piece: SurfacePiece, returned: SurfaceReturn) -> None:
