@@ -136,7 +136,7 @@ def _magnify(axes: Axes, curve: Curve) -> None:
     crowd = max(runs, key=len, default=[])
     if len(crowd) < _CROWD:
         return
-    inset = axes.inset_axes((0.36, 0.53, 0.34, 0.32))
+    inset = axes.inset_axes((0.34, 0.58, 0.36, 0.28))
     for number, stretch in enumerate(curve.stretches):
         colour = (CURVE, _LIGHT)[number % 2] if stretch.is_proved else _UNPROVED
         inset.plot(stretch.points[:, 0], stretch.points[:, 1], color=colour, linewidth=1.6)
