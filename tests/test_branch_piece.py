@@ -16,15 +16,19 @@ from typing import Any
 
 import mpmath
 import pytest
+from flint import arb, ctx
 
 from shared.libration import BRANCH_SYSTEMS
 from shared.numbers import parse_exact
 from shared.pieces import Piece, piece_from_json
 from shared.systems import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem
 from tests.exact_elements import number
+from tests.flow_checks import ball
 from tests.reference import Orbits, falkner_skan, three_body
 from tests.wide_checks import MU, OMEGA, TWIST, libration_point
-from verify.branch_piece import PieceLimits, PieceResult, prove_piece
+from verify.algebra import Arithmetic
+from verify.branch_piece import PieceLimits, PieceResult, _Equation, prove_piece
+from verify.grading import Grading
 
 DATA = Path(__file__).parent / "data"
 FAST = PieceLimits(56, 18, 12)
@@ -32,6 +36,7 @@ WHOLE = (Fraction(-1), Fraction(1))
 TWISTED = {"omega": OMEGA}
 WIDTH = Fraction(1, 8)
 TUBE = Fraction(1, 10**6)
+ONE, ZERO, TINY = Fraction(1), Fraction(0), Fraction(1, 10**12)
 BITS = 110
 
 
@@ -175,6 +180,28 @@ def test_whatever_is_proved_holds_the_circle(seed: int) -> None:
         assert result.reason
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_derivatives_of_the_equation_hold_its_unknown_parts(seed: int) -> None:
+    """F = 1/8 + s/4 + w + unknown parts of every grade, at real points with |s| <= 16/17 and |w| <= 1/2."""
+    source = random.Random(seed)
+    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 4, width=2)
+    known = arithmetic.polynomial({(0,): [Fraction(1, 8), Fraction(1, 4)], (1,): ONE})
+    errors = [source.random() for _ in range(3)]
+    powers = [source.choice((0, 1, 2, 7)), source.choice((0, 1, 2, 7)), source.choice((0, 3))]
+    top = source.choice((2, 3))
+    s, w = Fraction(source.choice((-16, 16, source.randint(-16, 16))), 17), Fraction(source.choice((-1, 1)), 2)
+    monomials = [(powers[0], 0), (powers[1], 1), (powers[2], top)]
+    value = Fraction(1, 8) + s / 4 + Fraction(errors[0]) * s ** powers[0]
+    slope = 1 + sum(Fraction(e) * s**i * j * w ** (j - 1) for e, (i, j) in zip(errors, monomials, strict=True) if j)
+    change = sum(Fraction(e) * i * s ** (i - 1) * w**j for e, (i, j) in zip(errors, monomials, strict=True) if i)
+    equation = _Equation(known.with_errors(errors))
+    with ctx.workprec(100):
+        part = ball(s) + arb(0, 1) / 64
+        assert equation.value(part).contains(ball(value))
+        assert equation.slope(0, part).contains(ball(slope))
+        assert equation.wide_derivative([ball(w)], part, False).contains(ball(Fraction(1, 4) + change))
+
+
 # Refusals
 
 
@@ -284,8 +311,6 @@ def test_curves_of_second_returns_are_refused() -> None:
 def test_intervals_that_are_none_are_refused(piece: Piece, interval: tuple[Fraction, Fraction]) -> None:
     assert "interval" in refused(prove(piece, interval))
 
-
-ONE, ZERO, TINY = Fraction(1), Fraction(0), Fraction(1, 10**12)
 
 NOT_SYMMETRIC: Mapping[str, Piece] = {
     "odd coefficient": with_terms(SYMMETRIC, {1: TINY}),

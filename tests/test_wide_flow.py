@@ -16,6 +16,7 @@ from flint import arb, fmpz_poly
 import verify.step
 from shared.systems import CR3BP
 from tests.exact_elements import is_enclosed, known_value, number, packed_from, random_point
+from tests.flow_checks import ball
 from tests.independent_flow import extrapolated_flow
 from tests.wide_checks import BITS, TOLERANCE, WIDE_SETS, WideSet, holds, oscillators, random_place
 from verify.algebra import Arithmetic, Series
@@ -264,6 +265,26 @@ def test_both_coordinates_enclose_the_same_orbits(coordinates: str, seed: int) -
     assert escapes(wide, returns, 1, 20) == 0
 
 
+def test_crossings_are_counted_on_parts_that_cover_the_piece() -> None:
+    parts = [counter.wide for counter in oscillators(("1/8",)).returns().counters]
+    for s in (Fraction(n, 64) for n in range(-64, 65)):
+        assert any(part is not None and part.contains(ball(s)) for part in parts)
+
+
+def test_a_zero_is_the_crossing_only_if_it_lies_where_the_crossing_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not before the last time without one, and not ahead of the orbits if the crossing is behind them."""
+    with_rate(monkeypatch, None)
+    returns = half_return(oscillators(("1/12",)))
+    cases = [(Arrival(arb(1)), True), (Arrival(returns.time + 1), False), (Arrival(arb(1), behind=True), False)]
+    for arrival, accepted in cases:
+        monkeypatch.setattr(CrossingCounter, "arrival", lambda self, number, arrival=arrival: arrival)
+        if accepted:
+            returns.crossing(1)
+        else:
+            with pytest.raises(IntegrationFailure, match="not separated"):
+                returns.crossing(1)
+
+
 # Onto the section
 
 
@@ -397,6 +418,18 @@ def test_as_many_crossings_are_counted_as_there_are_roots(seed: int) -> None:
         s = [Fraction(2 * part - 8 + shift, 8) for shift in (0, 1, 2)]
         inside = {sum(root[0] + root[1] * x < 1 for root in roots) for x in s}
         assert counter.crossings == min(inside)
+
+
+def test_orbits_that_leave_the_section_do_not_arrive() -> None:
+    """Off the section for certain, then not for certain, but with a velocity away from it."""
+    for slope, arrives in ((Fraction(1, 5), False), (Fraction(-1, 5), True)):
+        counter = CrossingCounter(wide_parts(8)[3])
+        rows = [[Fraction(0)], [Fraction(1)]]
+        counter.cover(series(rows), series(rows[1:]), arb(0), arb(1))
+        counter.cover(series([[Fraction(1)]]), series(rows[1:]), arb(1), arb(1))
+        counter.cover(series([[Fraction(1)], [slope]], error=1.5), series([[slope]], error=0.1), arb(2), arb(1))
+        assert counter.crossings == 0
+        assert (counter.arrival(1) is not None) == arrives
 
 
 def test_an_arrival_with_unknown_velocity_says_that_the_crossing_lies_behind() -> None:
