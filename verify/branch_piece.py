@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from math import comb, floor, log2
@@ -81,6 +81,7 @@ class PieceResult:
         time: half periods of the orbits.
         reason: why it is not proved; `None` if it is.
         remedy: what may help.
+        condition: what was not shown, in one word.
         computation: precision, order, width, steps, coordinates, seconds.
     """
 
@@ -91,6 +92,7 @@ class PieceResult:
     time: arb | None = None
     reason: str | None = None
     remedy: str | None = None
+    condition: str = ""
     computation: Mapping[str, float | int | str] = field(default_factory=dict)
 
     @property
@@ -107,7 +109,8 @@ class PieceResult:
             "computation": dict(self.computation),
         }
         if self.reason is not None:
-            return result | {"reason": {"message": self.reason, "remedy": self.remedy or ""}}
+            reason = {"condition": self.condition, "message": self.reason, "remedy": self.remedy or ""}
+            return result | {"reason": reason}
         return result | {
             "deviation": [format_exact(value) for value in self.deviation],
             "slope_deviation": [format_exact(value) for value in self.slope_deviation],
@@ -140,7 +143,9 @@ def prove_piece(
         with np.errstate(all="ignore"):
             found = proof.run(progress)
     except IntegrationFailure as error:
-        found = PieceResult(piece.id, interval, reason=error.message, remedy=error.remedy)
+        found = PieceResult(
+            piece.id, interval, reason=error.message, remedy=error.remedy, condition=error.condition
+        )  # fmt: skip
     except (ArithmeticError, ValueError) as error:
         reason = " ".join(f"the verification broke off: {type(error).__name__}: {error}".split())
         found = PieceResult(piece.id, interval, reason=reason, remedy="give a narrower piece")
@@ -150,10 +155,7 @@ def prove_piece(
         "precision": limits.precision, "order": limits.order, "width": limits.width, "steps": proof.steps,
         "coordinates": proof.coordinates, "seconds": round(time.monotonic() - start, 3),
     }  # fmt: skip
-    return PieceResult(
-        found.piece, found.interval, found.deviation, found.slope_deviation, found.time, found.reason, found.remedy,
-        computation,
-    )  # fmt: skip
+    return replace(found, computation=computation)
 
 
 class _Proof:

@@ -22,6 +22,9 @@ _OVERLAP = Fraction(1, 64)
 NOT_FOR_SPLITTING = ("process",)
 """Conditions that a shorter interval does not mend."""
 
+FOR_SPLITTING = ("time", "collision", "section", "crossing count")
+"""Conditions that more precision does not mend: the interval takes too long, or its orbits differ too much."""
+
 Settings = Mapping[str, int]
 """Of the integrator, by name, as they stand in a result's ``computation``."""
 
@@ -87,10 +90,9 @@ def plan(
         if any(condition_of(result) in NOT_FOR_SPLITTING for result in against):
             failed.append(interval)
             return
-        # What takes too long would take longer with more precision.
-        late = any(condition_of(result) == "time" for result in against)
+        wide = any(condition_of(result) in FOR_SPLITTING for result in against)
         untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in against)]
-        if untried and not late:
+        if untried and not wide:
             missing.append((interval, untried[0]))
         elif splits == max_splits:
             failed.append(interval)
