@@ -148,6 +148,12 @@ def test_deviations_are_about_as_large_as_they_are(piece: Piece) -> None:
     assert Fraction(6, 10**8) <= result.slope_deviation[0] <= Fraction(2, 10**6)
 
 
+@pytest.mark.parametrize("interval", [(ZERO, Fraction(1, 1000)), (Fraction(1, 10), Fraction(1, 5))], ids=str)
+def test_slopes_of_symmetric_pieces_are_relative_to_s(interval: tuple[Fraction, Fraction]) -> None:
+    off = with_terms(SYMMETRIC, {2: Fraction(5, 10**8)})
+    check_circle(off, prove(off, interval))
+
+
 @pytest.mark.slow
 def test_parts_of_a_piece_agree() -> None:
     """What is proved on overlapping intervals is one curve: deviations leave room for it on both."""
@@ -230,6 +236,13 @@ def test_a_tampered_coefficient_is_found_on_the_part_where_it_matters() -> None:
 
 def shifted(piece: Piece, centre: Sequence[Fraction], **changes: Any) -> Piece:
     return replace(piece, centre=tuple(centre), **changes)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_polynomials_that_are_wrong_at_one_end_are_refused(side: int) -> None:
+    """(s^10 + side s^9)/2 vanishes at one end and is below 0.1 up to 3/4 of the way to the other."""
+    half = Fraction(3, 2 * 10**7)
+    assert "tube" in refused(prove(with_terms(REGULAR, {10: half, 9: side * half})))
 
 
 THROUGH = shifted(LINE, (Fraction(1), Fraction(0)))
