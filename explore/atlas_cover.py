@@ -35,6 +35,10 @@ MUCH_DEARER, REST = 2.5, 4
 """Coordinates in which a unit of length costs so many times more are not tried again for some pieces."""
 
 
+GROWTH = 2.0
+"""Physical coordinates count as so many times dearer: a verifier's error bounds grow with each of their many steps."""
+
+
 class CoverFailure(Exception):
     """The curve cannot be covered; one line says where and why."""
 
@@ -95,7 +99,8 @@ class Coverer:
             except (ExpansionFailure, FlowFailure) as error:
                 failures.append(str(error))
                 continue
-            found.append((small.steps * small.returns.products / self.best(small), small))
+            cost = small.steps * small.returns.products / self.best(small)
+            found.append((cost if name == "regularised" else cost * GROWTH, small))
         if not found:
             raise ExpansionFailure(failures[0])
         cost, small = min(found, key=lambda entry: entry[0])

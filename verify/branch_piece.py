@@ -20,15 +20,17 @@ from flint import arb, arb_poly, ctx
 from shared.numbers import format_exact
 from shared.pieces import Piece
 from shared.pieces import is_regular as is_regular_frame
+from shared.regularised import REGULARISATIONS
 from shared.systems import ReversibleSystem
 from verify.algebra import Arithmetic, Series
 from verify.ball_text import ball_to_json
 from verify.balls import all_finite, enclose, hull, is_inside
+from verify.coordinates import PHYSICAL
 from verify.equilibrium import parameter_series
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.interval_newton import is_regular, newton_image
-from verify.returns import Returns, evaluate
+from verify.returns import REGULARISED, Returns, evaluate
 
 Progress = Callable[[float], None]
 
@@ -48,6 +50,9 @@ _SLOPE_BITS = 52
 """Significant bits of the derivatives across the curve; what a Newton operator needs of them is little."""
 
 _MAX_STEPS = 200
+
+_MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
+"""Conditions for which regularised coordinates are tried where the system's own fail."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +140,24 @@ def prove_piece(
         symmetry: name of the symmetry of a symmetric piece.
     """
     limits = PieceLimits() if limits is None else limits
+    found = _prove(system, parameters, piece, interval, limits, progress, symmetry)
+    other = replace(piece, coordinates=REGULARISED)
+    in_physical = found.computation["coordinates"] == PHYSICAL and system.name in REGULARISATIONS
+    if found.is_proved or not in_physical or found.condition not in _MENDED_BY_COORDINATES:
+        return found
+    again = _prove(system, parameters, other, interval, limits, progress, symmetry)
+    return again if again.is_proved else found
+
+
+def _prove(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    piece: Piece,
+    interval: tuple[Fraction, Fraction],
+    limits: PieceLimits,
+    progress: Progress | None,
+    symmetry: str | None,
+) -> PieceResult:
     start = time.monotonic()
     previous = ctx.prec
     ctx.prec = limits.precision + 64

@@ -44,11 +44,11 @@ def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
     """
     kind = SurfaceLimits if atlas.is_surface else PieceLimits
     first = asdict(kind(**limits.integrator))
-    return first, {**first, "precision": first["precision"] + _MORE_BITS, "order": first["order"] + _MORE_ORDER}
+    more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
+    return first, {name: value + more.get(name, 0) for name, value in first.items()}
 
 
-_MORE_BITS = 48
-_MORE_ORDER = 8
+_MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
 
 
 def task_of(
