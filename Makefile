@@ -3,12 +3,13 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo figures test lint test-slow bench clean
+.PHONY: help demo branches figures test lint test-slow bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
 OUT := demo-out
 PICTURES := figures-out
+BRANCHES := branches-out
 BLOCKED := $(OUT)/blocked
 SEARCH_SIDE := explore figures jax jaxlib diffrax equinox mpmath matplotlib
 JOBS := 2
@@ -19,6 +20,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 help:
 	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
+	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; a quarter of an hour)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; more than an hour, goes on where it stopped)"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make test-slow  the longer proofs and campaigns"
@@ -75,6 +77,38 @@ demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
 	echo; echo "certificates: $(OUT)/certificates.json   pictures: $(OUT)/figures/   tables: $(OUT)/tables/"; \
 	echo "time: $$(($$(date +%s) - start)) s"; \
 	[ $$failed -eq 0 ] || echo "not everything was found or proved: the reasons stand above" >&2; \
+	exit $$failed
+
+# Atlas and proof of each branch. What exists is kept, what was interrupted goes on.
+# BIFURCATIONS=certificates.json also says which certified bifurcations lie on them.
+CURVES := falkner-skan l1-circle-earth-moon l1-circle-sun-jupiter l2-arc-earth-moon l2-arc-sun-jupiter
+MASSES := earth-moon sun-jupiter
+SURFACES := L1 L2 L3
+
+branches: $(VENV)/demo.stamp $(BLOCKED)/stamp
+	@mkdir -p $(BRANCHES); failed=0; \
+	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
+	cover() { file=$(BRANCHES)/$$1.json; shift; [ -e $$file ] || step $(BIN)/python -m explore "$$@" -o $$file; }; \
+	prove() { \
+	  echo; step env $(VERIFY).atlas $(BRANCHES)/$$1.json -o $(BRANCHES)/$$1-certificate.json --jobs $(JOBS) \
+	    $(if $(BIFURCATIONS),--bifurcations $(BIFURCATIONS) --only "$$2"); \
+	}; \
+	for name in $(CURVES); do \
+	  cover $$name atlas --preset $$name; \
+	  case $$name in \
+	    falkner-skan) only=falkner-skan-*;; \
+	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*;; \
+	  esac; \
+	  prove $$name "$$only"; \
+	done; \
+	for mass in $(MASSES); do \
+	  cover lyapunov-$$mass atlas-libration --point L1 --mass $$mass; prove lyapunov-$$mass "$$mass-L1-*k1-1"; \
+	done; \
+	for point in $(SURFACES); do \
+	  cover mass-$$point atlas-mass --point $$point; \
+	  echo; step env $(VERIFY).atlas $(BRANCHES)/mass-$$point.json -o $(BRANCHES)/mass-$$point-certificate.json --jobs $(JOBS); \
+	done; \
+	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
 	exit $$failed
 
 # The data are kept by `make clean`: they hold the proofs of all rows.
