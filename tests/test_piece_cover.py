@@ -392,3 +392,14 @@ def test_a_zero_that_leaves_the_tube_at_one_place_is_found(monkeypatch: pytest.M
             lambda arithmetic, c=scaled: [across(arithmetic) - wide(arithmetic, *c)],  # type: ignore[misc]
         )
         assert result.is_proved == proved
+
+
+@pytest.mark.parametrize("near", [0, 1])
+def test_zeros_have_to_be_well_inside_in_every_direction(monkeypatch: pytest.MonkeyPatch, near: int) -> None:
+    zeros = [Fraction(1, 100) if j == near else Fraction(1, 20) for j in range(2)]
+    result = prove(
+        monkeypatch,
+        lambda arithmetic: [across(arithmetic, j) - arithmetic.constant(zero) for j, zero in enumerate(zeros)],
+        replace(SPATIAL, kind="regular"),
+    )
+    assert not result.is_proved
