@@ -8,29 +8,29 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from math import comb, floor, log2
-from typing import Any
 
 import numpy as np
 from flint import arb, arb_poly, ctx
 
-from shared.numbers import format_exact
 from shared.pieces import Piece
 from shared.pieces import is_regular as is_regular_frame
 from shared.regularised import REGULARISATIONS
 from shared.systems import ReversibleSystem
 from verify.algebra import Arithmetic, Series
-from verify.ball_text import ball_to_json
 from verify.balls import all_finite, enclose, hull, is_inside
 from verify.coordinates import PHYSICAL
 from verify.equilibrium import parameter_series
 from verify.failure import IntegrationFailure
 from verify.grading import Grading
 from verify.interval_newton import is_regular, newton_image
+from verify.piece_outcome import PieceLimits, PieceResult
 from verify.returns import REGULARISED, Returns, evaluate
+
+__all__ = ["PieceLimits", "PieceResult", "divided_by_wide", "prove_piece", "recentred"]
 
 Progress = Callable[[float], None]
 
@@ -53,74 +53,6 @@ _MAX_STEPS = 200
 
 _MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
 """Conditions for which regularised coordinates are tried where the system's own fail."""
-
-
-@dataclass(frozen=True)
-class PieceLimits:
-    """How to integrate a piece.
-
-    Attributes:
-        precision: fractional bits of the fixed-point format.
-        order: degree of the time expansions.
-        width: degree in s.
-    """
-
-    precision: int = 80
-    order: int = 40
-    width: int = 40
-
-    def __post_init__(self) -> None:
-        if min(self.precision, self.order) < 16 or self.width < 1:
-            raise ValueError(f"precision {self.precision}, order {self.order}, width {self.width} are too small")
-
-
-@dataclass(frozen=True)
-class PieceResult:
-    """What is known of a piece on an interval of s.
-
-    Attributes:
-        piece: its id.
-        interval: within [-1, 1]; that of the proof may be longer than what was asked for.
-        deviation: for each s the p_j of the orbit in the tube differ from polynomial_j(s) by at most this.
-        slope_deviation: bounds of the derivatives of these differences d_j in s; of d_j'(s)/s for a symmetric piece.
-        time: half periods of the orbits.
-        reason: why it is not proved; `None` if it is.
-        remedy: what may help.
-        condition: what was not shown, in one word.
-        computation: precision, order, width, steps, coordinates, seconds.
-    """
-
-    piece: str
-    interval: tuple[Fraction, Fraction]
-    deviation: tuple[Fraction, ...] = ()
-    slope_deviation: tuple[Fraction, ...] = ()
-    time: arb | None = None
-    reason: str | None = None
-    remedy: str | None = None
-    condition: str = ""
-    computation: Mapping[str, float | int | str] = field(default_factory=dict)
-
-    @property
-    def is_proved(self) -> bool:
-        """Whether the claim of the piece is proved on the interval."""
-        return self.reason is None
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object of the result; all numbers that carry proof are exact."""
-        result: dict[str, Any] = {
-            "piece": self.piece,
-            "interval": [format_exact(end) for end in self.interval],
-            "verdict": "proved" if self.is_proved else "not proved",
-            "computation": dict(self.computation),
-        }
-        if self.reason is not None:
-            reason = {"condition": self.condition, "message": self.reason, "remedy": self.remedy or ""}
-            return result | {"reason": reason}
-        return result | {
-            "deviation": [format_exact(value) for value in self.deviation],
-            "slope_deviation": [format_exact(value) for value in self.slope_deviation],
-            "time": ball_to_json(self.time if self.time is not None else arb(float("nan"))),
-        }
 
 
 def prove_piece(
