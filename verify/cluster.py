@@ -92,14 +92,14 @@ def connected(address: str) -> Iterator[Cluster]:
     Raises `InputError` if dask.distributed is not installed, no scheduler answers, there is no worker, or a worker
     has another version of the software.
     """
+    if _ADDRESS.fullmatch(address) is None:
+        raise InputError(f"--scheduler {address}: not an address; give HOST:PORT or tcp://HOST:PORT")
     try:
         distributed = import_module("distributed")
     except ImportError:
         raise InputError(
             "--scheduler: dask.distributed is not installed; install orbitproof[cluster], or use --jobs instead"
         ) from None
-    if _ADDRESS.fullmatch(address) is None:
-        raise InputError(f"--scheduler {address}: not an address; give HOST:PORT or tcp://HOST:PORT")
     try:
         client = distributed.Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
