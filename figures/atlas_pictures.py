@@ -25,7 +25,7 @@ _UNPROVED = "#b2182b"
 _LIGHT = "#9dbdd3"
 _MANY = 100.0
 """A parameter that grows by more than this factor has a logarithmic axis."""
-_CHARACTERS = 100
+_CHARACTERS = 90
 """That fit into a line of a picture."""
 
 
