@@ -112,7 +112,7 @@ def run(options: argparse.Namespace) -> int:
         parameter = system.fixed_parameters[0]
         atlas = Atlas(
             id=f"halo-{point.lower()}-masses",
-            title=f"halo orbits near their birth from the planar Lyapunov family of {point}",
+            title=f"halo orbits near their birth from planar orbits near {point}",
             system=system,
             parameters={},
             claim=Claim(SURFACE, "S", (), Covers(parameter, lowest, highest)),

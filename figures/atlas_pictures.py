@@ -121,6 +121,8 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
     if axis.is_logarithmic:
         axes.set_xscale("log")
     axes.set_xlabel(label_of(names[0]))
+    if axes.get_xscale() == "linear":
+        axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.set_ylabel(label_of(names[1]))
     return handles
 

@@ -89,7 +89,7 @@ def make_certificate(
     `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `statement`.
     """
     claim = statement(candidate, form)
-    hypotheses = [_hypothesis(hypothesis) for hypothesis in outcome.hypotheses]
+    hypotheses = [hypothesis_to_json(hypothesis) for hypothesis in outcome.hypotheses]
     verdict: dict[str, Any]
     if isinstance(outcome, Proved):
         results = outcome.results
@@ -99,11 +99,11 @@ def make_certificate(
             "reason": None,
             "hypotheses": hypotheses,
             "results": {
-                "point": _balls(results.point),
+                "point": balls_to_json(results.point),
                 "parameter_name": results.parameter_name,
                 "parameter": ball_to_json(results.parameter),
                 "side": results.side,
-                "normal_form": _balls(results.normal_form),
+                "normal_form": balls_to_json(results.normal_form),
             },
         }
     else:
@@ -132,17 +132,19 @@ def digest(certificate: Mapping[str, Any]) -> str:
     return f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"
 
 
-def _hypothesis(hypothesis: Hypothesis) -> dict[str, Any]:
+def hypothesis_to_json(hypothesis: Hypothesis) -> dict[str, Any]:
+    """The JSON object of a hypothesis and its enclosures."""
     return {
         "name": hypothesis.name,
         "statement": hypothesis.statement,
         "section": hypothesis.section,
         "holds": hypothesis.holds,
-        "enclosures": _balls(hypothesis.enclosures),
+        "enclosures": balls_to_json(hypothesis.enclosures),
     }
 
 
-def _balls(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
+def balls_to_json(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
+    """The JSON objects of those balls that are finite, by name."""
     return {name: ball_to_json(ball) for name, ball in balls.items() if ball.is_finite()}
 
 

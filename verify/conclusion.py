@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from flint import arb
-
 from shared.numbers import format_exact
 from verify.ball_text import ball_to_json
+from verify.certificate import balls_to_json, hypothesis_to_json
 from verify.curve_text import Ends
 from verify.gluing import Chain
 from verify.membership import Bifurcation
@@ -62,16 +60,7 @@ class Conclusion:
             "reason": None
             if reason is None
             else {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
-            "hypotheses": [
-                {
-                    "name": hypothesis.name,
-                    "statement": hypothesis.statement,
-                    "section": hypothesis.section,
-                    "holds": hypothesis.holds,
-                    "enclosures": _balls(hypothesis.enclosures),
-                }
-                for hypothesis in self.hypotheses
-            ],
+            "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in self.hypotheses],
             "stretches": []
             if chain is None
             else [
@@ -95,10 +84,6 @@ class Conclusion:
                 }
                 for joint in chain.joints
             ],
-            "ends": {end: _balls(coordinates) for end, coordinates in self.ends.items()},
+            "ends": {end: balls_to_json(coordinates) for end, coordinates in self.ends.items()},
             "bifurcations": [entry.to_json() for entry in self.bifurcations],
         }
-
-
-def _balls(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
-    return {name: ball_to_json(ball) for name, ball in balls.items() if ball.is_finite()}

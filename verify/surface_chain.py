@@ -12,8 +12,9 @@ from flint import arb, ctx
 
 from shared.atlas import Atlas
 from shared.pieces import evaluate
-from verify.ball_text import ball_from_json, ball_to_json
+from verify.ball_text import ball_from_json
 from verify.balls import EmptyIntersectionError, hull
+from verify.certificate import balls_to_json, hypothesis_to_json
 from verify.failure import IntegrationFailure
 from verify.frames import determinant
 from verify.outcome import Checklist, Evidence, Hypothesis, NotEstablishedError, Reason
@@ -71,25 +72,12 @@ class SurfaceConclusion:
             "reason": None
             if reason is None
             else {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
-            "hypotheses": [
-                {
-                    "name": hypothesis.name,
-                    "statement": hypothesis.statement,
-                    "section": hypothesis.section,
-                    "holds": hypothesis.holds,
-                    "enclosures": _balls(hypothesis.enclosures),
-                }
-                for hypothesis in self.hypotheses
-            ],
+            "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in self.hypotheses],
             "stretches": [],
             "joints": [joint.to_json() for joint in self.joints],
-            "ends": {end: _balls(coordinates) for end, coordinates in self.ends.items()},
+            "ends": {end: balls_to_json(coordinates) for end, coordinates in self.ends.items()},
             "bifurcations": [],
         }
-
-
-def _balls(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
-    return {name: ball_to_json(ball) for name, ball in balls.items() if ball.is_finite()}
 
 
 def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
