@@ -10,8 +10,6 @@ BIN := $(VENV)/bin
 OUT := demo-out
 PICTURES := figures-out
 BRANCHES := branches-out
-BLOCKED := $(OUT)/blocked
-SEARCH_SIDE := explore figures jax jaxlib diffrax equinox mpmath matplotlib
 JOBS := 2
 
 # The search runs on the processor also where JAX would find an accelerator.
@@ -37,31 +35,24 @@ $(BIN)/python:
 	echo "creating $(VENV) with $$python" >&2; "$$python" -m venv $(VENV)
 
 # Stamps: a second run installs again only if the dependencies changed.
-$(VENV)/demo.stamp: pyproject.toml | $(BIN)/python
+$(VENV)/demo.stamp: pyproject.toml setup.py | $(BIN)/python
 	@echo "installing orbitproof with the extras explore and figures (the first time it downloads a few hundred megabytes)" >&2
 	@$(BIN)/python -m pip install --editable '.[explore,figures]'
 	@touch $@
 
-$(VENV)/dev.stamp: pyproject.toml | $(BIN)/python
+$(VENV)/dev.stamp: pyproject.toml setup.py | $(BIN)/python
 	@echo "installing orbitproof with all extras (the first time it downloads a few hundred megabytes)" >&2
 	@$(BIN)/python -m pip install --editable '.[explore,figures,dev]'
 	@touch $@ $(VENV)/demo.stamp
 
-# The verifier runs in its own process in which the search side cannot be imported: each name below is
-# a module that refuses to load and that comes first on the path, for worker processes as well.
-$(BLOCKED)/stamp: Makefile
-	@mkdir -p $(BLOCKED)
-	@for name in $(SEARCH_SIDE); do \
-	  echo "raise ImportError('the verifier must not import the search side ($$name)')" > $(BLOCKED)/$$name.py; \
-	done
-	@touch $@
-
-EXPLORE = $(BIN)/python -m explore candidates
-VERIFY = PYTHONPATH=$(BLOCKED) $(BIN)/python -P -m verify
-FIGURES = $(BIN)/python -m figures
+# The verifier runs in processes of its own in which the search side cannot be imported: verify/alone comes
+# first on their path, and on that of their workers, and refuses its modules by name.
+EXPLORE = $(BIN)/orbitproof explore candidates
+VERIFY = PYTHONPATH=verify/alone $(BIN)/orbitproof verify
+FIGURES = $(BIN)/orbitproof figures
 
 # Exit code 1 of a step (something not found, not proved) does not stop the ones after it.
-demo: $(VENV)/demo.stamp $(BLOCKED)/stamp
+demo: $(VENV)/demo.stamp
 	@start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	echo "1/3  search: Earth-Moon L1 halo family and Falkner-Skan family"; \
 	step $(EXPLORE) --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.3 \
@@ -85,12 +76,12 @@ CURVES := falkner-skan l1-circle-earth-moon l1-circle-sun-jupiter l2-arc-earth-m
 MASSES := earth-moon sun-jupiter
 SURFACES := L1 L2 L3
 
-branches: $(VENV)/demo.stamp $(BLOCKED)/stamp
+branches: $(VENV)/demo.stamp
 	@mkdir -p $(BRANCHES); failed=0; \
 	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
-	cover() { file=$(BRANCHES)/$$1.json; shift; [ -e $$file ] || step $(BIN)/python -m explore "$$@" -o $$file; }; \
+	cover() { file=$(BRANCHES)/$$1.json; shift; [ -e $$file ] || step $(BIN)/orbitproof explore "$$@" -o $$file; }; \
 	prove() { \
-	  echo; step env $(VERIFY).atlas $(BRANCHES)/$$1.json -o $(BRANCHES)/$$1-certificate.json --jobs $(JOBS) \
+	  echo; step env $(VERIFY) atlas $(BRANCHES)/$$1.json -o $(BRANCHES)/$$1-certificate.json --jobs $(JOBS) \
 	    $(if $(BIFURCATIONS),--bifurcations $(BIFURCATIONS) --only "$$2"); \
 	}; \
 	for name in $(CURVES); do \
@@ -106,20 +97,21 @@ branches: $(VENV)/demo.stamp $(BLOCKED)/stamp
 	done; \
 	for point in $(SURFACES); do \
 	  cover mass-$$point atlas-mass --point $$point; \
-	  echo; step env $(VERIFY).atlas $(BRANCHES)/mass-$$point.json -o $(BRANCHES)/mass-$$point-certificate.json --jobs $(JOBS); \
+	  echo; step env $(VERIFY) atlas $(BRANCHES)/mass-$$point.json -o $(BRANCHES)/mass-$$point-certificate.json --jobs $(JOBS); \
 	done; \
 	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
 	exit $$failed
 
 # The data are kept by `make clean`: they hold the proofs of all rows.
 figures: $(VENV)/demo.stamp
-	@$(BIN)/python -m figures data $(PICTURES)/data || [ $$? -eq 1 ]
-	@$(BIN)/python -m figures all $(PICTURES)/data -o $(PICTURES)
+	@$(BIN)/orbitproof figures data $(PICTURES)/data || [ $$? -eq 1 ]
+	@$(BIN)/orbitproof figures all $(PICTURES)/data -o $(PICTURES)
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 
 test: lint
 	$(BIN)/python -m pytest -n 2

@@ -1,13 +1,13 @@
-"""Command line of the search: ``python -m explore``; see ``--help``."""
+"""Command line of the search: ``orbitproof explore``; see ``--help``."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
 
-from explore.arguments import parser
-from explore.request import check
-from shared.formats import InputError
+from orbitproof.explore.commands.arguments import parser
+from orbitproof.explore.search import check
+from orbitproof.shared.formats import InputError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -22,14 +22,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(options, "run"):
             return int(options.run(options))
         request = check(options)
-        from explore.search import run
+        from orbitproof.explore.search import run
 
         return run(request)
     except InputError as error:
-        print(f"python -m explore {options.command}: {error}", file=sys.stderr)
+        print(f"orbitproof explore {options.command}: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print(f"python -m explore {options.command}: interrupted, nothing was written", file=sys.stderr)
+        print(f"orbitproof explore {options.command}: interrupted, nothing was written", file=sys.stderr)
         return 130
 
 

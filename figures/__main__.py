@@ -10,19 +10,21 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from figures import all_command, atlas_command, data_command
-from figures.folder import check_folder
-from shared.formats import InputError, read_candidates, write_text
+from orbitproof.figures.commands import all as all_command
+from orbitproof.figures.commands import atlas as atlas_command
+from orbitproof.figures.commands import data as data_command
+from orbitproof.figures.style import check_folder
+from orbitproof.shared.formats import InputError, read_candidates, write_text
 
 _EXAMPLES = """\
 examples:
-  python -m figures family candidates.json certificates.json -o figures-out/
-  python -m figures family candidates.json certificates.json --family halo-family.json -o figures-out/
-  python -m figures family candidates.json -o figures-out/        (no certificates: all points hollow)
-  python -m figures resonances families.json --candidates candidates.json -o figures-out/
-  python -m figures tables certificates.json -o tables-out/
-  python -m figures data data/                  (make the data files of all pictures)
-  python -m figures all data/ -o figures-out/   (draw all pictures from them)
+  orbitproof figures family candidates.json certificates.json -o figures-out/
+  orbitproof figures family candidates.json certificates.json --family halo-family.json -o figures-out/
+  orbitproof figures family candidates.json -o figures-out/        (no certificates: all points hollow)
+  orbitproof figures resonances families.json --candidates candidates.json -o figures-out/
+  orbitproof figures tables certificates.json -o tables-out/
+  orbitproof figures data data/                  (make the data files of all pictures)
+  orbitproof figures all data/ -o figures-out/   (draw all pictures from them)
 
 A marker is filled if the certificate of its candidate says "proved", and hollow otherwise. Family files
 are written by explore, with its option --family-output.
@@ -32,9 +34,9 @@ published enclosure or is missing, 2 bad input.
 
 _RESONANCES_EXAMPLES = """\
 examples:
-  python -m explore candidates --preset tables -o candidates.json --family-output families.json
-  python -m figures resonances families.json -o figures-out/
-  python -m figures resonances families.json --candidates candidates.json --certificates certificates.json -o out/
+  orbitproof explore candidates --preset tables -o candidates.json --family-output families.json
+  orbitproof figures resonances families.json -o figures-out/
+  orbitproof figures resonances families.json --candidates candidates.json --certificates certificates.json -o out/
 
 For each family: a picture (PDF and PNG), the samples (stability-*.csv) and the resonances and extrema of the
 stability parameters, with their distance from the nearest resonant value (resonances-*.csv).
@@ -43,10 +45,10 @@ Exit codes: 0 written, 2 bad input.
 
 _TABLES_EXAMPLES = """\
 examples:
-  python -m figures tables certificates.json
-  python -m figures tables earth-moon.json sun-jupiter.json -o tables-out/
-  python -m figures tables certificates.json -o tables-out/ --candidates candidates.json --digits 40
-  python -m figures tables certificates.json -o tables-out/ --published my-list.json --allow-missing
+  orbitproof figures tables certificates.json
+  orbitproof figures tables earth-moon.json sun-jupiter.json -o tables-out/
+  orbitproof figures tables certificates.json -o tables-out/ --candidates candidates.json --digits 40
+  orbitproof figures tables certificates.json -o tables-out/ --published my-list.json --allow-missing
 
 One table for each family, as text, Markdown, CSV and LaTeX, beside what the paper prints: our enclosure is
 "inside" the published one, "overlaps" it, or lies "outside". The format of a file of published enclosures is
@@ -65,7 +67,7 @@ def argument_parser() -> argparse.ArgumentParser:
     """The command line: its commands and options."""
     raw = argparse.RawDescriptionHelpFormatter
     parser = _Parser(
-        prog="python -m figures",
+        prog="orbitproof figures",
         description="Pictures of families of symmetric periodic orbits (PDF and PNG), and tables of what is certified.",
         epilog=_EXAMPLES,
         formatter_class=raw,
@@ -143,16 +145,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def draw(arguments: argparse.Namespace) -> list[Path]:
     """Read everything, then write the pictures; returns their paths. Raises `InputError`."""
-    from figures.family import MarkedPoint, assign, mark_candidates
-    from figures.family_file import read_families
+    from orbitproof.figures.model import MarkedPoint, assign, mark_candidates, read_families
 
     candidates = read_candidates(arguments.candidates)
     marks = mark_candidates(candidates, arguments.certificates, arguments.candidates)
     families = [family.refined() for path in arguments.family for family in read_families(path)]
 
     # Matplotlib takes a second to load: only after the input is known to be good.
-    from figures.draw import draw_family, draw_marks
-    from figures.style import close, save, use_style
+    from orbitproof.figures.pictures import draw_family, draw_marks
+    from orbitproof.figures.style import close, save, use_style
 
     check_folder(arguments.output)
     written: list[Path] = []
@@ -177,8 +178,7 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
 
 def draw_stability(arguments: argparse.Namespace) -> list[Path]:
     """Read everything, then write pictures and CSV files; returns their paths. Raises `InputError`."""
-    from figures.family import assign, mark_candidates
-    from figures.stability import BAND, events_csv, places_on, read_curves, samples_csv
+    from orbitproof.figures.model import BAND, assign, events_csv, mark_candidates, places_on, read_curves, samples_csv
 
     if arguments.certificates is not None and arguments.candidates is None:
         raise InputError("--certificates: need their candidates; add --candidates")
@@ -191,8 +191,8 @@ def draw_stability(arguments: argparse.Namespace) -> list[Path]:
     if alone and not arguments.quiet:
         print(f"{len(alone)} candidates lie on none of the families", file=sys.stderr)
 
-    from figures.resonances import draw_resonances
-    from figures.style import close, save, use_style
+    from orbitproof.figures.pictures import draw_resonances
+    from orbitproof.figures.style import close, save, use_style
 
     check_folder(arguments.output)
     written: list[Path] = []
@@ -217,11 +217,16 @@ def draw_stability(arguments: argparse.Namespace) -> list[Path]:
 def tabulate(arguments: argparse.Namespace) -> int:
     """Read everything, then write or print the tables; returns the exit code. Raises `InputError`."""
     # Not needed by the other command, and FLINT is slow to load on some machines.
-    from figures.certified import read_rows
-    from figures.published import default_published, read_published
-    from figures.table_latex import to_latex
-    from figures.table_text import to_csv, to_markdown, to_text
-    from figures.tables import build_tables
+    from orbitproof.figures.tables import (
+        build_tables,
+        default_published,
+        read_published,
+        read_rows,
+        to_csv,
+        to_latex,
+        to_markdown,
+        to_text,
+    )
 
     published = read_published(arguments.published or default_published())
     tables = build_tables(read_rows(arguments.certificates, arguments.candidates), published)

@@ -4,5 +4,5 @@ The modules read in this order: `norms`, `grading`, `algebra`, `centre`, `soluti
 `gronwall`, `step`, `section`, `crossing`, `derivatives`, `poincare`, `symmetry` (the Poincare map and its
 derivatives); `balls`, `ball_text`, `frames`, `expansion`, `jets`, `interval_newton`, `reduction`,
 `conditions`, `nondegeneracy`, `theorems`, `outcome` (what follows from them); `certify`, `certificate`,
-`workers`, `report` (the command line ``python -m verify``).
+`workers`, `report` (the command line ``orbitproof verify``).
 """

@@ -1,4 +1,4 @@
-"""Command line of the verifier: ``python -m verify candidates.json -o certificates.json``."""
+"""Command line of the verifier: ``orbitproof verify candidates.json -o certificates.json``."""
 
 from __future__ import annotations
 
@@ -7,26 +7,35 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from shared.formats import Candidate, InputError, check_writable, read_candidates
-from verify.certificate import Certificate, is_proof_of, read_certificates, write_certificates
-from verify.certify import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
-from verify.engines import GRACE_SECONDS
-from verify.options import ArgumentParser, positive_integer, positive_seconds
-from verify.recheck import Recheck
-from verify.report import Display, recheck_table, verdict_table
-from verify.workers import certify_all, recheck_all
+from orbitproof.shared.formats import Candidate, InputError, check_writable, read_candidates
+from orbitproof.verify.certificate import (
+    GREATEST_PRECISION,
+    LEAST_PRECISION,
+    LEVELS,
+    Certificate,
+    Limits,
+    Recheck,
+    certify_all,
+    is_proof_of,
+    read_certificates,
+    recheck_all,
+    recheck_table,
+    verdict_table,
+    write_certificates,
+)
+from orbitproof.verify.engines import GRACE_SECONDS, ArgumentParser, Display, positive_integer, positive_seconds
 
 _EXAMPLES = """\
 examples:
-  python -m verify candidates.json
+  orbitproof verify candidates.json
       prove what can be proved and print the table
-  python -m verify candidates.json -o certificates.json --jobs 2
+  orbitproof verify candidates.json -o certificates.json --jobs 2
       the same on two cores, certificates in a file; if interrupted, the same command goes on
-  python -m verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
+  orbitproof verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
       one row again, with more bits
-  python -m verify --recheck certificates.json
+  orbitproof verify --recheck certificates.json
       check that every certificate follows from the enclosures that it carries, without integrating
-  python -m verify --recheck --integrate certificates.json --jobs 2
+  orbitproof verify --recheck --integrate certificates.json --jobs 2
       and integrate again, at another precision and order
 
 exit codes: 0 everything proved, 1 something not proved or interrupted, 2 bad input
@@ -37,7 +46,7 @@ with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input
 
 def _parser() -> argparse.ArgumentParser:
     parser = ArgumentParser(
-        prog="python -m verify",
+        prog="orbitproof verify",
         description="Prove bifurcations of symmetric periodic orbits: rigorous verification of candidate boxes.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -82,7 +91,12 @@ def _precision(text: str) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
-    options = _parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    if words[:1] == ["atlas"]:
+        from orbitproof.verify.atlas.__main__ import main as verify_atlas
+
+        return verify_atlas(words[1:])
+    options = _parser().parse_args(words)
     try:
         return _recheck(options) if options.recheck else _run(options)
     except InputError as error:

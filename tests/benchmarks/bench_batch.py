@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from explore.batch import correct_batch
-from explore.batch_flow import flow_batch
-from explore.compilation import configure_jax, use_accelerator
-from explore.flow import flow_of
-from explore.runge_kutta import RELATIVE_TOLERANCE
-from shared.systems import CR3BP, MASS_PARAMETERS
+from orbitproof.explore.flow.batch import flow_batch
+from orbitproof.explore.flow.compilation import configure_jax, use_accelerator
+from orbitproof.explore.flow.flow import flow_of
+from orbitproof.explore.flow.runge_kutta import RELATIVE_TOLERANCE
+from orbitproof.explore.orbits.batch import correct_batch
+from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
 
 REPEATS = 3
 SINGLES = 200

@@ -12,10 +12,10 @@ import time
 from collections import defaultdict
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from shared.formats import Candidate, read_candidates
-from verify.certify import certify
+from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.verify.certificate.certify import certify
 
 ROOT = Path(__file__).resolve().parents[2]
 STORED = ROOT / "tests" / "data" / "known-bifurcations.json"

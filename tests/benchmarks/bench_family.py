@@ -5,6 +5,7 @@ python tests/benchmarks/bench_family.py
 
 from __future__ import annotations
 
+import importlib
 import os
 import resource
 import subprocess
@@ -33,7 +34,7 @@ def command_line(label: str, folder: Path) -> None:
     arguments += ["--max-orbits", "500", "--jobs", "1", "--quiet", "-o", str(folder / "family.json")]
     before, wall = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     environment = os.environ | {"ORBITPROOF_CACHE": str(folder)}
-    subprocess.run([sys.executable, "-m", "explore", *arguments], cwd=ROOT, env=environment, check=True)
+    subprocess.run([sys.executable, "-m", "orbitproof.explore", *arguments], cwd=ROOT, env=environment, check=True)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     print(f"{label:<52} {time.perf_counter() - wall:8.3f} s wall {processor:8.3f} s processor")
@@ -45,18 +46,13 @@ def main() -> None:
         command_line("command line, 500 planar orbits, first run", Path(folder))
         command_line("  the same, compiled code at hand", Path(folder))
 
-    def load() -> Any:
-        import explore.detection
-        import explore.families
-        import explore.flow
-
-        return explore
-
-    explore = timed("import JAX and diffrax", load)
-    from shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+    families = timed("import JAX and diffrax", lambda: importlib.import_module("orbitproof.explore.families"))
+    detection = importlib.import_module("orbitproof.explore.families.detection")
+    flow_of = importlib.import_module("orbitproof.explore.flow").flow_of
+    from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
     mass = MASS_PARAMETERS["earth-moon"]
-    flow = explore.flow.flow_of(CR3BP)
+    flow = flow_of(CR3BP)
     state = [0.8426, 0.0, 0.1639, 0.0, 0.2635, 0.0]
     timed("first half return (tracing, compiling or its cache)", lambda: flow.derivative(state, 1.3346, [float(mass)]))
     timed("first samples of an orbit", lambda: flow.samples(state, 1.3346, [float(mass)]))
@@ -67,17 +63,15 @@ def main() -> None:
     )
     assert len(repeat) == count
     for bound in (0.2, 0.3):
-        limits = explore.families.Limits(coordinate_max={"z": bound})
+        limits = families.Limits(coordinate_max={"z": bound})
         parameters = {"mu": mass}
         family = timed(
             f"Earth-Moon L1 halo family from its birth to z = {bound}",
-            lambda limits=limits, parameters=parameters: explore.families.trace_family(
-                CR3BP, "L1-halo", parameters, limits
-            ),
+            lambda limits=limits, parameters=parameters: families.trace_family(CR3BP, "L1-halo", parameters, limits),
         )
         found = timed(
             f"  its resonances k = 1, 2, 3, 4 ({len(family.orbits)} orbits)",
-            lambda family=family: explore.detection.detect(family, [1, 2, 3, 4]),
+            lambda family=family: detection.detect(family, [1, 2, 3, 4]),
         )
         print(f"  found: {', '.join(f'k = {resonance.k}' for resonance in found.resonances)}")
     for label, name, speed in (
@@ -85,24 +79,25 @@ def main() -> None:
         ("earth-moon", "L2-halo", 20.5), ("sun-jupiter", "L2-halo", 8.0),
     ):  # fmt: skip
         parameters = {"mu": MASS_PARAMETERS[label]}
-        limits = explore.families.Limits(coordinate_max={} if speed is None else {"vy": speed})
+        limits = families.Limits(coordinate_max={} if speed is None else {"vy": speed})
         family = timed(
             f"{label} {name} as far as the paper's tables go",
-            lambda name=name, parameters=parameters, limits=limits: explore.families.trace_family(
+            lambda name=name, parameters=parameters, limits=limits: families.trace_family(
                 CR3BP, name, parameters, limits
             ),
         )
         found = timed(
             f"  its resonances k = 1, 2, 3, 4 ({len(family.orbits)} orbits)",
-            lambda family=family: explore.detection.detect(family, [1, 2, 3, 4]),
+            lambda family=family: detection.detect(family, [1, 2, 3, 4]),
         )
         print(f"  found: {len(found.resonances)} resonances, {len(found.samples)} samples")
     odd = timed(
         "Falkner-Skan family, beta 100 to 1000, with compiling",
-        lambda: explore.families.trace_family(FALKNER_SKAN, "odd", {}, explore.families.Limits()),
+        lambda: families.trace_family(FALKNER_SKAN, "odd", {}, families.Limits()),
     )
     found = timed(
-        f"  its resonances k = 2, 3, 4 ({len(odd.orbits)} orbits)", lambda: explore.detection.detect(odd, [2, 3, 4])
+        f"  its resonances k = 2, 3, 4 ({len(odd.orbits)} orbits)",
+        lambda: detection.detect(odd, [2, 3, 4]),
     )
     print(f"  found: {', '.join(f'k = {resonance.k}' for resonance in found.resonances)}")
 

@@ -13,11 +13,11 @@ from collections import defaultdict
 from fractions import Fraction
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from shared.formats import Candidate
-from shared.systems import CR3BP, MASS_PARAMETERS
-from verify.poincare import IntegratorSettings, enclose_iterates
+from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
+from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
 
 PRECISION = 260
 

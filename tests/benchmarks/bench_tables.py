@@ -3,7 +3,7 @@
 python tests/benchmarks/bench_tables.py certificates.json
 python tests/benchmarks/bench_tables.py certificates.json --candidates candidates.json --both ID [ID ..]
 
-Reads the seconds of a finished `python -m verify`; with --both it integrates the named rows once in each kind
+Reads the seconds of a finished `orbitproof verify`; with --both it integrates the named rows once in each kind
 of coordinates, one after the other, and prints the ratio.
 """
 
@@ -20,16 +20,16 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from shared.formats import Candidate, read_candidates
-from shared.numbers import parse_exact
-from shared.regularised import KUSTAANHEIMO_STIEFEL
-from shared.systems import CR3BP
-from verify.certify import first_precision
-from verify.coordinates import PHYSICAL
-from verify.poincare import IntegratorSettings, enclose_iterates
-from verify.returns import REGULARISED
+from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
+from orbitproof.shared.systems.system import CR3BP
+from orbitproof.verify.certificate.certify import first_precision
+from orbitproof.verify.poincare.coordinates import PHYSICAL
+from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare.returns import REGULARISED
 
 _STEP = 2e-3
 _MOST_STEPS = 40_000

@@ -1,0 +1,101 @@
+"""The points of a traced family as a curve in the coordinates of an atlas."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from orbitproof.explore.atlases.complex_flow import HalfReturns
+from orbitproof.explore.families import Family
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector
+from orbitproof.explore.orbits import CorrectionFailure, primaries
+from orbitproof.shared.systems import CR3BP
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """A point of a family.
+
+    Attributes:
+        place: arclength of the family, in its own units.
+        point: shape (1 + n,), in the system's `centre_coordinates`.
+        tangent: shape (1 + n,), derivative of the point in `place`.
+        half_period: in the system's time.
+    """
+
+    place: float
+    point: Vector
+    tangent: Vector
+    half_period: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A traced family, with the frames in which it is expanded.
+
+    Attributes:
+        family: traced a little further than the curve goes.
+        graph: whether p_0 is the family parameter alone, instead of the direction of the tangent.
+    """
+
+    family: Family
+    graph: bool
+
+    def at(self, place: float) -> CurvePoint:
+        """The point at an arclength of the family. Raises `CorrectionFailure`."""
+        family, problem = self.family, self.family.problem
+        orbit = family.orbit_at(place)
+        nearest = int(np.argmin(np.abs(np.array(family.arclengths) - place)))
+        try:
+            _, jacobian, _ = problem.evaluate(orbit.unknowns)
+        except FlowFailure as error:
+            raise CorrectionFailure(str(error)) from None
+        tangent = problem.tangent(jacobian, family.tangents[nearest]) * problem.scales
+        return CurvePoint(place, orbit.unknowns[:-1], tangent[:-1], orbit.half_period)
+
+    def frame(self, tangent: Vector) -> Matrix:
+        """A frame whose column 0 is along the curve: orthonormal, or for a graph the identity."""
+        size = len(tangent)
+        if self.graph:
+            return np.eye(size)
+        columns = [tangent / float(np.linalg.norm(tangent))]
+        while len(columns) < size:
+            rest = np.eye(size) - sum(np.outer(column, column) for column in columns)
+            chosen = rest[:, int(np.argmax(np.linalg.norm(rest, axis=0)))]
+            columns.append(chosen / float(np.linalg.norm(chosen)))
+        return np.column_stack(columns)
+
+    def scale(self, point: Vector) -> float:
+        """A typical length near a point: the distance from the nearest primary, 1 in other systems."""
+        problem = self.family.problem
+        if problem.system is not CR3BP:
+            return 1.0
+        place = np.array([point[0], 0.0, point[1]])
+        return min(float(np.linalg.norm(place - primary)) for primary in primaries(float(problem.parameters["mu"])))
+
+
+def coordinate_time(returns: HalfReturns, point: Vector, half_period: float, guess: float) -> float:
+    """The time of the coordinates after which the system's time is `half_period`, to six digits.
+
+    By bisection and the secant method on a function that increases. Raises `FlowFailure`.
+    """
+    if returns.regularisation is None:
+        return half_period
+    (low, below), high, above = (0.0, -half_period), np.inf, np.nan
+    place = guess
+    for attempt in range(60):
+        value = returns.clock(point, place) - half_period
+        if abs(value) < 1e-6 * half_period:
+            return place
+        if value < 0:
+            low, below = place, value
+        else:
+            high, above = place, value
+        if np.isinf(high):
+            place = 2.0 * low
+        elif attempt % 3 == 2:
+            place = 0.5 * (low + high)
+        else:
+            place = low - below * (high - low) / (above - below)
+    raise FlowFailure(f"the orbit does not reach the time {half_period:.6g} in regularised coordinates")

@@ -1,0 +1,247 @@
+"""Atlases of planar Lyapunov families down to their libration point.
+
+In the equations of `shared.systems.libration` the family is a curve vy(eps) through eps = 0, where the orbit is that
+of the linear centre. It is followed by Newton's method and written as pieces over eps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from orbitproof.explore.flow import FlowFailure, Vector, flow_of
+from orbitproof.explore.orbits import LibrationPoint, bracketed_zero, libration_point, lyapunov_orbit
+from orbitproof.shared.formats import Atlas, Claim, Covers, Piece
+from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
+
+ComplexArray = NDArray[np.complex128]
+
+NEWTON_LIMIT = 12
+NEWTON_TOLERANCE = 1e-11
+STEP = 0.02
+"""Of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
+NODES = 48
+NOISE = 3e-15
+"""Size, relative to vy, below which Chebyshev coefficients are rounding."""
+CIRCLE, FROM, TO = 64, 8, 20
+TIME_STEPS = 300
+SMALL = 1e-10
+LEAST_DECAY = 2.95
+"""A piece is narrow enough if the Taylor coefficients of the half return in s decay by this factor from degree to
+degree; then degree 32 is enough for a proof, as was found for all three points."""
+SHRINK, NARROWEST = 0.8, 1e-3
+BEYOND, BEFORE = 0.06, 0.12
+"""The pieces go this far beyond the symmetry breaking and beyond eps = 0, relative to the range between."""
+OVERLAP = 0.04
+"""The part of a piece's half-width by which its neighbours reach into it."""
+
+
+class LibrationFailure(Exception):
+    """The family could not be followed; one line says why."""
+
+
+@dataclass(frozen=True)
+class PlanarOrbit:
+    """A planar orbit around a libration point in the coordinates of `shared.systems.libration`.
+
+    Attributes:
+        eps: the distance from the libration point at which it starts on the axis, negative on the left.
+        vy: the speed there, in units of eps.
+        half_period: nondimensional time.
+    """
+
+    eps: float
+    vy: float
+    half_period: float
+
+
+@dataclass(frozen=True)
+class LyapunovFamily:
+    """The planar Lyapunov family of a collinear libration point.
+
+    Attributes:
+        point: "L1", "L2" or "L3".
+        mu: the mass parameter, exact.
+    """
+
+    point: str
+    mu: Fraction
+    _known: list[PlanarOrbit] = field(default_factory=list, compare=False)
+
+    @cached_property
+    def libration(self) -> LibrationPoint:
+        """The libration point in float64."""
+        return libration_point(self.point, self.mu)
+
+    @property
+    def system(self) -> ReversibleSystem:
+        """The equations around the point."""
+        return AROUND[self.point]
+
+    def orbit(self, eps: float) -> PlanarOrbit:
+        """The orbit that starts at eps, from its nearest known neighbour in steps. Raises `LibrationFailure`."""
+        if not self._known:
+            linear = lyapunov_orbit(self.libration, 1.0, 1)
+            self._known.append(self._correct(0.0, float(linear.direction[4]), linear.half_period))
+        near = min(self._known, key=lambda orbit: abs(orbit.eps - eps))
+        count = int(np.ceil(abs(eps - near.eps) / (STEP * self.libration.distance)))
+        for place in np.linspace(near.eps, eps, count + 1)[1:]:
+            near = self._correct(float(place), near.vy, near.half_period)
+            self._known.append(near)
+        return near
+
+    def _correct(self, eps: float, vy: float, half_period: float) -> PlanarOrbit:
+        """Newton's method for vy and the half period: y and vx vanish at its end."""
+        flow, parameters = flow_of(self.system), [float(self.mu), self.libration.x, eps]
+        for _ in range(NEWTON_LIMIT):
+            if half_period <= 0:
+                break
+            try:
+                result = flow.derivative([1.0, 0.0, 0.0, vy], half_period, parameters)
+            except FlowFailure as error:
+                raise LibrationFailure(f"at eps = {eps:.6g}: {error}") from None
+            jacobian = np.stack([result.state_transition[1:3, 3], result.velocity[1:3]], axis=1)
+            try:
+                step = np.linalg.solve(jacobian, result.state[1:3])
+            except np.linalg.LinAlgError:
+                raise LibrationFailure(f"at eps = {eps:.6g}: the family turns around") from None
+            vy, half_period = vy - float(step[0]), half_period - float(step[1])
+            if abs(step[0]) < NEWTON_TOLERANCE * abs(vy):
+                return PlanarOrbit(eps, vy, half_period)
+        raise LibrationFailure(f"at eps = {eps:.6g}: Newton's method does not converge")
+
+    def breaking_function(self, eps: float) -> float:
+        """d vz / d z over the half return; zero where the symmetry S breaks and halo orbits branch off. eps != 0."""
+        orbit = self.orbit(eps)
+        state = [self.libration.x + eps, 0.0, 0.0, 0.0, eps * orbit.vy, 0.0]
+        return float(flow_of(CR3BP).derivative(state, orbit.half_period, [float(self.mu)]).state_transition[5, 2])
+
+    def symmetry_breaking(self, side: int) -> float:
+        """The eps, of the sign `side`, of the first symmetry breaking. Raises `LibrationFailure`."""
+        step = STEP * self.libration.distance
+        last, value = side * step, self.breaking_function(side * step)
+        while abs(last) < self.libration.distance:
+            place = last + side * step
+            try:
+                new = self.breaking_function(place)
+            except FlowFailure as error:
+                raise LibrationFailure(f"at eps = {place:.6g}: {error}") from None
+            if (new < 0) != (value < 0):
+                return bracketed_zero(self.breaking_function, (last, place), (value, new), 1e-12 * step)
+            last, value = place, new
+        raise LibrationFailure(f"S does not break at any abs(eps) < {self.libration.distance:.6g}; give the end")
+
+    def expansion(self, low: float, high: float) -> Vector:
+        """Chebyshev coefficients of vy on [low, high], those above the rounding."""
+        nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        values = [self.orbit(middle + half * node).vy for node in nodes]
+        coefficients = np.asarray(chebyshev.chebfit(nodes, values, NODES - 1))
+        return coefficients[: np.flatnonzero(np.abs(coefficients) > NOISE * abs(coefficients[0]))[-1] + 1]
+
+
+def decay(family: LyapunovFamily, low: float, high: float, coefficients: Vector) -> float:
+    """The factor by which the Taylor coefficients of the half return in s decay on the piece over [low, high].
+
+    The orbits are followed from the points of the unit circle of s by the classical Runge-Kutta method, whose errors
+    are below the coefficients of the degrees `FROM` and `TO` that are compared; infinite if the latter is `SMALL`.
+    """
+    s = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    program = family.system.program
+    parameters = [float(family.mu), family.libration.x, middle + half * s]
+
+    def slope(state: ComplexArray) -> ComplexArray:
+        return np.array(program.evaluate([*state, *parameters]))
+
+    step = family.orbit(middle).half_period / TIME_STEPS
+    ones = np.ones(CIRCLE, dtype=complex)
+    state = np.array([ones, 0 * ones, 0 * ones, chebyshev.chebval(s, coefficients)])
+    with np.errstate(all="ignore"):
+        for _ in range(TIME_STEPS):
+            first = slope(state)
+            second = slope(state + 0.5 * step * first)
+            third = slope(state + 0.5 * step * second)
+            fourth = slope(state + step * third)
+            state = state + step / 6 * (first + 2 * (second + third) + fourth)
+    if not np.all(np.isfinite(state)):
+        return 0.0
+    sizes = np.abs(np.fft.fft(state, axis=1)).max(axis=0)
+    if sizes[TO] < SMALL * sizes[0]:
+        return np.inf
+    return float((sizes[FROM] / sizes[TO]) ** (1 / (TO - FROM)))
+
+
+def pieces_over(family: LyapunovFamily, low: float, high: float, tube: float) -> tuple[Piece, ...]:
+    """Pieces over [low, high] from left to right, each as wide as is narrow enough. Raises `LibrationFailure`."""
+    pieces: list[Piece] = []
+    begin = low
+    while True:
+        end = high
+        while True:
+            coefficients = family.expansion(begin, end)
+            if decay(family, begin, end, coefficients) >= LEAST_DECAY:
+                break
+            end = begin + SHRINK * (end - begin)
+            if end - begin < NARROWEST * (high - low):
+                raise LibrationFailure(f"at eps = {begin:.6g}: no piece is narrow enough (near a singularity)")
+        name = f"p{len(pieces) + 1:03d}"
+        pieces.append(_piece(name, 0.5 * (begin + end), 0.5 * (end - begin), coefficients, tube))
+        if end == high:
+            return tuple(pieces)
+        begin = end - OVERLAP * (end - begin)
+
+
+def _piece(name: str, middle: float, half: float, coefficients: Vector, tube: float) -> Piece:
+    size = abs(float(coefficients[0]))
+    monomials = chebyshev.cheb2poly(coefficients)
+    return Piece(
+        id=name,
+        kind="regular",
+        centre=(Fraction(middle), Fraction(float(monomials[0]))),
+        frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))),
+        half_width=Fraction(half),
+        polynomial=((Fraction(0), *(Fraction(float(value)) for value in monomials[1:])),),
+        tube=(Fraction(tube * size),),
+        coordinates="physical",
+    )
+
+
+def lyapunov_atlas(family: LyapunovFamily, label: str, end: float | None, side: int, tube: float) -> Atlas:
+    """The atlas of the family from the libration point to `end`, by default a bit beyond its symmetry breaking.
+
+    Arguments:
+        label: the mass as people call it.
+        end: an eps, of either sign; `None`: to the symmetry breaking on the given side.
+        side: -1 or 1, the sign of eps.
+        tube: half-width of the tubes relative to vy.
+
+    Raises `LibrationFailure`.
+    """
+    breaking = family.symmetry_breaking(side) if end is None else None
+    goal = end if breaking is None else (1 + BEYOND) * breaking
+    assert goal is not None
+    ends = sorted((goal, -BEFORE * goal))
+    pieces = pieces_over(family, ends[0], ends[1], tube)
+    # Short numbers for the statement; the pieces go beyond them.
+    covered = sorted((_short(0.9999 * goal), Fraction(0)))
+    name = f"lyapunov-{family.point.lower()}-{label}"
+    return Atlas(
+        id=name,
+        title=f"planar Lyapunov orbits of {family.point}, {label}, down to the libration point",
+        system=family.system,
+        parameters={"mu": family.mu},
+        claim=Claim("arc", None, ("eps",), Covers("eps", covered[0], covered[1])),
+        pieces=pieces,
+        provenance={"libration_point": family.libration.x, "symmetry_breaking": breaking},
+    )
+
+
+def _short(value: float) -> Fraction:
+    """A decimal number of a few digits near `value`."""
+    return Fraction(f"{value:.5e}")

@@ -1,0 +1,107 @@
+"""Carrying out ``orbitproof explore atlas``: tracing or reading the family, covering it, writing the atlas."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from fractions import Fraction
+
+from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, build_atlas
+from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
+from orbitproof.explore.atlases.request import Source, check_names, parameters_of
+from orbitproof.explore.engines import Reporter
+from orbitproof.explore.families import Family, FamilyFailure, Limits, family_of, read_families, trace_family
+from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.shared.formats import Atlas, InputError, Piece, write_atlas
+from orbitproof.shared.systems import REGULARISATIONS
+
+
+def run_source(source: Source, options: argparse.Namespace) -> int:
+    """Cover the curve and write the atlas; returns the exit code. Raises `InputError`."""
+    started = time.monotonic()
+    with Reporter(options.quiet) as report:
+        try:
+            family, name, label = _family(source, options, report)
+            problem = family.problem
+            if options.coordinates == "regularised" and problem.system.name not in REGULARISATIONS:
+                raise InputError(f"--coordinates regularised: {problem.system.name} has none; leave it out")
+            title = f"{name} orbits of the {problem.system.title}" + (f", mass parameter {label}" if label else "")
+            request = AtlasRequest(
+                id=options.id or options.preset or "-".join(part for part in (name, label) if part),
+                title=source.title or title,
+                family=family,
+                covers=source.covers,
+                increasing=source.increasing,
+                tube=options.tube,
+                control=CoverControl(options.degree, options.decay, options.overlap),
+                coordinates=None if options.coordinates == "auto" else options.coordinates,
+                provenance={"family": name, "degree": options.degree, "decay": options.decay},
+            )
+            report.stage("covering")
+            atlas = build_atlas(request, report.update)
+        except (FamilyFailure, CorrectionFailure, CoverFailure) as error:
+            report.error(f"{error}")
+            return 1
+        write_atlas(options.output, atlas)
+        report.message(f"{options.output}: {summary(atlas)}, {time.monotonic() - started:.0f} s")
+    return 0
+
+
+def summary(atlas: Atlas) -> str:
+    """The atlas in one line."""
+    pieces = [piece for piece in atlas.pieces if isinstance(piece, Piece)]
+    regularised = sum(piece.coordinates == "regularised" for piece in pieces)
+    widths = [float(piece.half_width) for piece in pieces]
+    inside = f", {regularised} of them in regularised coordinates" if regularised else ""
+    return f"{atlas.claim.kind} of {len(pieces)} pieces{inside}, half-widths {min(widths):.2g} to {max(widths):.2g}"
+
+
+def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tuple[Family, str, str]:
+    """The family with its name and the name of its mass, "" without one. Raises `InputError` and failures."""
+    if source.path is not None:
+        return _read(source)
+    assert source.system is not None
+    assert source.family is not None
+    report.stage("tracing")
+    family = trace_family(
+        source.system, source.family, parameters_of(source.system, source.mass), _limits(source, options),
+        progress=report.update,
+    )  # fmt: skip
+    if family.outcome == "interrupted":
+        raise KeyboardInterrupt
+    report.message(f"{source.family}: {len(family.orbits)} orbits, {family.reason}")
+    return family, source.family, source.mass or ""
+
+
+def _limits(source: Source, options: argparse.Namespace) -> Limits:
+    """Those of the options, and a little beyond what has to be covered."""
+    limits = Limits(options.max_orbits, integral_min=options.jacobi_min, min_distance=options.min_distance)
+    covers, system = source.covers, source.system
+    if covers is None or system is None:
+        return limits
+    margin = 4 * BEYOND
+    if covers.coordinate == system.family_parameter:
+        low = max(covers.start * (1 - margin), 1 + (covers.start - 1) * Fraction(9, 10))
+        return Limits(options.max_orbits, parameter_min=float(low), parameter_max=float(covers.end * (1 + margin)))
+    bound = float(max(abs(covers.start), abs(covers.end)) * (1 + margin))
+    return Limits(
+        options.max_orbits, {covers.coordinate: bound}, integral_min=options.jacobi_min,
+        min_distance=options.min_distance,
+    )  # fmt: skip
+
+
+def _read(source: Source) -> tuple[Family, str, str]:
+    assert source.path is not None
+    records = read_families(source.path)
+    found = [
+        record for record in records
+        if source.family in (None, record.name)
+        and (source.mass is None or record.parameters == parameters_of(record.system, source.mass))
+    ]  # fmt: skip
+    if len(found) != 1:
+        names = ", ".join(" ".join(part for part in (record.label, record.name) if part) for record in records)
+        count = "several such families" if found else "no such family"
+        raise InputError(f"{source.path}: {count}; choose one with --family and --mass among: {names}")
+    family = family_of(found[0])
+    check_names(family.problem.system, source.covers, source.increasing)
+    return family, found[0].name, found[0].label

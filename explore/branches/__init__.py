@@ -1,0 +1,5 @@
+"""The orbits that are born at a bifurcation, followed to both sides."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

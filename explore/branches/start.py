@@ -1,0 +1,205 @@
+"""A bifurcation point as the place where a branch starts: point, frame, level, directions, in float64.
+
+The claims of candidates files and certificates are exact. Here their numbers become what the search
+needs: the point on Fix(R), the half return from it, the direction of the new branch, and the value of the
+bifurcation parameter (*level*: first integral or family parameter), to more digits than a double has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isfinite
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from orbitproof.explore.flow import Matrix, Vector
+from orbitproof.explore.refinement import (
+    Frame,
+    IntegrationFailure,
+    JetBasis,
+    RefinementFailure,
+    branch_geometry,
+    section_crossings,
+    start_jets,
+)
+from orbitproof.shared.formats import Candidate
+from orbitproof.shared.numbers import round_dyadic
+from orbitproof.shared.systems import ReversibleSystem
+
+BITS = 100
+"""Working precision for what a double cannot hold; the point of a claim is rounded to it."""
+
+
+class NoBranch(Exception):
+    """A branch cannot be followed from a point; one line says why."""
+
+
+@dataclass(frozen=True)
+class BranchPoint:
+    """Where a branch starts.
+
+    Attributes:
+        id, system, parameters, kind, k, symmetry: the claim, as in `shared.formats.candidates.Candidate`.
+        point: shape (1 + n,), in the order of `ReversibleSystem.centre_coordinates`.
+        frame: shape (1 + n, 1 + n), columns are the directions of p_0, p_1, p_2.
+        level: value of the bifurcation parameter, exact to `BITS` bits.
+        half_period: time from the point to the next crossing of the section.
+        slope: p_0'(p_1) of the branch; 0 for a tangential bifurcation.
+    """
+
+    id: str
+    system: ReversibleSystem
+    parameters: Mapping[str, Fraction]
+    kind: str
+    k: int
+    symmetry: str | None
+    point: Vector
+    frame: Matrix
+    level: Fraction
+    half_period: float
+    slope: float
+
+    @property
+    def order(self) -> int:
+        """Power of p_1 with which the level begins to change along the branch: 1 touch-and-go, 2 otherwise."""
+        return 1 if self.kind == "touch_and_go" else 2
+
+    @property
+    def scale(self) -> Vector:
+        """Shape (1 + n,): lengths are measured in units of it, a coordinate's own size where that exceeds 1."""
+        return np.maximum(1.0, np.abs(self.point))
+
+    @property
+    def direction(self) -> Vector:
+        """Tangent of the branch at the point, of length 1 in units of `scale`, shape (1 + n,)."""
+        vector = self.frame[:, 1] + self.slope * self.frame[:, 0]
+        return np.asarray(vector / np.linalg.norm(vector / self.scale))
+
+    @property
+    def amplitude_form(self) -> Vector:
+        """The row that takes a difference of points to p_1, in units in which `direction` has p_1 = 1."""
+        row = np.linalg.inv(self.frame)[1]
+        return np.asarray(row / (row @ self.direction))
+
+    def level_difference(self, point: Vector) -> tuple[float, float]:
+        """Level at a point minus that of the bifurcation, and what the rounding of the point may change it by."""
+        context = mpmath.MPContext()
+        context.prec = BITS
+        exact = [context.mpf(float(value)) for value in point]
+        values = [level_at(self.system, self.parameters, exact, context)]
+        for i, value in enumerate(exact):
+            unit = np.spacing(max(1.0, abs(float(value))))
+            values.append(level_at(self.system, self.parameters, [*exact[:i], value + unit, *exact[i + 1 :]], context))
+        here = values[0]
+        noise = sum(abs(float(value - here)) for value in values[1:])
+        return float(here - context.mpf(self.level.numerator) / self.level.denominator), 4 * noise
+
+
+def branch_point(candidate: Candidate) -> BranchPoint:
+    """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
+    context = mpmath.MPContext()
+    context.prec = BITS
+    system, parameters = candidate.system, candidate.parameters
+    centre = [_number(value, context) for value in candidate.centre]
+    frame = [[_number(value, context) for value in row] for row in candidate.frame]
+    if candidate.level_sign is not None:
+        centre, frame = _without_level(candidate, centre, frame, context)
+    exact = [_fraction(value) for value in centre]
+    kernel = context.matrix([[_number(value, context) for value in row] for row in candidate.kernel_frame])
+    try:
+        start, parameter = start_jets(system, centre, [], JetBasis.graded((1,), 0))
+        crossing = next(section_crossings(system, parameters, start, parameter, context))
+        slope = 0.0
+        if candidate.kind == "touch_and_go":
+            slope = _slope(candidate, exact, Frame(context.matrix(frame), kernel), context)
+        level = level_at(system, parameters, centre, context)
+    except (IntegrationFailure, RefinementFailure) as failure:
+        raise NoBranch(str(failure)) from None
+    except ZeroDivisionError:
+        raise NoBranch("the point is singular, or the frame is") from None
+    return BranchPoint(
+        id=candidate.id, system=system, parameters=parameters, kind=candidate.kind, k=candidate.k,
+        symmetry=candidate.symmetry, point=_floats([centre])[0], frame=_floats(frame), level=_fraction(level),
+        half_period=crossing.time, slope=slope,
+    )  # fmt: skip
+
+
+def _slope(candidate: Candidate, centre: Sequence[Fraction], frame: Frame, context: mpmath.MPContext) -> float:
+    """p_0'(p_1) of a touch-and-go branch: what the search noted beside the claim, otherwise from series."""
+    noted = candidate.provenance.get("branch_slope")
+    if isinstance(noted, float) and isfinite(noted) and candidate.level_sign is None:
+        return noted
+    system, parameters = candidate.system, candidate.parameters
+    return branch_geometry(system, parameters, centre, frame, candidate.k, False, context).branch_slope
+
+
+def level_at(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[Any], context: mpmath.MPContext
+) -> Any:
+    """The bifurcation parameter at a point, to the precision of `context`."""
+    program = system.first_integral_program
+    if program is None:
+        return point[0]
+    state = [context.mpf(0)] * len(system.state)
+    for index, value in zip(system.fixed_coordinates, point[-len(system.fixed_coordinates) :], strict=True):
+        state[index] = value
+    fixed = [_number(parameters[name], context) for name in system.parameters]
+
+    def power(base: Any, exponent: Fraction) -> Any:
+        return context.mpf(base) ** _number(exponent, context)
+
+    return program.evaluate([*state, *fixed], lambda value: _number(value, context), power)[0]
+
+
+def _without_level(
+    candidate: Candidate, centre: list[Any], frame: list[list[Any]], context: mpmath.MPContext
+) -> tuple[list[Any], list[list[Any]]]:
+    """Centre and frame of a claim in level form in the coordinates of Fix(R).
+
+    The level coordinate w follows from H = A + b w^2 and its sign, its row of the frame from dH.
+    """
+    system, sign = candidate.system, candidate.level_sign
+    names = list(system.centre_coordinates)
+    place = names.index(str(system.level_coordinate))
+    point = [context.mpf(0) if name == system.level_coordinate else None for name in names]
+    for name, value in zip(candidate.coordinates[1:], centre[1:], strict=True):
+        point[names.index(name)] = value
+
+    def level(coordinates: list[Any]) -> Any:
+        return level_at(system, candidate.parameters, coordinates, context)
+
+    at_zero = level(point)
+    quadratic = level([context.mpf(1) if i == place else value for i, value in enumerate(point)]) - at_zero
+    point[place] = sign * context.sqrt((centre[0] - at_zero) / quadratic)
+    step = context.ldexp(1, -context.prec // 3)
+    gradient = []
+    for i in range(len(point)):
+        ahead, behind = (
+            level([value + shift if j == i else value for j, value in enumerate(point)]) for shift in (step, -step)
+        )
+        gradient.append((ahead - behind) / (2 * step))
+    rows: list[list[Any]] = [[context.mpf(0)] * len(names) for _ in names]
+    for name, row in zip(candidate.coordinates[1:], frame[1:], strict=True):
+        rows[names.index(name)] = row
+    rows[place] = [
+        (frame[0][j] - sum(gradient[i] * rows[i][j] for i in range(len(names)) if i != place)) / gradient[place]
+        for j in range(len(names))
+    ]
+    return point, rows
+
+
+def _number(value: Fraction, context: mpmath.MPContext) -> Any:
+    return context.mpf(value.numerator) / value.denominator
+
+
+def _fraction(value: Any) -> Fraction:
+    sign, mantissa, exponent, _ = value._mpf_
+    return round_dyadic((-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent, BITS)
+
+
+def _floats(rows: Sequence[Sequence[Any]]) -> Matrix:
+    return np.array([[float(value) for value in row] for row in rows])

@@ -1,0 +1,192 @@
+"""Between catalogue files and symmetric periodic orbits: correcting all orbits of a file, writing families as files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from orbitproof.explore.catalogue.file import Catalogue
+from orbitproof.explore.families import Family
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
+from orbitproof.explore.orbits import (
+    LIBRATION_POINTS,
+    NEWTON_TOLERANCE,
+    OrbitBatch,
+    ShootingProblem,
+    correct_batch,
+    libration_point,
+    primaries,
+    stability_index,
+)
+from orbitproof.shared.systems import CR3BP
+
+ON_SYMMETRY = 1e-6
+"""Largest magnitude of y, vx, vz at which a catalogue's initial state counts as lying on Fix(R)."""
+
+ODD = (1, 3, 5)
+"""Indices of the state coordinates that vanish on Fix(R)."""
+
+
+@dataclass(frozen=True)
+class Differences:
+    """Corrected orbits against the catalogue's numbers, shape (N,) each; NaN for an orbit that was not corrected.
+
+    Attributes:
+        state: distance of the first point.
+        jacobi_constant, period: magnitude of the difference.
+        stability_index: the same, relative to the index.
+    """
+
+    state: Vector
+    jacobi_constant: Vector
+    period: Vector
+    stability_index: Vector
+
+
+@dataclass(frozen=True)
+class CorrectedCatalogue:
+    """The orbits of a catalogue, corrected.
+
+    Attributes:
+        catalogue: what was read.
+        problem: what the orbits solve.
+        guesses: shape (N, 4), x, z, vy on Fix(R) and the half period, as they follow from the catalogue.
+        batch: the orbits; nothing is left out, what failed is marked.
+        failures: N texts, "" for a corrected orbit.
+    """
+
+    catalogue: Catalogue
+    problem: ShootingProblem
+    guesses: Matrix
+    batch: OrbitBatch
+    failures: tuple[str, ...]
+
+    @cached_property
+    def corrected(self) -> np.ndarray:
+        """Shape (N,), whether an orbit was."""
+        return np.array([not failure for failure in self.failures])
+
+    @cached_property
+    def stability_indices(self) -> Vector:
+        """Shape (N,); NaN for an orbit that was not corrected."""
+        values = [
+            stability_index(row) if ok else np.nan for row, ok in zip(self._stability, self.corrected, strict=True)
+        ]
+        return np.array(values)
+
+    @property
+    def _stability(self) -> np.ndarray:
+        return self.batch.stability
+
+    @cached_property
+    def differences(self) -> Differences:
+        """How far the corrected orbits are from the catalogue's."""
+        batch, catalogue = self.batch, self.catalogue
+        hidden = np.where(self.corrected, 0.0, np.nan)
+        assert batch.first_integrals is not None
+        indices = catalogue.stability_indices
+        return Differences(
+            state=np.linalg.norm((batch.unknowns - self.guesses)[:, :-1], axis=1) + hidden,
+            jacobi_constant=np.abs(batch.first_integrals - catalogue.jacobi_constants) + hidden,
+            period=np.abs(2 * batch.unknowns[:, -1] - catalogue.periods) + hidden,
+            stability_index=np.abs(self.stability_indices - indices) / np.maximum(indices, 1.0),
+        )
+
+    def seed(self, index: int) -> Family:
+        """The family of one of the orbits, not traced yet. Raises `CorrectionFailure`."""
+        orbit = self.batch.orbit(index)
+        _, jacobian, _ = self.problem.evaluate(orbit.unknowns)
+        tangent = self.problem.tangent(jacobian, np.ones(self.problem.size))
+        return Family(self.problem, (orbit,), (tangent,), "limit", "started")
+
+
+def correct_catalogue(
+    catalogue: Catalogue,
+    *,
+    tolerance: float = NEWTON_TOLERANCE,
+    progress: Callable[[str, float], None] | None = None,
+) -> CorrectedCatalogue:
+    """Correct every orbit of a catalogue to a symmetric periodic orbit.
+
+    The nearest orbit in the catalogue's system is taken, by steps of least norm. An orbit whose initial state is not on
+    Fix(R) must be there a quarter of a period later (a vertical family whose orbits start at the x axis); otherwise it
+    is marked as failed.
+    """
+    size = _size(catalogue)
+    planar = bool(np.all(catalogue.states[:, (2, 5)] == 0))
+    scale = (size, size, size, 1.0)
+    problem = ShootingProblem(
+        CR3BP, {"mu": catalogue.mass_ratio}, symmetry="S" if planar else None, scale=scale, tolerance=tolerance
+    )
+    states, failures = _on_fixed_set(catalogue)
+    guesses = np.column_stack([states[:, list(CR3BP.fixed_coordinates)], 0.5 * catalogue.periods])
+    batch = correct_batch(
+        CR3BP, {"mu": float(catalogue.mass_ratio)}, guesses, symmetry=problem.symmetry, scale=np.array(scale),
+        tolerance=tolerance, progress=progress,
+    )  # fmt: skip
+    together = tuple(own or other for own, other in zip(failures, batch.failures, strict=True))
+    return CorrectedCatalogue(catalogue, problem, guesses, batch, together)
+
+
+def _on_fixed_set(catalogue: Catalogue) -> tuple[Matrix, list[str]]:
+    """A point of each orbit on Fix(R), shape (N, 6), and for the orbits without one why."""
+    states, failures = catalogue.states.copy(), [""] * len(catalogue)
+    mass = [float(catalogue.mass_ratio)]
+    for i, state in enumerate(states):
+        if np.max(np.abs(state[list(ODD)])) <= ON_SYMMETRY:
+            continue
+        try:
+            later = flow_of(CR3BP).derivative(state, 0.25 * catalogue.periods[i], mass).state
+        except FlowFailure as error:
+            failures[i] = str(error)
+            continue
+        if np.max(np.abs(later[list(ODD)])) > 100 * ON_SYMMETRY:
+            failures[i] = "no point on Fix(R): neither the initial state nor the one a quarter of a period later"
+            continue
+        states[i] = later
+    return states, failures
+
+
+def _size(catalogue: Catalogue) -> float:
+    name = f"L{catalogue.point}"
+    return libration_point(name if name in LIBRATION_POINTS else "L1", catalogue.mass_ratio).distance
+
+
+def catalogue_of(family: Family, name: str, label: str) -> Catalogue:
+    """A traced CR3BP family in the catalogue's form; `name`, `label` as in `explore.families.tracing.TracedFamily`."""
+    problem, orbits = family.problem, family.orbits
+    point, _, rest = name.partition("-")
+    numbered = point in LIBRATION_POINTS
+    return Catalogue(
+        mass_ratio=problem.parameters["mu"],
+        states=np.array([problem.initial_state(orbit.unknowns) for orbit in orbits]),
+        jacobi_constants=np.array([orbit.first_integral for orbit in orbits], dtype=float),
+        periods=np.array([orbit.period for orbit in orbits]),
+        stability_indices=np.array([stability_index(orbit.stability) for orbit in orbits]),
+        system=label,
+        family=rest.partition("-")[0] if numbered else name,
+        point=point[1:] if numbered else "",
+        branch=_branch(family),
+    )
+
+
+def _branch(family: Family) -> str:
+    """N or S for a family outside the plane: the sign of z where its orbits are far from the smaller primary."""
+    if family.problem.symmetry is not None:
+        return ""
+    middle = family.orbits[len(family.orbits) // 2]
+    _, smaller = primaries(float(family.problem.parameters["mu"]))
+    ends = [family.problem.initial_state(middle.unknowns)[:3], np.zeros(3)]
+    ends[1][[0, 2]] = middle.second_point[:2]
+    far = max(ends, key=lambda place: float(np.linalg.norm(place - smaller)))
+    return "N" if far[2] > 0 else "S" if far[2] < 0 else ""
+
+
+def libration_places(mass_ratio: float) -> dict[str, Vector]:
+    """Positions of the five libration points, shape (3,) each."""
+    places = {name: np.array([libration_point(name, mass_ratio).x, 0.0, 0.0]) for name in LIBRATION_POINTS}
+    height = 0.5 * float(np.sqrt(3.0))
+    return places | {name: np.array([0.5 - mass_ratio, sign * height, 0.0]) for name, sign in (("L4", 1), ("L5", -1))}

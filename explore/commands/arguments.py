@@ -1,0 +1,202 @@
+"""The command line's options."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+from typing import NoReturn
+
+from orbitproof.explore.commands import (
+    atlas,
+    atlas_libration,
+    atlas_mass,
+    branches,
+    mass_curve,
+    option_types,
+    portraits,
+)
+from orbitproof.explore.families import FAMILY_NAMES, POINTS, PRESETS
+from orbitproof.explore.orbits import CONTROL
+from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS
+
+_EXAMPLES = """\
+examples:
+  orbitproof explore candidates --preset tables -o tables.json --family-output families.json
+  orbitproof explore candidates --preset tables -k 5 6 --from-family families.json --append -o tables.json
+  orbitproof explore candidates --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.25 -o c.json
+  orbitproof explore candidates --system falkner-skan -k 2 3 4 --append -o c.json
+  orbitproof explore family --system cr3bp --mass 0.01 --family L2-halo --z-max 0.1 -o family.json
+  orbitproof explore candidates --from-family family.json -k 3 --z-max 0.15 -o more.json
+  orbitproof explore family --system cr3bp --mass 0.1 --family L1-lyapunov L1-vertical --branches -o families.json
+  orbitproof explore family --system cr3bp --mass earth-moon --family L2-halo -o f.json --csv f.csv
+  orbitproof explore family --from-catalogue halo.json --catalogue-orbit 700 -o family.json
+  orbitproof explore family --system falkner-skan --beta-min 1.001 --beta-max 100000 -o family.json
+"""
+
+_MASS_HELP = (
+    "mass parameter of the CR3BP, the smaller mass over the total: a name ("
+    + ", ".join(MASS_PARAMETERS)
+    + ": exact IEEE doubles) or a number in (0, 1), taken exactly as written: decimal (0.01215 is the fraction "
+    "1215/100000, not the nearest double) or hexadecimal (0x18e267d713713fp-59)"
+)
+
+
+class Parser(argparse.ArgumentParser):
+    """Reports a wrong command line as one line, exit code 2."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {' '.join(message.split())}; see {self.prog} --help\n")
+
+
+def parser() -> Parser:
+    """The parser of ``orbitproof explore``."""
+    result = Parser(
+        prog="orbitproof explore",
+        description="Find bifurcations of symmetric periodic orbits in reversible systems: follow families, detect "
+        "1:k resonances, refine them and write boxes for the verifier. Nothing here is rigorous.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    commands = result.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
+    candidates = commands.add_parser(
+        "candidates", help="find and refine bifurcations, write candidate boxes", epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+    )  # fmt: skip
+    _family_options(candidates)
+    candidates.add_argument(
+        "-k", nargs="+", type=option_types.multiplicity, metavar="K",
+        help="multiplicities: 1 symmetry breaking, k > 1 the 1:k resonances (default: 2 3 4, or the preset's)",
+    )  # fmt: skip
+    candidates.add_argument(
+        "--digits", type=option_types.digits, default=50, metavar="N",
+        help="decimal digits of the refined points (default: %(default)s)",
+    )  # fmt: skip
+    candidates.add_argument(
+        "--points", choices=POINTS,
+        help="an orbit meets Fix(R) in two points, and new orbits may appear near both. one: a candidate for the "
+        "first; distinct: for both where the new orbits differ (even k >= 4); all: always for both (default: one, "
+        "or the preset's)",
+    )  # fmt: skip
+    candidates.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="candidates file to write")
+    candidates.add_argument(
+        "--append", action="store_true",
+        help="keep what the output file already holds; points refined there to as many digits are not refined again",
+    )  # fmt: skip
+    candidates.add_argument("--family-output", type=Path, metavar="FILE", help="write the traced families as JSON")
+    family = commands.add_parser(
+        "family", help="trace families and their resonances in float64", epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+    )  # fmt: skip
+    _family_options(family)
+    family.add_argument(
+        "-k", nargs="+", type=option_types.multiplicity, metavar="K", help="locate these resonances as well"
+    )
+    family.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="family file to write")
+    family.add_argument(
+        "--csv", type=Path, metavar="FILE",
+        help="CR3BP: write the orbits with the columns of the JPL three-body periodic orbit catalogue; of several "
+        "families each into a file of its own, its name put in front of the extension",
+    )  # fmt: skip
+    family.add_argument(
+        "--catalogue", type=Path, metavar="FILE", help="the same as JSON, like a response of the catalogue's interface"
+    )
+    for command in (
+        branches,
+        mass_curve,
+        portraits,
+        atlas,
+        atlas_libration,
+        atlas_mass,
+    ):
+        command.add_parser(commands)
+    return result
+
+
+def _family_options(target: argparse.ArgumentParser) -> None:
+    families = "; ".join(f"{system}: {', '.join(names)}" for system, names in FAMILY_NAMES.items())
+    target.add_argument("--system", metavar="NAME", help=f"one of {', '.join(SYSTEMS)}")
+    target.add_argument("--mass", nargs="+", metavar="MU", help=_MASS_HELP)
+    meanings = "; ".join(f"{name}: {preset.meaning}" for name, preset in PRESETS.items())
+    target.add_argument(
+        "--preset", choices=tuple(PRESETS), help=f"in place of --system, --mass, --family and --vy-max: {meanings}"
+    )
+    target.add_argument(
+        "--family",
+        nargs="+",
+        metavar="NAME",
+        help=f"families to trace ({families}); L1-halo-2, L1-halo-3, .. branch off at the next symmetry breakings of "
+        "L1-lyapunov, the same for L2 and L3",
+    )
+    target.add_argument(
+        "--from-family", type=Path, metavar="FILE",
+        help="start from the families in a family file and continue them up to the limits, instead of from their "
+        "birth; families that are asked for and not in the file are traced as well",
+    )  # fmt: skip
+    target.add_argument(
+        "--from-catalogue", type=Path, metavar="FILE",
+        help="start from a file of the JPL three-body periodic orbit catalogue, its JSON or CSV: every orbit is "
+        "corrected and compared with the file, and the family is traced both ways from one of them",
+    )  # fmt: skip
+    target.add_argument(
+        "--catalogue-orbit", type=option_types.index, metavar="N",
+        help="the orbit of that file, counted from 1, from which the family is traced (default: the middle one)",
+    )  # fmt: skip
+    target.add_argument(
+        "--mirror", action="store_true", help="halo families: the mirror image, z < 0 at the first point"
+    )
+    target.add_argument(
+        "--branches", action="store_true",
+        help="trace as well the families that branch off wherever the symmetry S of a planar family breaks",
+    )  # fmt: skip
+    limits = target.add_argument_group("limits, each optional; a family ends with the first orbit beyond one")
+    limits.add_argument("--max-orbits", type=option_types.count, default=1000, metavar="N", help="default: %(default)s")
+    limits.add_argument(
+        "--z-max", type=option_types.positive, metavar="Z", help="CR3BP: largest |z| of the first point"
+    )
+    limits.add_argument(
+        "--vy-max", nargs="+", type=option_types.positive, metavar="V",
+        help="CR3BP: largest |vy| of the first point, one value or one for each mass",
+    )  # fmt: skip
+    limits.add_argument("--jacobi-min", type=option_types.number, metavar="C", help="CR3BP: smallest Jacobi constant")
+    limits.add_argument(
+        "--min-distance", type=option_types.positive, metavar="R",
+        help="CR3BP: smallest distance to a primary (default: 1e-5, or 1e-4 (MU/3)^(1/3) where that is less)",
+    )  # fmt: skip
+    limits.add_argument("--beta-min", type=option_types.number, default=100.0, metavar="B", help="default: %(default)s")
+    limits.add_argument(
+        "--beta-max", type=option_types.number, default=1000.0, metavar="B", help="default: %(default)s"
+    )
+    steps = target.add_argument_group(
+        "steps along a family, in arclength: coordinates in units of the distance of the libration point from the "
+        "nearest primary (beta: of 1000), time as it is"
+    )
+    for name, value, meaning in (
+        ("initial", CONTROL.initial, "first step"),
+        ("min", CONTROL.minimum, "step at which a family that cannot be continued is given up"),
+        ("max", CONTROL.maximum, "longest step; it grows with the coordinates where they are large"),
+    ):
+        steps.add_argument(
+            f"--step-{name}", type=option_types.positive, default=value, metavar="H",
+            help=f"{meaning} (default: %(default)s)",
+        )  # fmt: skip
+    steps.add_argument(
+        "--turning", type=option_types.positive, default=CONTROL.turning, metavar="A",
+        help="largest angle in radians by which a family may turn in a step (default: %(default)s)",
+    )  # fmt: skip
+    steps.add_argument(
+        "--tolerance", type=option_types.positive, default=CONTROL.tolerance, metavar="E",
+        help="length of the last Newton step, in the same units, at which an orbit is found (default: %(default)s)",
+    )  # fmt: skip
+    steps.add_argument(
+        "--until-tangency",
+        action="store_true",
+        help="end a family where an orbit touches the section and the number of its crossings changes",
+    )
+    target.add_argument(
+        "--jobs", type=option_types.jobs, default=os.cpu_count() or 1, metavar="N",
+        help="processes: families traced and points refined at the same time (default: the number of processors, "
+        "%(default)s)",
+    )  # fmt: skip
+    target.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")

@@ -1,0 +1,206 @@
+"""``orbitproof explore atlas``: whole branches of symmetric orbits, in pieces for the verifier."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from orbitproof.explore.atlases import Source, check_names, exact_number, parameters_of
+from orbitproof.explore.commands import option_types
+from orbitproof.explore.families import FAMILY_NAMES, is_family_name
+from orbitproof.shared.formats import Covers, InputError, check_writable
+from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
+
+DEGREES = (8, 60)
+DECAYS = (1e-15, 1e-6)
+TUBES = (1e-13, 1e-3)
+OVERLAPS = (0.01, 0.5)
+
+
+@dataclass(frozen=True)
+class AtlasPreset:
+    """A curve of the paper.
+
+    Attributes:
+        system, mass, family: as on the command line; "" for a system without masses.
+        covers: coordinate, from and to of an arc, or `None`.
+        increasing: coordinates claimed to increase.
+        title: for the atlas.
+    """
+
+    system: str
+    mass: str
+    family: str
+    covers: tuple[str, str, str] | None
+    increasing: tuple[str, ...]
+    title: str
+
+
+ATLAS_PRESETS = {
+    "falkner-skan": AtlasPreset(
+        "falkner-skan", "", "odd", ("beta", "1.125", "100000"), ("beta",),
+        "Symmetric periodic orbits of the Falkner-Skan equation for 9/8 <= beta <= 100000",
+    ),
+    "l1-circle-earth-moon": AtlasPreset(
+        "cr3bp", "earth-moon", "L1-halo", None, (), "The loop of L1 halo orbits of the Earth-Moon system"
+    ),
+    "l1-circle-sun-jupiter": AtlasPreset(
+        "cr3bp", "sun-jupiter", "L1-halo", None, (), "The loop of L1 halo orbits of the Sun-Jupiter system"
+    ),
+    "l2-arc-earth-moon": AtlasPreset(
+        "cr3bp", "earth-moon", "L2-halo", ("vy", "0", "20.5"), ("vy",),
+        "L2 halo orbits of the Earth-Moon system up to vy = 20.5",
+    ),
+    "l2-arc-sun-jupiter": AtlasPreset(
+        "cr3bp", "sun-jupiter", "L2-halo", ("vy", "0", "8"), ("vy",),
+        "L2 halo orbits of the Sun-Jupiter system up to vy = 8",
+    ),
+}  # fmt: skip
+
+_EXAMPLES = """\
+examples:
+  orbitproof explore atlas --preset l1-circle-earth-moon -o l1.json
+  orbitproof explore atlas --system cr3bp --mass 0.01 --family L2-halo --covers vy 0 5 --increasing vy -o l2.json
+  orbitproof explore atlas --system falkner-skan --covers beta 2 1000 -o fs.json
+  orbitproof explore atlas --from-family family.json --family L1-halo-2 -o branch.json
+  orbitproof explore atlas --check l1.json
+
+A family that starts at a symmetry breaking becomes a symmetric arc, or a symmetric loop if it ends at another one;
+any other becomes an arc. Nothing here is rigorous: orbitproof verify atlas proves the pieces and that they are one
+curve. Exit codes: 0 covered, 1 not, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = commands.add_parser(
+        "atlas", help="cover a whole branch of symmetric orbits by pieces for the verifier", epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+    )  # fmt: skip
+    presets = "; ".join(f"{name}: {preset.title}" for name, preset in ATLAS_PRESETS.items())
+    parser.add_argument("--preset", choices=tuple(ATLAS_PRESETS), help=f"in place of the next options: {presets}")
+    parser.add_argument("--system", metavar="NAME", help=f"one of {', '.join(FAMILY_NAMES)}")
+    parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly")
+    parser.add_argument("--family", metavar="NAME", help="the family, as for explore family")
+    parser.add_argument(
+        "--from-family", type=Path, metavar="FILE",
+        help="a family from a family file (any that explore family writes) instead of one traced here; --family and "
+        "--mass choose among several",
+    )  # fmt: skip
+    parser.add_argument(
+        "--covers", nargs=3, metavar=("NAME", "FROM", "TO"),
+        help="the part of the family on which a coordinate goes from one value to a larger one; a symmetric arc "
+        "starts at its symmetric point whatever FROM is (default: all of the family)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--increasing", nargs="+", default=[], metavar="NAME", help="coordinates claimed to increase along the curve"
+    )
+    limits = parser.add_argument_group("limits of a family that is traced here, each optional")
+    limits.add_argument("--max-orbits", type=option_types.count, default=5000, metavar="N", help="default: %(default)s")
+    limits.add_argument("--jacobi-min", type=option_types.number, metavar="C", help="smallest Jacobi constant")
+    limits.add_argument(
+        "--min-distance", type=option_types.positive, metavar="R", help="smallest distance to a primary"
+    )
+    pieces = parser.add_argument_group("pieces")
+    pieces.add_argument(
+        "--degree", type=int, default=28, metavar="D",
+        help="a piece is as wide as lets coefficient D of the flow in the curve's parameter fall to --decay "
+        "(default: %(default)s)",
+    )  # fmt: skip
+    pieces.add_argument("--decay", type=option_types.positive, default=1e-13, metavar="E", help="default: %(default)s")
+    pieces.add_argument(
+        "--tube", type=option_types.positive, default=1e-9, metavar="W",
+        help="half-width of the tubes about the curve, in units of the distance from the nearest primary, or of 1 "
+        "(default: %(default)s)",
+    )  # fmt: skip
+    pieces.add_argument(
+        "--overlap", type=option_types.positive, default=0.08, metavar="F",
+        help="part of its half-width by which a piece goes into the next (default: %(default)s)",
+    )  # fmt: skip
+    pieces.add_argument(
+        "--coordinates", choices=("auto", "physical", "regularised"), default="auto",
+        help="in which the orbits are followed (default: for each piece what is cheaper)",
+    )  # fmt: skip
+    output = parser.add_mutually_exclusive_group(required=True)
+    output.add_argument("-o", "--output", type=Path, metavar="FILE", help="atlas file to write")
+    output.add_argument(
+        "--check", type=Path, metavar="FILE",
+        help="instead: compute orbits at random places of an atlas file in float64 and compare them with its "
+        "polynomials and tubes",
+    )  # fmt: skip
+    parser.add_argument("--id", metavar="NAME", help="short name of the atlas (default: the preset's or the family's)")
+    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check the options and cover, or check an atlas; returns the exit code. Raises `InputError`."""
+    if options.check is not None:
+        # Only now: JAX takes a moment to load.
+        from orbitproof.explore.atlases import check_file
+
+        return check_file(options.check, options.quiet)
+    source = _source(options)
+    for name, value, (low, high) in (
+        ("degree", options.degree, DEGREES), ("decay", options.decay, DECAYS), ("tube", options.tube, TUBES),
+        ("overlap", options.overlap, OVERLAPS),
+    ):  # fmt: skip
+        if not low <= value <= high:
+            raise InputError(f"--{name} {value:g}: give a number from {low:g} to {high:g}")
+    if source.system is not None and options.coordinates == "regularised" and source.system.name != "cr3bp":
+        raise InputError(f"--coordinates regularised: {source.system.name} has none; leave it out")
+    check_writable(options.output)
+
+    from orbitproof.explore.atlases import run_source
+
+    return run_source(source, options)
+
+
+def _source(options: argparse.Namespace) -> Source:
+    chosen = {
+        "--system": options.system, "--mass": options.mass, "--family": options.family, "--covers": options.covers,
+        "--increasing": options.increasing or None, "--from-family": options.from_family,
+    }  # fmt: skip
+    if options.preset is not None:
+        for option, given in chosen.items():
+            if given is not None:
+                raise InputError(f"{option}: given by --preset {options.preset}; leave out one of the two")
+        preset = ATLAS_PRESETS[options.preset]
+        system = SYSTEMS[preset.system]
+        covers = None if preset.covers is None else _covers(preset.covers, system)
+        return Source(system, preset.family, preset.mass or None, None, covers, preset.increasing, preset.title)
+    if options.from_family is not None:
+        if options.system is not None:
+            raise InputError("--system: --from-family says which; leave it out")
+        covers = None if options.covers is None else _covers(options.covers, None)
+        increasing = tuple(options.increasing)
+        return Source(None, options.family, options.mass, options.from_family, covers, increasing, None)
+    if options.system is None:
+        raise InputError("--system: missing; give one, or --preset, or --from-family")
+    if options.system not in FAMILY_NAMES:
+        raise InputError(f"--system {options.system}: unknown; give one of {', '.join(FAMILY_NAMES)}")
+    system, names = SYSTEMS[options.system], FAMILY_NAMES[options.system]
+    family = options.family or (names[0] if len(names) == 1 else None)
+    if family is None or not is_family_name(system.name, family):
+        wrong = "missing" if family is None else f"{family}: unknown for {system.name}"
+        raise InputError(
+            f"--family {wrong}; give one of {', '.join(names)}".replace("--family missing", "--family: missing")
+        )
+    parameters_of(system, options.mass)
+    covers = None if options.covers is None else _covers(options.covers, system)
+    check_names(system, covers, tuple(options.increasing))
+    if system.family_parameter is not None and covers is None:
+        raise InputError(f"--covers: missing; give a range of {system.family_parameter}")
+    return Source(system, family, options.mass, None, covers, tuple(options.increasing), None)
+
+
+def _covers(words: Any, system: ReversibleSystem | None) -> Covers:
+    name, low, high = words
+    covers = Covers(name, exact_number("--covers", low), exact_number("--covers", high))
+    if not covers.start < covers.end:
+        raise InputError(f"--covers {name} {low} {high}: an empty range; give the smaller value first")
+    if system is not None and name == system.family_parameter == "beta" and covers.start <= 1:
+        raise InputError(f"--covers {name} {low}: the family exists for beta > 1; give a larger value")
+    return covers

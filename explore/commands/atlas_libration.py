@@ -1,0 +1,103 @@
+"""``orbitproof explore atlas-libration``: planar Lyapunov families down to their libration point, as atlases."""
+
+from __future__ import annotations
+
+import argparse
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from orbitproof.explore.commands.option_types import number, positive
+from orbitproof.explore.engines import Reporter
+from orbitproof.shared.formats import InputError, check_writable, write_atlas
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import MASS_PARAMETERS
+
+POINTS = ("L1", "L2", "L3")
+WIDEST_TUBE = 1e-3
+
+_EXAMPLES = """\
+examples:
+  orbitproof explore atlas-libration --point L1 --mass earth-moon -o lyapunov.json
+  orbitproof explore atlas-libration --point L3 --mass 0.1 --side right -o lyapunov-l3.json
+  orbitproof explore atlas-libration --point L2 --mass sun-jupiter --end -0.01 -o lyapunov-l2.json
+
+An orbit is given by eps, the signed distance from the libration point at which it starts on the axis, and vy, its
+speed there in units of eps; the orbit of eps = 0 is that of the linear centre. The pieces go from beyond the first
+symmetry breaking, where halo orbits branch off, across eps = 0. Takes a few seconds.
+Exit codes: 0 written, 1 the family could not be followed, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = commands.add_parser(
+        "atlas-libration", help="atlas of a planar Lyapunov family from its symmetry breaking to the libration point",
+        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+    )  # fmt: skip
+    parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
+    parser.add_argument(
+        "--mass", required=True, metavar="MU",
+        help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1), taken exactly as written",
+    )  # fmt: skip
+    parser.add_argument(
+        "--side", choices=("left", "right"),
+        help="where the orbits start on the axis, left or right of the point (default: L3 right, the others left)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--end", type=number, metavar="EPS",
+        help="go to this eps, positive on the right (default: a bit beyond the symmetry breaking)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--tube", type=positive, default=1e-8, metavar="W",
+        help=f"half-width of the tubes, relative to vy, at most {WIDEST_TUBE:g} (default: %(default)s)",
+    )  # fmt: skip
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="atlas file to write")
+    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Follow the family and write the atlas; returns the exit code. Raises `InputError`."""
+    mu = _mass(options.mass)
+    if options.tube > WIDEST_TUBE:
+        raise InputError(f"--tube {options.tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8")
+    if options.end is not None and options.side is not None:
+        raise InputError("--side: not together with --end, whose sign tells the side; leave one of them out")
+    if options.end == 0:
+        raise InputError("--end 0: that is the libration point; give another number")
+    check_writable(options.output)
+    side = {"left": -1, "right": 1, None: 1 if options.point == "L3" else -1}[options.side]
+
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.atlases import LibrationFailure, LyapunovFamily, lyapunov_atlas
+
+    family = LyapunovFamily(options.point, mu)
+    with Reporter(options.quiet) as report:
+        report.stage(f"{options.point}, the planar family")
+        try:
+            atlas = lyapunov_atlas(family, options.mass, options.end, side, options.tube)
+        except LibrationFailure as error:
+            report.error(f"orbitproof explore atlas-libration: {error}")
+            return 1
+        write_atlas(options.output, atlas)
+        covers = atlas.claim.covers
+        assert covers is not None
+        pieces = f"{len(atlas.pieces)} piece" + "s" * (len(atlas.pieces) > 1)
+        report.message(
+            f"{pieces} over eps from {float(covers.start):.6g} to {float(covers.end):.6g} written to {options.output}"
+        )
+    return 0
+
+
+def _mass(text: str) -> Fraction:
+    value = MASS_PARAMETERS.get(text)
+    if value is None:
+        try:
+            value = parse_exact(text)
+        except ValueError:
+            names = ", ".join(MASS_PARAMETERS)
+            raise InputError(f"--mass {text}: neither a name ({names}) nor a number; give one in (0, 1)") from None
+    if not 0.0 < float(value) < 1.0:
+        raise InputError(f"--mass {text}: outside (0, 1); give the smaller mass over the total mass")
+    return value

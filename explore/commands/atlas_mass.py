@@ -1,0 +1,146 @@
+"""``orbitproof explore atlas-mass``: halo orbits of L1, L2, L3 over a range of the mass parameter, as an atlas."""
+
+from __future__ import annotations
+
+import argparse
+from fractions import Fraction
+from math import ceil, floor
+from pathlib import Path
+from typing import Any
+
+from orbitproof.explore.commands.option_types import positive
+from orbitproof.explore.engines import Reporter
+from orbitproof.shared.formats import SURFACE, Atlas, Claim, Covers, InputError, check_writable, write_atlas
+from orbitproof.shared.numbers import parse_exact
+
+POINTS = ("L1", "L2", "L3")
+AMPLITUDES = {"L1": Fraction(4, 1000), "L2": Fraction(3, 1000), "L3": Fraction(125, 10**6)}
+"""Values of --z by default: what the verifier proves in a few pieces."""
+
+LOWEST = {"L1": Fraction(0), "L2": Fraction(0), "L3": Fraction(1, 10**5)}
+
+LIGHT, LIGHT_AMPLITUDE = (Fraction(95, 10**5), Fraction(1, 1000)), Fraction(3, 10**5)
+"""L3 at masses below these two (the pieces on either side overlap between them): --z by default."""
+
+LARGEST_MASS = Fraction(1, 2)
+WIDEST_AMPLITUDE, WIDEST_SHARE = 0.1, 0.5
+_GRAIN = 10**4
+
+_EXAMPLES = """\
+examples:
+  orbitproof explore atlas-mass --point L1 -o mass-l1.json
+  orbitproof explore atlas-mass --point L2 --z 0.001 -o mass-l2.json
+  orbitproof explore atlas-mass --point L3 --mu-min 0.0002 --z 0.00005 -o mass-l3.json
+  orbitproof verify atlas mass-l1.json -o mass-l1-certificate.json
+
+Near L1 and L2 the equations are written in Hill's units, lengths in units of mu^(1/3), and the range of masses may
+begin at 0. Takes a few seconds. Exit codes: 0 written, 1 the curve could not be followed, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = commands.add_parser(
+        "atlas-mass", help="atlas of the halo orbits near their symmetry-breaking points over a range of the mass",
+        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+    )  # fmt: skip
+    parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
+    parser.add_argument(
+        "--mu-min", metavar="MU", help="smallest mass parameter (default: 0 for L1 and L2, 0.00001 for L3)"
+    )
+    parser.add_argument("--mu-max", default="0.5", metavar="MU", help="largest, at most 1/2 (default: %(default)s)")
+    parser.add_argument(
+        "--z", type=positive, metavar="Z",
+        help="halo orbits up to this abs(z), for L1 and L2 in units of mu^(1/3) (default: "
+        + ", ".join(f"{name} {float(value):g}" for name, value in AMPLITUDES.items())
+        + f"; L3 below mass {float(LIGHT[0]):g} {float(LIGHT_AMPLITUDE):g})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--share", type=positive, default=0.2, metavar="S",
+        help="half-width of a piece as a share of the radius of convergence, at most 0.5 (default: %(default)s)",
+    )  # fmt: skip
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="atlas file to write")
+    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Follow the curve and write the atlas; returns the exit code. Raises `InputError`."""
+    point = options.point
+    smallest = LOWEST[point] if options.mu_min is None else _mass("--mu-min", options.mu_min)
+    largest = _mass("--mu-max", options.mu_max)
+    if not smallest < largest <= LARGEST_MASS:
+        raise InputError("--mu-max: give a mass above --mu-min and at most 1/2, the smaller mass over the total")
+    if point == "L3" and smallest < Fraction(1, 10**8):
+        raise InputError("--mu-min: below 1e-8 the equations around L3 lose all their digits; give a larger mass")
+    if options.z is not None and options.z > WIDEST_AMPLITUDE:
+        raise InputError(f"--z {options.z:g}: above {WIDEST_AMPLITUDE:g}; give a smaller number")
+    if options.share > WIDEST_SHARE:
+        raise InputError(f"--share {options.share:g}: above {WIDEST_SHARE:g}; the default is 0.2")
+    check_writable(options.output)
+    lowest, highest = (smallest, largest) if point == "L3" else (_root(smallest, floor), _root(largest, ceil))
+    z = AMPLITUDES[point] if options.z is None else Fraction(str(options.z))
+    ranges = [(lowest, highest, z)]
+    if point == "L3" and options.z is None and smallest < LIGHT[0]:
+        ranges = [(lowest, min(LIGHT[1], highest), LIGHT_AMPLITUDE)]
+        ranges += [(LIGHT[0], highest, z)] if highest > LIGHT[1] else []
+
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.atlases import intervals, piece, system_of, trace
+    from orbitproof.explore.families import FamilyFailure
+    from orbitproof.explore.orbits import CorrectionFailure
+
+    system = system_of(point)
+    pieces = []
+    with Reporter(options.quiet) as report:
+        try:
+            report.stage(f"{point}, the curve of symmetry-breaking points")
+            curve = trace(point, max(float(smallest) / 2, 1e-7), float(largest))
+            places = [
+                (interval, width)
+                for start, end, width in ranges
+                for interval in intervals(point, start, end, options.share)
+            ]
+            report.stage(f"{point}, pieces")
+            for number, (interval, width) in enumerate(places, start=1):
+                report.update(f"{number} of {len(places)}", number / len(places))
+                pieces.append(piece(point, curve.points, interval, width, f"p{number:03d}"))
+        except (FamilyFailure, CorrectionFailure) as error:
+            report.error(f"orbitproof explore atlas-mass: {error}")
+            return 1
+        parameter = system.fixed_parameters[0]
+        atlas = Atlas(
+            id=f"halo-{point.lower()}-masses",
+            title=f"halo orbits near their birth from planar orbits near {point}",
+            system=system,
+            parameters={},
+            claim=Claim(SURFACE, "S", (), Covers(parameter, lowest, highest)),
+            pieces=tuple(pieces),
+            provenance={"point": point, "share": options.share},
+        )
+        write_atlas(options.output, atlas)
+        count = f"{len(pieces)} piece" + "s" * (len(pieces) > 1)
+        report.message(
+            f"{count} over {parameter} from {float(lowest):.6g} to {float(highest):.6g} written to {options.output}"
+        )
+    return 0
+
+
+def _root(mass: Fraction, rounded: Any) -> Fraction:
+    """mass^(1/3) to four decimals, rounded to the side that `rounded` tells."""
+    root = Fraction(rounded(float(mass) ** (1 / 3) * _GRAIN), _GRAIN)
+    # Exactly representable roots may have been moved to the wrong side by the float power.
+    step = Fraction(1, _GRAIN)
+    if rounded is ceil:
+        return root if root**3 >= mass else root + step
+    return root if root**3 <= mass else root - step
+
+
+def _mass(option: str, text: str) -> Fraction:
+    try:
+        value = parse_exact(text)
+    except ValueError:
+        raise InputError(f"{option} {text}: not a number; give one in (0, 1/2]") from None
+    if not 0 <= value < 1:
+        raise InputError(f"{option} {text}: outside [0, 1); give the smaller mass over the total mass")
+    return value

@@ -1,0 +1,169 @@
+"""``orbitproof explore mass-curve``: symmetry-breaking points of L1, L2, L3 as functions of the mass parameter."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from fractions import Fraction
+from math import isfinite, log10
+from pathlib import Path
+from typing import Any
+
+from orbitproof.explore.commands.option_types import jobs
+from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import MASS_PARAMETERS
+
+POINTS = ("L1", "L2", "L3")
+DIGITS = (10, 300)
+EXTREMUM_BITS, EXTREMUM_ORDER, EXTREMUM_TOLERANCE = 400, 80, 1e-60
+
+_EXAMPLES = """\
+examples:
+  orbitproof explore mass-curve -o curves.json
+  orbitproof explore mass-curve --digits 50 --at decades earth-moon sun-jupiter -o curves.json
+  orbitproof explore mass-curve --points L2 L3 --extrema L2 L3 --digits 30 -o curves.json
+  orbitproof explore mass-curve --points L3 --mu-min 1e-30 --at 1e-20 1e-30 --digits 20 -o small.json
+
+Follows the first symmetry breaking of each planar Lyapunov family, where the halo orbits are born, from the largest
+mass to the smallest. What the output file already holds is kept: the same command goes on where it was interrupted.
+Exit codes: 0 everything found, 1 something was not, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = commands.add_parser(
+        "mass-curve", help="symmetry-breaking points of L1, L2, L3 as functions of the mass parameter",
+        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+    )  # fmt: skip
+    parser.add_argument(
+        "--points", nargs="+", choices=POINTS, default=list(POINTS), help="libration points (default: all three)"
+    )
+    parser.add_argument(
+        "--mu-max", default="0.5", metavar="MU", help="largest mass, at most 1/2 (default: %(default)s)"
+    )
+    parser.add_argument("--mu-min", default="1e-10", metavar="MU", help="smallest mass (default: %(default)s)")
+    parser.add_argument(
+        "--step", type=float, default=0.1, metavar="S",
+        help="longest step, in log mu and in scaled coordinates, 0.001 to 1 (default: %(default)s)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--digits", type=int, metavar="N",
+        help="compute points in high precision as well, to N digits relative to the size of the orbit (default with "
+        "--at or --extrema: 30)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--at", nargs="+", metavar="MU",
+        help="masses of these points: numbers, taken exactly, names "
+        f"({', '.join(MASS_PARAMETERS)}), or decades for all powers of ten (default with --digits: decades)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--extrema", nargs="+", choices=POINTS, default=[],
+        help="locate the local minima and maxima of the Jacobi constant along the curves of these points",
+    )  # fmt: skip
+    precision = parser.add_argument_group(
+        "high precision; every result is checked with 80 more bits, a quarter more terms, a tolerance 1e-20 times finer"
+    )
+    precision.add_argument(
+        "--bits", type=int, metavar="B", help=f"of the mantissas (default: what N needs; extrema: {EXTREMUM_BITS})"
+    )
+    precision.add_argument(
+        "--order", type=int, metavar="K",
+        help=f"of the Taylor expansion in time (default: 0.4 times the bits; extrema: {EXTREMUM_ORDER})",
+    )  # fmt: skip
+    precision.add_argument(
+        "--tolerance", type=float, metavar="T",
+        help=f"of a time step, relative (default: the last bit; extrema: {EXTREMUM_TOLERANCE:g})",
+    )  # fmt: skip
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="mass-curve file to write")
+    parser.add_argument(
+        "--jobs", type=jobs, default=os.cpu_count() or 1, metavar="N",
+        help="processes for points in high precision (default: the number of processors, %(default)s)",
+    )  # fmt: skip
+    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check the options and trace; returns the exit code. Raises `InputError`."""
+    check_writable(options.output)
+    largest, smallest = _mass("--mu-max", options.mu_max), _mass("--mu-min", options.mu_min)
+    if largest > Fraction(1, 2):
+        raise InputError(f"--mu-max {options.mu_max}: above 1/2; mu is the smaller mass over the total")
+    if not smallest < largest:
+        raise InputError(f"--mu-min {options.mu_min}: not below --mu-max; give a smaller mass")
+    if float(smallest) < 1e-100:
+        raise InputError(f"--mu-min {options.mu_min}: below 1e-100; give a larger mass")
+    if not 0.001 <= options.step <= 1:
+        raise InputError(f"--step {options.step:g}: outside [0.001, 1]; the default is 0.1")
+    if options.digits is not None and not DIGITS[0] <= options.digits <= DIGITS[1]:
+        raise InputError(f"--digits {options.digits}: give {DIGITS[0]} to {DIGITS[1]}")
+    for name in options.extrema:
+        if name not in options.points:
+            raise InputError(f"--extrema {name}: not among --points; add it there")
+    for name, value, low, high in (("bits", options.bits, 64, 20_000), ("order", options.order, 10, 10_000)):
+        if value is not None and not low <= value <= high:
+            raise InputError(f"--{name} {value}: give a whole number from {low} to {high}")
+    tolerance = options.tolerance
+    if tolerance is not None and (not isfinite(tolerance) or not 1e-280 <= tolerance <= 1e-10):
+        raise InputError(f"--tolerance {tolerance:g}: give a number from 1e-280 to 1e-10")
+
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.masses import MassCurveRequest, run_request
+
+    request = MassCurveRequest(
+        points=tuple(dict.fromkeys(options.points)),
+        largest=largest,
+        smallest=smallest,
+        step=options.step,
+        masses=_masses(options, largest, smallest),
+        extrema=tuple(dict.fromkeys(options.extrema)),
+        digits=options.digits or 30,
+        bits=options.bits,
+        order=options.order,
+        tolerance=tolerance,
+        extremum_settings=(
+            options.bits or EXTREMUM_BITS,
+            options.order or EXTREMUM_ORDER,
+            tolerance or EXTREMUM_TOLERANCE,
+        ),
+        output=options.output,
+        jobs=options.jobs,
+        quiet=options.quiet,
+    )
+    return run_request(request)
+
+
+def _mass(option: str, text: str) -> Fraction:
+    value = MASS_PARAMETERS.get(text)
+    if value is None:
+        try:
+            value = parse_exact(text)
+        except ValueError:
+            names = ", ".join(MASS_PARAMETERS)
+            raise InputError(
+                f"{option} {text}: neither a name ({names}) nor a number; give a number in (0, 1)"
+            ) from None
+    if not 0 < value < 1 or not 0.0 < float(value) < 1.0:
+        raise InputError(f"{option} {text}: outside (0, 1); give the smaller mass over the total mass")
+    return value
+
+
+def _masses(options: argparse.Namespace, largest: Fraction, smallest: Fraction) -> tuple[Fraction, ...]:
+    """The masses of the points in high precision, from the largest; raises `InputError`."""
+    words = options.at
+    if words is None:
+        words = [] if options.digits is None or options.extrema else ["decades"]
+    masses: set[Fraction] = set()
+    for text in words:
+        if text == "decades":
+            lowest = int(log10(smallest)) - 1
+            decades = {Fraction(10) ** exponent for exponent in range(lowest, 0)}
+            masses |= {largest, *(mu for mu in decades if smallest <= mu <= largest)}
+            continue
+        mu = _mass("--at", text)
+        if not smallest <= mu <= largest:
+            raise InputError(f"--at {text}: outside [--mu-min, --mu-max]; give a mass on the curve")
+        masses.add(mu)
+    return tuple(sorted(masses, reverse=True))

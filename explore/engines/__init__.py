@@ -1,0 +1,5 @@
+"""Processes and progress of the search."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,76 @@
+"""How far a family is traced."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from orbitproof.explore.flow import Matrix
+from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit, distance_to_primaries
+from orbitproof.shared.systems import CR3BP
+
+BETA_START = 100.0
+
+SMALLEST_DISTANCE = 1e-5
+SMALLEST_RELATIVE_DISTANCE = 1e-4
+"""Distance to a primary at which a family ends unless told otherwise; the second in units of (mu/3)^(1/3)."""
+
+TYPICAL_ORBITS = 150
+"""For the progress display only: of this order is the number of orbits of a family that no limit cuts short."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a family is traced; it ends with the first orbit beyond a limit.
+
+    Attributes:
+        max_orbits: number of orbits.
+        coordinate_max: largest magnitude of a Fix(R) coordinate of the first point, by name.
+        parameter_min, parameter_max: range of the family parameter, if the system has one.
+        integral_min: smallest value of the first integral (the Jacobi constant).
+        min_distance: smallest distance to a primary; by default 1e-5, less for small mass parameters.
+    """
+
+    max_orbits: int = 1000
+    coordinate_max: Mapping[str, float] = field(default_factory=dict)
+    parameter_min: float = BETA_START
+    parameter_max: float = 1000.0
+    integral_min: float | None = None
+    min_distance: float | None = None
+
+    def reached(self, problem: ShootingProblem, orbit: SymmetricOrbit, states: Matrix) -> str | None:
+        """Which limit the orbit lies beyond, in words, or `None`."""
+        system = problem.system
+        names = system.centre_coordinates
+        for name, bound in self.coordinate_max.items():
+            if abs(orbit.unknowns[names.index(name)]) >= bound:
+                return f"limit {name} = {bound:g}"
+        if system.family_parameter is not None and not self.parameter_min <= orbit.unknowns[0] <= self.parameter_max:
+            bound = self.parameter_max if orbit.unknowns[0] > self.parameter_max else self.parameter_min
+            return f"limit {system.family_parameter} = {bound:g}"
+        integral = orbit.first_integral
+        if self.integral_min is not None and integral is not None and integral <= self.integral_min:
+            return f"limit {system.first_integral_name} = {self.integral_min:g}"
+        if system is CR3BP:
+            mass = float(problem.parameters["mu"])
+            bound = self.distance(mass)
+            if distance_to_primaries(states, mass) <= bound:
+                return f"limit distance to a primary = {bound:g}"
+        return None
+
+    def distance(self, mass: float) -> float:
+        """The smallest distance to a primary for a mass parameter."""
+        if self.min_distance is not None:
+            return self.min_distance
+        smaller = min(mass, 1.0 - mass)
+        return min(SMALLEST_DISTANCE, SMALLEST_RELATIVE_DISTANCE * float((smaller / 3) ** (1 / 3)))
+
+    def fraction(self, problem: ShootingProblem, orbit: SymmetricOrbit, count: int) -> float:
+        """How much of the way to the nearest limit is done, roughly, 0 to 1."""
+        system = problem.system
+        names = system.centre_coordinates
+        parts = [max(count / self.max_orbits, count / (count + TYPICAL_ORBITS))]
+        parts += [abs(orbit.unknowns[names.index(name)]) / bound for name, bound in self.coordinate_max.items()]
+        if system.family_parameter is not None:
+            parts.append((orbit.unknowns[0] - self.parameter_min) / (self.parameter_max - self.parameter_min))
+        return min(1.0, max(parts))

@@ -1,0 +1,282 @@
+"""The families that can be asked for by name.
+
+- cr3bp: ``L1-lyapunov`` (planar), ``L1-vertical`` and ``L1-halo``, which branches off where the symmetry S of the
+  planar family breaks first; ``L1-halo-2``, ``L1-halo-3``, .. branch off where it does so the next times. The same for
+  L2 and L3.
+- falkner-skan: ``odd``, the symmetric periodic orbits in the parameter beta.
+
+The first point of an orbit on Fix(R) is the crossing from which the paper draws the family: for L1
+and L2 the one with x < x_L (there vy > 0), for L3 the one with x > x_L (there vy < 0). On a vertical family it is
+the highest point; such an orbit also meets the x axis, so that its half orbit crosses the section twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+
+from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed
+from orbitproof.explore.families.continuation import Family, Start, Stop, describe, extend, in_fixed_space, trace
+from orbitproof.explore.families.detection import symmetry_breaking_near, symmetry_breakings
+from orbitproof.explore.families.limits import BETA_START, Limits
+from orbitproof.explore.families.names import branch_number, is_family_name
+from orbitproof.explore.flow import FlowFailure, Matrix
+from orbitproof.explore.orbits import (
+    CONTROL,
+    CorrectionFailure,
+    LinearOrbit,
+    ShootingProblem,
+    StepControl,
+    SymmetricOrbit,
+    bracketed_zero,
+    detuning,
+    libration_point,
+    limit_orbit,
+    lyapunov_orbit,
+    vertical_orbit,
+)
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
+
+Progress = Callable[[str, float], None]
+"""Called with what is being done and the fraction done, 0 to 1."""
+
+AMPLITUDE = 1e-3
+PLANAR_ORBITS = 2000
+
+
+class FamilyFailure(Exception):
+    """The family's first orbit could not be found; one line says why."""
+
+
+def trace_family(
+    system: ReversibleSystem,
+    name: str,
+    parameters: Mapping[str, Fraction],
+    limits: Limits,
+    *,
+    mirrored: bool = False,
+    control: StepControl = CONTROL,
+    progress: Progress | None = None,
+) -> Family:
+    """Trace a family by name up to `limits`.
+
+    Arguments:
+        parameters: exact fixed parameters of the system.
+        mirrored: the mirror image of a halo family under S (z < 0 at the first point).
+
+    Raises `FamilyFailure` if no first orbit is found and `ValueError` for an unknown name.
+    """
+    if not is_family_name(system.name, name):
+        raise ValueError(f"unknown family {name!r} of {system.name}")
+    tracer = _Tracer(parameters, limits, control, progress)
+    try:
+        if system is FALKNER_SKAN:
+            return tracer.falkner_skan()
+        point, kind = name.split("-")[:2]
+        if kind == "lyapunov":
+            return tracer.grown(*tracer.planar_start(point))
+        if kind == "vertical":
+            return tracer.grown(*tracer.vertical_start(point))
+        return tracer.halo(point, branch_number(name) or 1, -1 if mirrored else 1)
+    except (CorrectionFailure, ZeroDivisionError) as error:
+        raise FamilyFailure(f"no first orbit of {name}: {error}") from None
+
+
+def continue_family(
+    family: Family, limits: Limits, *, control: StepControl = CONTROL, progress: Progress | None = None
+) -> Family:
+    """Continue a traced family, for example one read from a file, up to further limits."""
+    problem = replace(family.problem, tolerance=control.tolerance)
+    last = family.orbits[-1]
+    try:
+        states = problem.samples(last.unknowns)
+    except FlowFailure as error:
+        raise FamilyFailure(f"the last orbit cannot be integrated: {error}") from None
+    if family.outcome == "closed" or limits.reached(problem, last, states) is not None:
+        return family
+    if len(family.orbits) > 1 and in_fixed_space(problem, last):
+        return family
+    more = extend(
+        replace(family, problem=problem), _stop(problem, limits, family.orbits), control=control,
+        max_orbits=limits.max_orbits, progress=_report(problem, limits, progress, len(family.orbits)),
+    )  # fmt: skip
+    return _with_symmetric_end(more)
+
+
+def continue_both_ways(
+    seed: Family, limits: Limits, *, control: StepControl = CONTROL, progress: Progress | None = None
+) -> Family:
+    """Continue a family backwards from its first orbit and then forwards from its last, up to `limits`.
+
+    Backwards at most half of the orbits that the limits allow. Raises `FamilyFailure`.
+    """
+    half = replace(limits, max_orbits=max(len(seed.orbits) + 1, (limits.max_orbits + len(seed.orbits)) // 2))
+    backwards = continue_family(seed.turned(), half, control=control, progress=progress)
+    family = backwards.turned()
+    if backwards.outcome in ("closed", "interrupted"):
+        return replace(family, outcome=backwards.outcome, reason=backwards.reason, beginning=None)
+    return continue_family(family, limits, control=control, progress=progress)
+
+
+def _report(
+    problem: ShootingProblem, limits: Limits, progress: Progress | None, done: int = 0
+) -> Callable[[SymmetricOrbit], None] | None:
+    if progress is None:
+        return None
+    count = done
+
+    def report(orbit: SymmetricOrbit) -> None:
+        nonlocal count
+        count += 1
+        progress(f"tracing, {count} orbits", limits.fraction(problem, orbit, count))
+
+    return report
+
+
+class _Tracer:
+    """Traces families of given parameters from their first orbits."""
+
+    def __init__(
+        self, parameters: Mapping[str, Fraction], limits: Limits, control: StepControl, progress: Progress | None
+    ) -> None:
+        self.parameters = parameters
+        self.limits = limits
+        self.control = control
+        self.progress = progress
+
+    def problem(self, system: ReversibleSystem, scale: tuple[float, ...], symmetry: str | None) -> ShootingProblem:
+        return ShootingProblem(system, self.parameters, symmetry, scale, self.control.tolerance)
+
+    def grown(self, problem: ShootingProblem, start: Start) -> Family:
+        """The family from its start up to the limits."""
+        family = trace(
+            problem, start, _stop(problem, self.limits, ()), control=self.control, max_orbits=self.limits.max_orbits,
+            progress=_report(problem, self.limits, self.progress),
+        )  # fmt: skip
+        return _with_symmetric_end(family)
+
+    def planar_start(self, point: str) -> tuple[ShootingProblem, Start]:
+        libration = libration_point(point, self.parameters["mu"])
+        orbit = lyapunov_orbit(libration, AMPLITUDE * libration.distance, 1 if point == "L3" else -1)
+        return self._linear_start(libration.distance, orbit, "S")
+
+    def vertical_start(self, point: str) -> tuple[ShootingProblem, Start]:
+        libration = libration_point(point, self.parameters["mu"])
+        # The linear orbit is a guess only where its square is small against the detuning.
+        amplitude = AMPLITUDE * min(1.0, float(np.sqrt(detuning(libration) / AMPLITUDE)))
+        return self._linear_start(libration.distance, vertical_orbit(libration, amplitude * libration.distance), None)
+
+    def _linear_start(self, size: float, orbit: LinearOrbit, symmetry: str | None) -> tuple[ShootingProblem, Start]:
+        fixed = list(CR3BP.fixed_coordinates)
+        start = Start(np.append(orbit.state[fixed], orbit.half_period), np.append(orbit.direction[fixed], 0.0))
+        return self.problem(CR3BP, (size, size, size, 1.0), symmetry), start
+
+    def halo(self, point: str, number: int, sign: Sign) -> Family:
+        """The branch at the symmetry breaking `number` = 1, 2, .. of the planar family."""
+        planar, start = self.planar_start(point)
+        near = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
+        family = trace(
+            planar, start, after_breakings(planar, number, _stop(planar, near, ())), control=self.control,
+            max_orbits=PLANAR_ORBITS, progress=self._planar_report(),
+        )  # fmt: skip
+        if family.outcome == "interrupted":
+            raise KeyboardInterrupt
+        breakings = symmetry_breakings(family)
+        if len(breakings) < number:
+            times = f" a {number}. time" if number > 1 else ""
+            raise CorrectionFailure(f"S does not break{times} on the planar family: {family.reason}")
+        branch = branch_seed(planar, breakings[number - 1], sign)
+        return continue_family(branch, self.limits, control=self.control, progress=self.progress)
+
+    def _planar_report(self) -> Callable[[SymmetricOrbit], None] | None:
+        progress = self.progress
+        if progress is None:
+            return None
+        return lambda orbit: progress("tracing the planar family", 0.0)
+
+    def falkner_skan(self) -> Family:
+        """Starts at beta = 100, or where the range begins above it, goes down to its lower end and then up."""
+        problem = self.problem(FALKNER_SKAN, (1000.0, 1.0, 1.0), None)
+        limits, limit = self.limits, limit_orbit()
+        beta = max(BETA_START, limits.parameter_min)
+        start = Start(np.array([beta, limit.upper, limit.half_period / np.sqrt(beta)]), np.array([1.0, 0.0, 0.0]))
+        upwards = replace(limits, parameter_min=-np.inf)
+        report = _report(problem, limits, self.progress)
+        if limits.parameter_min >= beta:
+            return trace(
+                problem, start, _stop(problem, upwards, ()), control=self.control, max_orbits=limits.max_orbits,
+                progress=report,
+            )  # fmt: skip
+        downwards = replace(limits, parameter_max=np.inf)
+        down = trace(
+            problem, replace(start, direction=-start.direction), _stop(problem, downwards, ()), control=self.control,
+            max_orbits=limits.max_orbits, progress=report,
+        )  # fmt: skip
+        if down.outcome == "limit" and down.orbits[-1].unknowns[0] > limits.parameter_min:
+            raise CorrectionFailure(f"beta = {limits.parameter_min:g} is not reached: {down.reason}; allow more orbits")
+        family = down.turned()
+        if down.outcome == "interrupted":
+            return replace(family, outcome="interrupted", reason=down.reason, beginning=None)
+        beyond = [i for i, orbit in enumerate(family.orbits) if orbit.unknowns[0] > limits.parameter_max]
+        if beyond:
+            end = beyond[0]
+            reason = f"limit beta = {limits.parameter_max:g} ({describe(problem, family.orbits[end])})"
+            orbits, tangents = family.orbits[: end + 1], family.tangents[: end + 1]
+            return replace(family, orbits=orbits, tangents=tangents, outcome="limit", reason=reason)
+        return extend(
+            family, _stop(problem, upwards, family.orbits), control=self.control, max_orbits=limits.max_orbits,
+            progress=report,
+        )  # fmt: skip
+
+
+RETURNED = "the family returns to Fix(S)"
+
+
+def _stop(problem: ShootingProblem, limits: Limits, orbits: tuple[SymmetricOrbit, ...]) -> Stop:
+    """Stops at the limits and where an S-odd coordinate of a family outside Fix(S) changes sign."""
+    odd = {name: problem.odd_unknowns(name) for name in problem.system.symmetries} if problem.symmetry is None else {}
+    previous = [orbits[-1].unknowns] if len(orbits) > 1 else []
+
+    def stop(orbit: SymmetricOrbit, states: Matrix) -> str | None:
+        last, previous[:] = list(previous), [orbit.unknowns]
+        for indices in odd.values():
+            if last and len(indices) == 1 and last[0][indices[0]] * orbit.unknowns[indices[0]] <= 0:
+                return RETURNED
+        return limits.reached(problem, orbit, states)
+
+    return stop
+
+
+def _with_symmetric_end(family: Family) -> Family:
+    """A family that has just crossed Fix(S), ended exactly at the symmetry breaking there."""
+    if not family.reason.startswith(RETURNED):
+        return family
+    problem, before, beyond = family.problem, family.orbits[-2], family.orbits[-1]
+    name, (index,) = next(
+        (name, odd) for name in problem.system.symmetries if len(odd := problem.odd_unknowns(name)) == 1
+    )
+    ends = (before.arclength, beyond.arclength)
+    heights = (float(before.unknowns[index]), float(beyond.unknowns[index]))
+
+    def height(arclength: float) -> float:
+        return float(family.orbit_at(arclength).unknowns[index])
+
+    try:
+        place = bracketed_zero(height, ends, heights, 1e-6 * (ends[1] - ends[0]))
+        end = symmetry_breaking_near(problem, name, family.orbit_at(place).unknowns, 2.0)
+    except (CorrectionFailure, ZeroDivisionError) as error:
+        reason = f"{family.reason}; the symmetry breaking there is not located: {error}"
+        return replace(family, orbits=family.orbits[:-1], tangents=family.tangents[:-1], reason=reason)
+    length = float(np.linalg.norm((end.unknowns - before.unknowns) / problem.scales))
+    end = replace(end, arclength=before.arclength + length)
+    tangent = np.zeros(problem.size)
+    tangent[index] = np.sign(beyond.unknowns[index] - before.unknowns[index])
+    return replace(
+        family,
+        orbits=(*family.orbits[:-1], end),
+        tangents=(*family.tangents[:-1], tangent),
+        reason=f"{RETURNED} ({describe(problem, end)})",
+    )

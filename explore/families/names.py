@@ -1,0 +1,72 @@
+"""The names of the families that can be asked for, and named searches."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
+    "cr3bp": tuple(f"{point}-{kind}" for kind in ("halo", "lyapunov", "vertical") for point in ("L1", "L2", "L3")),
+    "falkner-skan": ("odd",),
+}
+"""The families that can be asked for, by system; `explore.families.named` traces them."""
+
+_BRANCH = re.compile(r"L[123]-halo(?:-([2-9]|[1-9][0-9]))?")
+
+
+def is_family_name(system: str, name: str) -> bool:
+    """Whether a family of that name can be asked for: one of `FAMILY_NAMES`, or L1-halo-2, L1-halo-3, .."""
+    return name in FAMILY_NAMES.get(system, ()) or (system == "cr3bp" and _BRANCH.fullmatch(name) is not None)
+
+
+def branch_name(planar: str, number: int) -> str:
+    """The name of the branch at the symmetry breaking `number` = 1, 2, .. of a planar family: L1-halo, L1-halo-2, .."""
+    point = planar.partition("-")[0]
+    return f"{point}-halo" if number == 1 else f"{point}-halo-{number}"
+
+
+def branch_number(name: str) -> int | None:
+    """The inverse of `branch_name`; `None` for a family of another kind."""
+    match = _BRANCH.fullmatch(name)
+    return None if match is None else int(match[1] or 1)
+
+
+def mirrored_name(name: str) -> str:
+    """The name of the mirror image under S of a family that does not map to itself."""
+    return name if branch_number(name) is None else f"{name}-mirror"
+
+
+POINTS = ("one", "distinct", "all")
+"""Where an orbit's new orbits appear near both of its points on Fix(R): which of these become candidates."""
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A named search: what it stands for on the command line.
+
+    Attributes:
+        system: name of the system.
+        masses, families: each mass with each family.
+        velocity_max: the largest |vy| of the first point, one for each mass.
+        multiplicities: unless -k says otherwise.
+        points: one of `POINTS`, unless --points says otherwise.
+        meaning: for the help text.
+    """
+
+    system: str
+    masses: tuple[str, ...]
+    families: tuple[str, ...]
+    velocity_max: tuple[float, ...]
+    multiplicities: tuple[int, ...]
+    points: str
+    meaning: str
+
+
+PRESETS: Mapping[str, Preset] = {
+    "tables": Preset(
+        "cr3bp", ("earth-moon", "sun-jupiter"), ("L1-halo", "L2-halo"), (20.5, 8.0), (1, 2, 3, 4), "distinct",
+        "the L1 halo loops and the L2 halo families of the Earth-Moon and the Sun-Jupiter system, as far as the paper "
+        "follows them",
+    ),
+}  # fmt: skip

@@ -1,0 +1,153 @@
+"""Tracing families and finding their resonances, several families at a time in processes of their own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from orbitproof.explore.engines import Job, Lost, Progress, run_all
+from orbitproof.explore.families.continuation import Family
+from orbitproof.explore.families.detection import Detection, detect
+from orbitproof.explore.families.limits import Limits
+from orbitproof.explore.families.named import FamilyFailure, continue_both_ways, continue_family, trace_family
+from orbitproof.explore.families.names import mirrored_name
+from orbitproof.explore.orbits import CONTROL, CorrectionFailure, StepControl
+from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
+
+TRACING_SHARE = 0.6
+"""Part of the time for a family that goes into tracing it; the rest finds its resonances."""
+
+
+@dataclass(frozen=True)
+class TraceTask:
+    """A family to trace, or to continue, and to search.
+
+    Attributes:
+        system: a key of `shared.systems.system.SYSTEMS`.
+        name, parameters, mirrored: as for `explore.families.named.trace_family`.
+        label: the parameters as the user named them, or "".
+        multiplicities: the k to look for.
+        start: a part that is traced already.
+        both_ways: whether that part is continued at both of its ends.
+        control: steps and tolerances.
+    """
+
+    system: str
+    name: str
+    label: str
+    parameters: Mapping[str, Fraction]
+    limits: Limits
+    multiplicities: tuple[int, ...]
+    mirrored: bool = False
+    start: Family | None = None
+    both_ways: bool = False
+    control: StepControl = CONTROL
+
+    @property
+    def title(self) -> str:
+        """For messages."""
+        return f"{self.label} {self.name}" if self.label else self.name
+
+
+@dataclass(frozen=True)
+class TracedFamily:
+    """A family with the name under which it was asked for and what was found on it."""
+
+    name: str
+    label: str
+    family: Family
+    detection: Detection = field(default_factory=lambda: Detection((), ()))
+
+    @property
+    def system(self) -> ReversibleSystem:
+        """The family's system."""
+        return self.family.problem.system
+
+    @property
+    def title(self) -> str:
+        """For messages."""
+        return f"{self.label} {self.name}" if self.label else self.name
+
+
+@dataclass(frozen=True)
+class Traced:
+    """The result of a task.
+
+    Attributes:
+        item: `None` if not even a first orbit was found, or interrupted before.
+        failure: why there is no item.
+        interrupted: whether the family could be longer, or its resonances were not looked for, because of that.
+    """
+
+    task: TraceTask
+    item: TracedFamily | None
+    failure: str | None
+    interrupted: bool
+    seconds: float
+
+
+def trace_task(task: TraceTask, progress: Progress) -> Traced:
+    """Trace and search one family; failures and interrupts are results, not exceptions."""
+    started = time.monotonic()
+    item: TracedFamily | None = None
+
+    def result(failure: str | None = None, interrupted: bool = False) -> Traced:
+        return Traced(task, item, failure, interrupted, time.monotonic() - started)
+
+    def tracing(message: str, fraction: float) -> None:
+        progress(message, TRACING_SHARE * fraction)
+
+    try:
+        if task.start is None:
+            family = trace_family(
+                SYSTEMS[task.system], task.name, task.parameters, task.limits, mirrored=task.mirrored,
+                control=task.control, progress=tracing,
+            )  # fmt: skip
+        else:
+            go_on = continue_both_ways if task.both_ways else continue_family
+            family = go_on(_with_own_system(task.start), task.limits, control=task.control, progress=tracing)
+        name = mirrored_name(task.name) if task.mirrored else task.name
+        item = TracedFamily(name, task.label, family)
+        if family.outcome == "interrupted":
+            return result(interrupted=True)
+        if task.multiplicities:
+            length = family.orbits[-1].arclength or 1.0
+
+            def searching(place: float) -> None:
+                progress("resonances", TRACING_SHARE + (1 - TRACING_SHARE) * place / length)
+
+            item = replace(item, detection=detect(family, task.multiplicities, progress=searching))
+        return result()
+    except (FamilyFailure, CorrectionFailure) as error:
+        return result(failure=str(error))
+    except KeyboardInterrupt:
+        return result(interrupted=True)
+
+
+def _title(task: TraceTask) -> str:
+    return task.title
+
+
+def _interrupted(result: Traced) -> bool:
+    return result.interrupted
+
+
+def trace_tasks(tasks: Sequence[TraceTask], jobs: int, progress: Progress) -> Iterator[tuple[int, Traced]]:
+    """Work on all tasks with `jobs` processes; yields (index, result) in the order of completion.
+
+    After an interrupt the parts of families that are traced by then are yielded as well.
+    """
+    for index, result in run_all(Job(trace_task, _title, _interrupted), tasks, jobs, progress):
+        if isinstance(result, Lost):
+            yield index, Traced(tasks[index], None, result.reason, False, 0.0)
+        elif result.item is not None:
+            yield index, replace(result, item=replace(result.item, family=_with_own_system(result.item.family)))
+        else:
+            yield index, result
+
+
+def _with_own_system(family: Family) -> Family:
+    """A system that came through a pipe is a copy: put this process's own in its place."""
+    return replace(family, problem=replace(family.problem, system=SYSTEMS[family.problem.system.name]))

@@ -1,0 +1,17 @@
+from .batch import Counts as Counts
+from .batch import Flags as Flags
+from .batch import FlowBatch as FlowBatch
+from .batch import Matrices as Matrices
+from .batch import flow_batch as flow_batch
+from .compilation import compiled as compiled
+from .compilation import compiling as compiling
+from .compilation import configure_jax as configure_jax
+from .fields import power as power
+from .flow import FlowFailure as FlowFailure
+from .flow import FlowResult as FlowResult
+from .flow import Matrix as Matrix
+from .flow import Vector as Vector
+from .flow import flow_of as flow_of
+from .runge_kutta import ABSOLUTE_TOLERANCE as ABSOLUTE_TOLERANCE
+from .runge_kutta import MAX_STEPS as MAX_STEPS
+from .runge_kutta import RELATIVE_TOLERANCE as RELATIVE_TOLERANCE

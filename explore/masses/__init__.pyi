@@ -1,0 +1,9 @@
+from .curve import chart_of as chart_of
+from .curve import correct_at as correct_at
+from .curve import first_breaking as first_breaking
+from .curve import trace_curve as trace_curve
+from .file import CurveRecord as CurveRecord
+from .file import PointRecord as PointRecord
+from .file import read_curves as read_curves
+from .run import MassCurveRequest as MassCurveRequest
+from .run import run_request as run_request

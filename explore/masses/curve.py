@@ -1,0 +1,238 @@
+"""Curves of symmetry-breaking points of the planar Lyapunov families in the mass parameter, in float64.
+
+The point is the first one on its family at which the symmetry S breaks, where the halo orbits are born. It is found
+once, on the planar family at the largest mass; from there pseudo-arclength continuation follows the equations of
+`explore.masses.charts` in (position, velocity, time, log mu). Folds in mu do no harm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import exp, log
+from typing import Literal
+
+import numpy as np
+
+from orbitproof.explore.families import Limits, trace_family
+from orbitproof.explore.flow import FlowFailure, Vector
+from orbitproof.explore.masses.charts import LOG_MU, UNKNOWNS, Chart, Evaluation, evaluate
+from orbitproof.explore.masses.file import CurveRecord, PointRecord
+from orbitproof.explore.orbits import LIBRATION_POINTS, CorrectionFailure, predict
+from orbitproof.shared.systems import CR3BP
+
+Outcome = Literal["complete", "left", "failed", "interrupted"]
+
+NEWTON_LIMIT = 10
+NEWTON_TOLERANCE = 1e-13
+NEWTON_ACCEPTED = 1e-9
+"""Largest last correction, in the chart's units, with which a point counts as found."""
+
+LARGEST_MASS = 0.5
+
+
+@dataclass(frozen=True)
+class _Node:
+    unknowns: Vector
+    tangent: Vector
+    at: Evaluation
+    residual: float
+    iterations: int
+
+
+def extremum_brackets(points: Sequence[PointRecord]) -> list[tuple[PointRecord, PointRecord]]:
+    """Neighbours on a curve between which dC/dmu changes its sign: between them C has a local extremum."""
+    return [(a, b) for a, b in pairwise(points) if a.jacobi_derivative * b.jacobi_derivative < 0]
+
+
+def chart_of(libration: str) -> Chart:
+    """The chart in which the curve of a libration point is regular; raises `ValueError` for an unknown one."""
+    if libration not in LIBRATION_POINTS:
+        raise ValueError(f"unknown libration point {libration!r}")
+    return Chart(smaller=libration != "L3")
+
+
+def first_breaking(libration: str, mu: Fraction) -> PointRecord:
+    """The first symmetry breaking of the planar family at one mass; raises `explore.families.named.FamilyFailure`."""
+    origin = trace_family(CR3BP, f"{libration}-halo", {"mu": mu}, Limits(max_orbits=1)).orbits[0]
+    chart = chart_of(libration)
+    x, _, vy = origin.unknowns[:3]
+    return correct_at(chart, chart.unknowns(float(x), float(vy), origin.half_period, float(mu)))
+
+
+def correct_at(chart: Chart, guess: Vector) -> PointRecord:
+    """The symmetry-breaking point at the mass of `guess`, shape (4,); raises `CorrectionFailure`."""
+    return _point(chart, _correct(chart, guess, np.eye(UNKNOWNS)[LOG_MU]))
+
+
+def point_at(libration: str, points: Sequence[PointRecord], mu: float) -> PointRecord:
+    """The point at a mass between two points of a curve (the first such place); raises `CorrectionFailure`."""
+    chart = chart_of(libration)
+    for a, b in pairwise(points):
+        # The masses at the ends come from their logarithms.
+        if min(a.mu, b.mu) * (1 - 1e-12) <= mu <= max(a.mu, b.mu) * (1 + 1e-12):
+            weight = log(mu / a.mu) / log(b.mu / a.mu)
+            left, right = _unknowns(chart, a), _unknowns(chart, b)
+            guess = left + weight * (right - left)
+            guess[LOG_MU] = log(mu)
+            return correct_at(chart, guess)
+    raise CorrectionFailure(f"mu = {mu:.6g} does not lie on the curve")
+
+
+def extremum_between(libration: str, a: PointRecord, b: PointRecord) -> PointRecord:
+    """The point with dC/dmu = 0 between two points of `extremum_brackets`; raises `CorrectionFailure`.
+
+    By the secant method kept inside the bracket (Illinois), to a relative accuracy of the mass of 1e-8.
+    """
+    ends = [(log(point.mu), point.jacobi_derivative) for point in (a, b)]
+    point = a
+    for _ in range(60):
+        (left, f), (right, g) = ends
+        middle = (left * g - right * f) / (g - f)
+        if not min(left, right) < middle < max(left, right):
+            break
+        point = point_at(libration, (a, b), exp(middle))
+        slope = point.jacobi_derivative
+        moved = abs(middle - right)
+        ends = [(right, g) if slope * g < 0 else (left, f / 2), (middle, slope)]
+        if moved < 1e-8 or slope == 0:
+            break
+    return point
+
+
+def trace_curve(
+    libration: str,
+    start: Sequence[PointRecord],
+    smallest: float,
+    *,
+    step: float = 0.1,
+    minimum: float = 1e-6,
+    max_points: int = 5000,
+    progress: Callable[[list[PointRecord]], None] | None = None,
+) -> CurveRecord:
+    """Continue a curve towards smaller masses.
+
+    Arguments:
+        start: the points there are already, from the largest mass on, at least one.
+        smallest: the mass at which the curve ends; its last point lies there exactly.
+        step, minimum: longest and shortest step, in the chart's unknowns (one unit of log mu is a factor e).
+        progress: called with all points after each new one.
+
+    Never raises for a point that is not found: the outcome says where and why the curve ends.
+    """
+    chart, points = chart_of(libration), list(start)
+    largest = log(points[0].mu)
+
+    def ended(outcome: Outcome, why: str) -> CurveRecord:
+        place = f"mu = {points[-1].mu:.6g}, x = {points[-1].x:.8g}"
+        return CurveRecord(libration, outcome, f"{why} ({place})", tuple(points))
+
+    if points[-1].mu <= smallest * (1 + 1e-12):
+        return ended("complete", "smallest mass")
+    size = step
+    try:
+        node = _correct(chart, _unknowns(chart, points[-1]), np.eye(UNKNOWNS)[LOG_MU])
+        tangent = node.tangent if len(points) > 1 and _turned(points) else -node.tangent
+        nodes = [_Node(node.unknowns, tangent, node.at, node.residual, 0)]
+        while len(points) < max_points:
+            try:
+                node = _next(chart, nodes[-3:], size)
+                if node.unknowns[LOG_MU] <= log(smallest):
+                    guess = _predict(
+                        nodes[-3:], (log(smallest) - nodes[-1].unknowns[LOG_MU]) / nodes[-1].tangent[LOG_MU]
+                    )
+                    guess[LOG_MU] = log(smallest)
+                    points.append(correct_at(chart, guess))
+                    return ended("complete", "smallest mass")
+            except (CorrectionFailure, FlowFailure) as failure:
+                size /= 2
+                if size < minimum:
+                    return ended("failed", str(failure))
+                continue
+            nodes.append(node)
+            points.append(_point(chart, node))
+            if progress is not None:
+                progress(points)
+            if node.unknowns[LOG_MU] > largest:
+                return ended("left", "the curve turns back to the largest mass")
+            size = min(step, size * (1.5 if node.iterations <= 3 else 0.7))
+    except (CorrectionFailure, FlowFailure) as failure:
+        return ended("failed", str(failure))
+    except KeyboardInterrupt:
+        return ended("interrupted", "interrupted")
+    return ended("failed", f"{max_points} points")
+
+
+def _unknowns(chart: Chart, point: PointRecord) -> Vector:
+    """The chart's unknowns; the time is good as a first guess only where the chart has it divided by mu."""
+    time = chart.unknowns(point.x, point.vy, point.half_period, point.mu)[2]
+    return np.array([*point.scaled, time, log(point.mu)])
+
+
+def _turned(points: Sequence[PointRecord]) -> bool:
+    return points[-1].mu > points[-2].mu
+
+
+def _correct(chart: Chart, guess: Vector, normal: Vector) -> _Node:
+    """Newton's method in the hyperplane through `guess` across `normal`."""
+    unknowns, last = guess.copy(), np.inf
+    for iteration in range(NEWTON_LIMIT):
+        at = _evaluate(chart, unknowns)
+        matrix = np.vstack([at.jacobian, normal])
+        try:
+            step = np.linalg.solve(matrix, np.append(at.residual, normal @ (unknowns - guess)))
+        except np.linalg.LinAlgError:
+            raise CorrectionFailure("the equations of symmetry breaking are singular") from None
+        size = float(np.linalg.norm(step))
+        if size < NEWTON_TOLERANCE or (size < NEWTON_ACCEPTED and size > 0.25 * last):
+            return _Node(unknowns, _tangent(at, normal), at, size, iteration)
+        if not np.isfinite(size) or (iteration > 0 and size > 2 * last):
+            break
+        last, unknowns = size, unknowns - step
+    raise CorrectionFailure("Newton's method does not converge to a symmetry breaking")
+
+
+def _evaluate(chart: Chart, unknowns: Vector) -> Evaluation:
+    # Beyond these the equations of the chart have further solutions that are no orbits; see its text.
+    if not np.all(np.isfinite(unknowns)) or abs(chart.half_period(unknowns) - np.pi) > 0.45 * np.pi * (
+        1 + 2 * chart.smaller
+    ):
+        raise CorrectionFailure("Newton's method does not converge to a symmetry breaking")
+    return evaluate(chart, unknowns)
+
+
+def _tangent(at: Evaluation, direction: Vector) -> Vector:
+    _, values, rows = np.linalg.svd(at.jacobian)
+    if values[-1] <= 1e-12 * values[0]:
+        raise CorrectionFailure("the curve has no unique tangent")
+    tangent: Vector = rows[-1]
+    return tangent if float(tangent @ direction) >= 0 else -tangent
+
+
+def _predict(nodes: Sequence[_Node], distance: float) -> Vector:
+    last = nodes[-1]
+    backwards = list(reversed(nodes))
+    return predict([node.unknowns for node in backwards], [node.tangent for node in backwards], last.tangent, distance)
+
+
+def _next(chart: Chart, nodes: Sequence[_Node], size: float) -> _Node:
+    tangent = nodes[-1].tangent
+    node = _correct(chart, _predict(nodes, size), tangent)
+    if float(node.tangent @ tangent) < 0.98:
+        raise CorrectionFailure("the curve turns too sharply")
+    return node
+
+
+def _point(chart: Chart, node: _Node) -> PointRecord:
+    mu = exp(float(node.unknowns[LOG_MU]))
+    place = node.unknowns[:2]
+    x, vy = chart.point(place, mu)
+    # The tangent of the curve, per unit of mu.
+    slope = float(node.at.jacobi_gradient @ node.tangent) / float(node.tangent[LOG_MU]) / mu
+    return PointRecord(
+        mu=mu, x=x, vy=vy, second=chart.point(node.at.second, mu), scaled=(float(place[0]), float(place[1])),
+        half_period=chart.half_period(node.unknowns), jacobi_constant=node.at.jacobi_constant,
+        jacobi_derivative=slope, residual=node.residual,
+    )  # fmt: skip

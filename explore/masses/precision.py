@@ -1,0 +1,227 @@
+"""Symmetry-breaking points in the mass parameter to high precision, and extrema of the Jacobi constant along them.
+
+Newton's method for the equations of `explore.masses.expansion` in (x, vy) at a given mass. An extremum of the Jacobi
+constant C along the curve solves F_1 = F_2 = 0 and D = grad C . (grad F_1 x grad F_2) = 0, by Newton's method in
+(x, vy, mu), for which second derivatives suffice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, log2
+from typing import Any
+
+from orbitproof.explore.masses.charts import Chart
+from orbitproof.explore.masses.expansion import MU, VARIABLES, VY, Expansion, Settings, X, dot, expand
+from orbitproof.explore.refinement import IntegrationFailure
+
+Progress = Callable[[str, float], None]
+
+MAXIMAL_ITERATIONS = 12
+FIRST_BITS = 128
+MARGIN_DIGITS = 3
+GUARD_BITS = 40
+
+
+class PrecisionFailure(Exception):
+    """Newton's method found no point to the precision asked for; one line says why."""
+
+
+@dataclass(frozen=True)
+class PrecisePoint:
+    """A symmetry-breaking point to high precision.
+
+    Attributes:
+        mu: mass parameter, exact for a point at a given mass.
+        x, vy: the point on Fix(R), dyadic.
+        half_period: nondimensional, to double precision.
+        jacobi_constant, jacobi_derivative: C and dC/dmu along the curve, from the finer settings.
+        jacobi_curvature: the second derivative of C in mu along the curve, at an extremum; otherwise `None`.
+        residual: the largest Newton correction of (x, vy), at an extremum also of mu, relative to the chart's unit (mu:
+            relative to mu), from an evaluation with finer settings than those that led here.
+        derivative_change: by how much dC/dmu (at an extremum: C) changes from the one settings to the other.
+        digits: decimal digits asked for.
+        settings: those of the last Newton step.
+    """
+
+    mu: Fraction
+    x: Fraction
+    vy: Fraction
+    half_period: float
+    jacobi_constant: Fraction
+    jacobi_derivative: Fraction
+    jacobi_curvature: Fraction | None
+    residual: float
+    derivative_change: float
+    digits: int
+    settings: Settings
+
+
+def bits_for(mu: Fraction, digits: int) -> int:
+    """Working precision for that many digits: dC/dmu is a quotient of two numbers that near L3 are of order mu."""
+    return ceil((digits + MARGIN_DIGITS) * log2(10)) + 2 * ceil(-log2(mu)) + GUARD_BITS
+
+
+def precise_breaking(
+    chart: Chart,
+    mu: Fraction,
+    guess: tuple[float, float],
+    *,
+    digits: int,
+    settings: Settings | None = None,
+    progress: Progress | None = None,
+) -> PrecisePoint:
+    """The symmetry breaking at an exact mass, with dC/dmu there.
+
+    Arguments:
+        guess: position and velocity in the chart's units, for a float64 approximation.
+        digits: decimal digits of position and velocity in the chart's units, and of dC/dmu.
+        settings: by default what the digits need.
+
+    Raises `PrecisionFailure`.
+    """
+    lost = ceil(-log2(mu))
+    settings = settings if settings is not None else Settings(bits_for(mu, digits))
+    unit = chart.unit(float(mu))
+    start = [Fraction(chart.origin_exact(mu)) + Fraction(guess[0] * unit), Fraction(guess[1] * unit), mu]
+    if chart.smaller:
+        return _newton(start, [unit, unit], 1, digits, settings, 0, progress)
+    return _newton(_onto_family(start, settings, lost), [unit, unit], 1, digits, settings, lost, progress)
+
+
+def precise_extremum(
+    chart: Chart,
+    mu: float,
+    guess: tuple[float, float],
+    *,
+    digits: int,
+    settings: Settings,
+    progress: Progress | None = None,
+) -> PrecisePoint:
+    """The local extremum of the Jacobi constant along the curve near a float64 approximation of it.
+
+    `digits` are those of mu, relative to its size, and of the point. Raises `PrecisionFailure`.
+    """
+    exact = Fraction(mu)
+    unit = chart.unit(mu)
+    start = [chart.origin_exact(exact) + Fraction(guess[0] * unit), Fraction(guess[1] * unit), exact]
+    if chart.smaller:
+        return _newton(start, [unit, unit, mu], 2, digits, settings, 0, progress)
+    lost = ceil(-log2(mu))
+    return _newton(_onto_family(start, settings, lost), [unit, unit, mu], 2, digits, settings, lost, progress)
+
+
+def _onto_family(point: list[Fraction], settings: Settings, lost: int) -> list[Fraction]:
+    """The symmetric orbit (F_1 = 0) with the same x, where a guess in double precision is too far away from it.
+
+    Near L3 F_2 is of order mu on the family of symmetric orbits only, and of the size of the distance beside it:
+    Newton's method for both equations converges from distances below mu.
+    """
+    coarse = settings.coarser(FIRST_BITS + 2 * lost)
+    distance = 1e-14
+    try:
+        while distance > 2.0 ** -(lost + 10):
+            at = expand(point, 1, coarse)
+            first = at.equations[0]
+            correction = -first.coefficients[0] / at.gradient(first)[VY]
+            if not abs(correction) < 1e-6:
+                raise PrecisionFailure("Newton's method leaves the neighbourhood of the guess")
+            point = [point[X], _moved(point[VY], correction, coarse.bits), point[MU]]
+            distance = float(abs(correction)) ** 2
+    except IntegrationFailure as failure:
+        raise PrecisionFailure(str(failure)) from None
+    return point
+
+
+def _newton(
+    start: list[Fraction],
+    scale: list[float],
+    degree: int,
+    digits: int,
+    settings: Settings,
+    lost: int,
+    progress: Progress | None,
+) -> PrecisePoint:
+    """Newton's method in the first `len(scale)` coordinates of (x, vy, mu).
+
+    `lost`: bits by which F_2 and its derivative in x are smaller than its other derivatives. By as much the
+    second-order terms are larger, and the error of dC/dmu than that of the point.
+    """
+    report = progress if progress is not None else (lambda _message, _fraction: None)
+    point, wanted = list(start), 10.0 ** -(digits + 1)
+    known, last = 0.0, 1.0
+    try:
+        for iteration in range(MAXIMAL_ITERATIONS):
+            here = settings.coarser(max(FIRST_BITS + 2 * lost, ceil(3 * known) + 2 * lost + GUARD_BITS))
+            report(f"Newton step {iteration + 1} with {here.bits} bits", min(0.7, 0.15 * iteration))
+            before = expand(point, degree, here)
+            correction = _correction(before, len(scale))
+            size = max(float(abs(c)) / s for c, s in zip(correction, scale, strict=True))
+            point = [_moved(u, c, settings.bits) for u, c in zip(point, correction, strict=False)] + point[len(scale) :]
+            if not size < 1e-2 or (iteration > 1 and size > 10 * last and size > wanted):
+                raise PrecisionFailure("Newton's method leaves the neighbourhood of the guess")
+            known, last = -log2(max(size, 2.0 ** -(2 * settings.bits))), size
+            if here.bits == settings.bits and 2 * known - 2 * lost > (digits + MARGIN_DIGITS) * log2(10):
+                break
+        else:
+            raise PrecisionFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
+        report("checking", 0.8)
+        # The point is the result of `settings`; the same evaluated with more of everything tells how good it is.
+        at, check = expand(point, degree, settings), expand(point, degree, settings.finer())
+    except IntegrationFailure as failure:
+        raise PrecisionFailure(str(failure)) from None
+    except ZeroDivisionError:
+        raise PrecisionFailure("the equations are singular: the point is degenerate") from None
+    correction = _correction(check, len(scale))
+    residual = max(float(abs(c)) / s for c, s in zip(correction, scale, strict=True))
+    slopes = [e.determinant / e.tangent[MU] for e in (at, check)]
+    curvature = None
+    if degree > 1:
+        tangent = check.tangent
+        curvature = exact(dot(check.determinant_gradient(), tangent) / tangent[MU] ** 2)
+        change = float(abs(check.level.coefficients[0] - at.level.coefficients[0]))
+    else:
+        change = float(abs(slopes[1] - slopes[0]) / max(1, abs(slopes[1])))
+    if residual * 2.0**lost > wanted or change > wanted:
+        raise PrecisionFailure(
+            f"{digits} digits are not reached with {settings.bits} bits (the last correction is {residual:.1e}, the "
+            f"Jacobi constant or its derivative changes by {change:.1e}); give more bits, a higher order or a finer "
+            "tolerance"
+        )
+    report("done", 1.0)
+    return PrecisePoint(
+        mu=point[MU], x=point[X], vy=point[VY], half_period=check.half_period,
+        jacobi_constant=exact(check.level.coefficients[0]), jacobi_derivative=exact(slopes[1]),
+        jacobi_curvature=curvature, residual=residual, derivative_change=change, digits=digits, settings=settings,
+    )  # fmt: skip
+
+
+def _correction(expansion: Expansion, unknowns: int) -> list[Any]:
+    """Newton's correction of (x, vy), or of (x, vy, mu) with D = 0 as the third equation."""
+    context = expansion.context
+    rows = [expansion.gradient(jet)[:unknowns] for jet in expansion.equations]
+    values = list(expansion.values)
+    if unknowns == VARIABLES:
+        rows.append(expansion.determinant_gradient())
+        values.append(expansion.determinant)
+    # Rows of very different size (near L3 they are of order mu) would mislead the choice of pivots.
+    for row, position in zip(rows, range(len(rows)), strict=True):
+        size = max(abs(entry) for entry in row)
+        if size == 0:
+            raise ZeroDivisionError
+        rows[position] = [entry / size for entry in row]
+        values[position] /= size
+    return [-c for c in context.lu_solve(context.matrix(rows), context.matrix(values))]
+
+
+def exact(value: Any) -> Fraction:
+    """The exact value of an mpmath number."""
+    sign, mantissa, exponent, _ = value._mpf_
+    return Fraction(int(-mantissa if sign else mantissa)) * Fraction(2) ** int(exponent)
+
+
+def _moved(value: Fraction, correction: Any, bits: int) -> Fraction:
+    scale = 1 << bits
+    return Fraction(round((value + exact(correction)) * scale), scale)

@@ -1,0 +1,5 @@
+"""Phase portraits of reversible planar maps at their resonances."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

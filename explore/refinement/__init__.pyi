@@ -1,0 +1,11 @@
+from .crossing import section_crossings as section_crossings
+from .frames import Frame as Frame
+from .frames import RefinementFailure as RefinementFailure
+from .half_return import start_jets as start_jets
+from .jets import Jet as Jet
+from .jets import JetBasis as JetBasis
+from .reduction import branch_geometry as branch_geometry
+from .resonance import working_context as working_context
+from .tasks import Task as Task
+from .tasks import refine_tasks as refine_tasks
+from .taylor import IntegrationFailure as IntegrationFailure

@@ -1,0 +1,185 @@
+"""Jets of the iterates of the Poincare map between successive crossings of a system's section.
+
+Not rigorous. Each crossing, in either direction, is one application of the map. At a crossing the
+time tau that a neighbouring solution needs is expanded as a jet from y(t_0 + tau) = 0, with y the
+section coordinate and t_0 the crossing time of the centre, and substituted into the solution.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import comb
+
+import mpmath
+
+from orbitproof.explore.refinement.jets import Jet, JetBasis
+from orbitproof.explore.refinement.tape import Tape
+from orbitproof.explore.refinement.taylor import IntegrationFailure, JetStepper, Series, StepResult
+from orbitproof.shared.systems import ReversibleSystem
+
+MAXIMAL_STEPS = 500
+"""Steps after which a return to the section is given up."""
+
+_SMALLEST_EXPONENT = -40
+
+_SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """The i-th crossing of the section.
+
+    Attributes:
+        jets: one jet for each state coordinate, as a function of the variables of the start.
+        time: elapsed time of the centre.
+        steps: Taylor steps since the start.
+    """
+
+    jets: tuple[Jet, ...]
+    time: float
+    steps: int
+
+
+def section_crossings(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    start: Sequence[Jet],
+    parameter_jet: Jet | None,
+    context: mpmath.MPContext,
+    progress: Callable[[float], None] | None = None,
+    order: int | None = None,
+    tolerance_bits: int | None = None,
+) -> Iterator[Crossing]:
+    """Crossings of the section by the solution through `start`, one after another.
+
+    `start` holds a jet of mpmath numbers for each state coordinate, zero in the section coordinate;
+    `parameter_jet` is that of the family parameter, if the system has one. The working precision is
+    that of `context`; `order` and `tolerance_bits` are those of `JetStepper`. Raises `IntegrationFailure` if
+    the orbit does not return or meets a singularity.
+    """
+    bits = context.prec
+    basis = start[0].basis
+    tape = Tape(system.program, parameters)
+    stepper = JetStepper(tape, len(system.state), basis, bits, order, tolerance_bits)
+    jets = list(start)
+    exponent, time, steps = -3, 0.0, 0
+    while True:
+        state = [_to_fixed(jet, context) for jet in jets]
+        fixed_parameters = [] if parameter_jet is None else [_to_fixed(parameter_jet, context)]
+        side = 0
+        for _ in range(MAXIMAL_STEPS):
+            result = stepper.step(state + fixed_parameters, exponent)
+            exponent = result.proposal
+            steps += 1
+            if exponent < _SMALLEST_EXPONENT:
+                raise IntegrationFailure("the orbit runs into a singularity")
+            height = result.series[system.section_index][0]
+            if side == 0:
+                side = 1 if height[1] > 0 else -1
+                if abs(height[1]) >> (bits - 20) == 0:
+                    raise IntegrationFailure("the flow is tangent to the section at the start")
+            end = round(result.length * 2**_SAMPLES)
+            crossing = _first_crossing(height, side, Fraction(end, 2**_SAMPLES), bits)
+            if crossing is not None:
+                break
+            state = _advance(result, end << (bits - _SAMPLES), bits)
+            time += end / 2**_SAMPLES * 2.0**result.exponent
+            if progress is not None:
+                progress(time)
+        else:
+            raise IntegrationFailure(f"no return to the section within time {time:.3g}")
+        time += float(Fraction(crossing, 1 << bits)) * 2.0**result.exponent
+        jets = _project(result, crossing, system.section_index, basis, context)
+        yield Crossing(tuple(jets), time, steps)
+
+
+def _to_fixed(jet: Jet, context: mpmath.MPContext) -> list[int]:
+    return [int(context.ldexp(context.mpf(c), context.prec)) if c else 0 for c in jet.coefficients]
+
+
+def _powers(theta: int, length: int, bits: int) -> Series:
+    powers = [1 << bits]
+    for _ in range(length - 1):
+        powers.append((powers[-1] * theta) >> bits)
+    return powers
+
+
+def _dot(left: Sequence[int], right: Sequence[int], bits: int) -> int:
+    return sum(a * b for a, b in zip(left, right, strict=True)) >> bits
+
+
+def _advance(result: StepResult, theta: int, bits: int) -> list[list[int]]:
+    powers = _powers(theta, len(result.series[0][0]), bits)
+    return [[_dot(series, powers, bits) for series in jets] for jets in result.series]
+
+
+def _first_crossing(height: Series, side: int, end: Fraction, bits: int) -> int | None:
+    """The first zero in (0, end] of the polynomial `height`, which starts with sign `side`; fixed point."""
+    scale = 2.0**-60
+    shift = max(0, bits - 60)
+    floats = [side * float(c >> shift) * scale for c in height]
+    previous = 0.0
+    for sample in range(1, _SAMPLES + 1):
+        here = float(end) * sample / _SAMPLES
+        if _horner(floats, here) < 0:
+            return _polish(height, floats, previous, here, bits)
+        previous = here
+    return None
+
+
+def _horner(coefficients: Sequence[float], theta: float) -> float:
+    value = 0.0
+    for c in reversed(coefficients):
+        value = value * theta + c
+    return value
+
+
+def _polish(height: Series, floats: Sequence[float], low: float, high: float, bits: int) -> int:
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (low, middle) if _horner(floats, middle) < 0 else (middle, high)
+    theta = int(Fraction((low + high) / 2) * (1 << bits))
+    slopes = [n * c for n, c in enumerate(height)][1:]
+    accuracy = 30
+    while accuracy < 2 * bits:
+        powers = _powers(theta, len(height), bits)
+        slope = _dot(slopes, powers[:-1], bits)
+        if slope == 0:
+            raise IntegrationFailure("the flow is tangent to the section at a crossing")
+        theta -= (_dot(height, powers, bits) << bits) // slope
+        accuracy *= 2
+    return theta
+
+
+def _project(result: StepResult, theta: int, section: int, basis: JetBasis, context: mpmath.MPContext) -> list[Jet]:
+    """The jets on the section: re-expand in time at `theta`, solve for the time jet, substitute it."""
+    bits, degree = context.prec, basis.degree
+    length = len(result.series[0][0])
+    powers = _powers(theta, length, bits)
+    expansions: list[list[Jet]] = []  # [derivative order][state]
+    for j in range(degree + 1):
+        weights = [0] * j + [comb(n, j) * powers[n - j] for n in range(j, length)]
+        rows = []
+        for jets in result.series:
+            values = [context.ldexp(context.mpf(_dot(series, weights, bits)), -bits) for series in jets]
+            rows.append(Jet(basis, values))
+        expansions.append(rows)
+    heights = [rows[section] for rows in expansions]
+    heights[0] = Jet(basis, [0, *heights[0].coefficients[1:]])
+    tau = basis.constant(0)
+    if degree:
+        slope = heights[1].coefficients[0]
+        for _ in range(degree):
+            tau = tau - _evaluate(heights, tau) / slope
+    projected = [_evaluate([rows[i] for rows in expansions], tau) for i in range(len(result.series))]
+    projected[section] = basis.constant(context.mpf(0))
+    return projected
+
+
+def _evaluate(coefficients: Sequence[Jet], tau: Jet) -> Jet:
+    value = coefficients[-1]
+    for coefficient in reversed(coefficients[:-1]):
+        value = value * tau + coefficient
+    return value

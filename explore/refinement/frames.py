@@ -1,0 +1,199 @@
+"""Frames of a candidate's box (section 5 of the method).
+
+Near a bifurcation point the symmetric orbits are the zeros of pi_q P^k on Fix(R). The frame turns its
+coordinates into p_0 along the family of period-2 orbits, p_1 along the kernel of D pi_q P^k beside
+the family, p_2 across; the kernel frame puts q_1 along the left null vector. In these coordinates the
+first derivatives that the Lyapunov-Schmidt reduction divides out vanish at the centre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from orbitproof.shared.systems import ReversibleSystem
+
+
+class RefinementFailure(Exception):
+    """A bifurcation point was not found; the message is one line that says why."""
+
+
+@dataclass(frozen=True)
+class Parity:
+    """How a symmetry S splits the coordinates u of the centre and the kernel coordinates q."""
+
+    even: tuple[int, ...]
+    odd: tuple[int, ...]
+    kernel_even: tuple[int, ...]
+    kernel_odd: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Directions at a point of Fix(R), as mpmath matrices.
+
+    Attributes:
+        columns: shape (1 + n, 1 + n), column j is the direction of p_j.
+        rows: shape (n, n), q_i is row i times the kernel coordinates.
+    """
+
+    columns: Any
+    rows: Any
+
+
+def parity_of(system: ReversibleSystem, symmetry: str) -> Parity:
+    """The S-even and S-odd coordinates; raises `RefinementFailure` unless one p and one q are odd."""
+    signs = system.symmetries[symmetry]
+    lead = [] if system.family_parameter is None else [1]
+    centre = lead + [signs[i] for i in system.fixed_coordinates]
+    kernel = [signs[i] for i in system.kernel_coordinates]
+    parity = Parity(
+        tuple(i for i, s in enumerate(centre) if s == 1),
+        tuple(i for i, s in enumerate(centre) if s == -1),
+        tuple(i for i, s in enumerate(kernel) if s == 1),
+        tuple(i for i, s in enumerate(kernel) if s == -1),
+    )
+    if len(parity.odd) != 1 or len(parity.kernel_odd) != 1:
+        raise RefinementFailure(f"symmetry {symmetry} does not negate exactly one coordinate of Fix(R)")
+    return parity
+
+
+def bifurcation_frame(
+    system: ReversibleSystem,
+    family_derivative: Any,
+    derivative: Any,
+    level_gradient: Sequence[Any],
+    tangential: bool,
+    parity: Parity | None,
+    context: mpmath.MPContext,
+) -> Frame:
+    """The frame from D pi_q P and D pi_q P^k, both n x (1 + n), at or near a bifurcation point.
+
+    `level_gradient` is the gradient of the bifurcation parameter: that of the first integral, or
+    (1, 0, .., 0) for a family parameter. `tangential`: the new branch is tangent to a level set
+    (k = 1, k even, odd k >= 5) and p_1 is its direction; otherwise (touch and go) p_1 is orthogonal
+    to the family. With `parity` (k = 1) the frame is adapted to S, with exact zeros.
+    Raises `RefinementFailure` where these directions are not defined.
+    """
+    n = derivative.rows
+    family = _rows(family_derivative)
+    if parity is not None:
+        even_family = [[family[i][j] for j in parity.even] for i in parity.kernel_even]
+        even_tangent = _family_tangent(even_family, context)
+        tangent = [context.mpf(0)] * (n + 1)
+        for index, value in zip(parity.even, even_tangent, strict=True):
+            tangent[index] = value
+        kernel = _unit(context, parity.odd[0], n + 1)
+        odd = parity.kernel_odd[0]
+        rows = [_unit(context, odd, n)] + [_unit(context, i, n) for i in parity.kernel_even]
+        return _assemble(system, tangent, kernel, rows, parity.even, context)
+    tangent = _family_tangent(family, context)
+    matrix = _rows(derivative)
+    left, _, right = np.linalg.svd(_floats(matrix))
+    reduced = [[_dot(row, v) for row in matrix] for v in _exact(context, right[: n - 1])]
+    left_null = _normalised(context, _solve(context, reduced, left[:, -1]))
+    rows = [left_null, *_complement(context, [left_null], n)]
+    equations = [[_dot(row, column) for column in zip(*matrix, strict=True)] for row in rows[1:]]
+    at_level = tangential or system.family_parameter is not None
+    condition = list(level_gradient) if at_level else tangent
+    first, second = right[n - 1], right[n]
+    slopes = np.array([float(c) for c in condition])
+    guess = (slopes @ second) * first - (slopes @ first) * second
+    size = float(np.linalg.norm(guess))
+    if size < 1e-13 * float(np.linalg.norm(slopes)):
+        raise RefinementFailure("the kernel of D pi_q P^k lies in a level set of the bifurcation parameter")
+    kernel = _normalised(context, _solve(context, [*equations, condition], guess / size))
+    return _assemble(system, tangent, kernel, rows, range(n + 1), context)
+
+
+def _family_tangent(derivative: list[list[Any]], context: mpmath.MPContext) -> list[Any]:
+    _, _, right = np.linalg.svd(_floats(derivative)) if derivative else (0, 0, np.eye(1))
+    return _normalised(context, _solve(context, derivative, right[-1]))
+
+
+def _assemble(
+    system: ReversibleSystem,
+    tangent: list[Any],
+    kernel: list[Any],
+    rows: list[list[Any]],
+    support: Sequence[int],
+    context: mpmath.MPContext,
+) -> Frame:
+    """Complete p_0, p_1 by directions across, with coordinates in `support` only."""
+    size = len(tangent)
+    fixed = [tangent, kernel]
+    if system.family_parameter is not None:
+        # p_0 is the parameter itself, and the other directions leave it alone.
+        if abs(tangent[0]) < 1e-12:
+            raise RefinementFailure(f"the family turns back in {system.family_parameter}")
+        tangent = [t / tangent[0] for t in tangent]
+        kernel = _normalised(context, [context.mpf(0), *kernel[1:]])
+        fixed = [_unit(context, 0, size), kernel]
+    outside = [_unit(context, i, size) for i in range(size) if i not in support and kernel[i] == 0]
+    across = _complement(context, fixed + outside, size)
+    columns = context.matrix([tangent, kernel, *across]).T
+    return Frame(columns, context.matrix(rows))
+
+
+def _rows(matrix: Any) -> list[list[Any]]:
+    return [[matrix[i, j] for j in range(matrix.cols)] for i in range(matrix.rows)]
+
+
+def _floats(rows: Sequence[Sequence[Any]]) -> np.ndarray[Any, Any]:
+    return np.array([[float(x) for x in row] for row in rows])
+
+
+def _exact(context: mpmath.MPContext, rows: Any) -> list[list[Any]]:
+    return [[context.mpf(float(x)) for x in row] for row in rows]
+
+
+def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
+    return sum(a * b for a, b in zip(left, right, strict=True))
+
+
+def _unit(context: mpmath.MPContext, index: int, size: int) -> list[Any]:
+    return [context.mpf(int(i == index)) for i in range(size)]
+
+
+def _normalised(context: mpmath.MPContext, vector: Sequence[Any]) -> list[Any]:
+    length = context.sqrt(_dot(vector, vector))
+    return [x / length for x in vector]
+
+
+def _solve(context: mpmath.MPContext, equations: Sequence[Sequence[Any]], guess: Any) -> list[Any]:
+    """The vector that `equations` annihilate, with component 1 along its float64 approximation `guess`.
+
+    The sign of `guess` is arbitrary; the largest component is made positive, the same at nearby points.
+    """
+    sign = 1 if max(guess, key=abs) > 0 else -1
+    last = [context.mpf(sign * float(x)) for x in guess]
+    matrix = context.matrix([*(list(row) for row in equations), last])
+    try:
+        solution = context.lu_solve(matrix, context.matrix(_unit(context, len(last) - 1, len(last))))
+    except ZeroDivisionError:
+        raise RefinementFailure("the kernel of D pi_q P^k or the family's tangent is not simple") from None
+    return [solution[i] for i in range(len(last))]
+
+
+def _complement(context: mpmath.MPContext, vectors: Sequence[Sequence[Any]], size: int) -> list[list[Any]]:
+    """An orthonormal basis of the orthogonal complement of independent `vectors`; exact zeros are kept."""
+    basis: list[list[Any]] = []
+
+    def reduced(vector: Sequence[Any]) -> list[Any]:
+        result = list(vector)
+        for b in [*basis, *basis]:
+            c = _dot(result, b)
+            result = [x - c * y for x, y in zip(result, b, strict=True)]
+        return result
+
+    for vector in vectors:
+        basis.append(_normalised(context, reduced(vector)))
+    found = len(basis)
+    while len(basis) < size:
+        rest = [reduced(_unit(context, i, size)) for i in range(size)]
+        basis.append(_normalised(context, max(rest, key=lambda v: _dot(v, v))))
+    return basis[found:]

@@ -1,0 +1,96 @@
+"""Refining the located bifurcations to high precision, several at a time in processes of their own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from orbitproof.explore.engines import Job, Lost, Progress, run_all
+from orbitproof.explore.refinement.newton import RefinementFailure, refine
+from orbitproof.shared.formats import Candidate
+from orbitproof.shared.systems import SYSTEMS
+
+
+@dataclass(frozen=True)
+class Task:
+    """One point to refine; the fields are those of `explore.refinement.newton.refine` and of a candidate.
+
+    Attributes:
+        id: of the candidate.
+        system: a key of `shared.systems.system.SYSTEMS`.
+        guess: float64 point, in the order of `ReversibleSystem.centre_coordinates`.
+        provenance: free-form, for the candidate.
+    """
+
+    id: str
+    system: str
+    parameters: Mapping[str, Fraction]
+    kind: str
+    k: int
+    symmetry: str | None
+    guess: tuple[float, ...]
+    digits: int
+    provenance: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The result of a task: a candidate with its level (first integral or family parameter), or a reason."""
+
+    task: Task
+    candidate: Candidate | None
+    level: Fraction | None
+    failure: str | None
+    seconds: float
+
+
+def refine_task(task: Task, progress: Progress | None = None) -> Refined:
+    """Refine one point; a failure is a result, not an exception."""
+    started = time.monotonic()
+    try:
+        point = refine(
+            SYSTEMS[task.system], task.parameters, task.kind, task.k, task.guess,
+            digits=task.digits, symmetry=task.symmetry, progress=progress,
+        )  # fmt: skip
+    except RefinementFailure as error:
+        return Refined(task, None, None, str(error), time.monotonic() - started)
+    except (ArithmeticError, ValueError) as error:
+        # One point on which the arithmetic breaks down must not lose the others.
+        reason = f"the arithmetic broke down ({type(error).__name__}: {error})"
+        return Refined(task, None, None, reason, time.monotonic() - started)
+    level = point.first_integral if point.first_integral is not None else point.centre[0]
+    candidate = point.to_candidate(task.id, {**task.provenance, "level": decimal(level, task.digits)})
+    return Refined(task, candidate, level, None, time.monotonic() - started)
+
+
+def decimal(value: Fraction, digits: int) -> str:
+    """A number in decimal notation, rounded to `digits` places."""
+    scaled = round(value * 10**digits)
+    whole, part = divmod(abs(scaled), 10**digits)
+    return f"{'-' if scaled < 0 else ''}{whole}.{part:0{digits}d}"
+
+
+def _name(task: Task) -> str:
+    return task.id
+
+
+def refine_tasks(tasks: Sequence[Task], jobs: int, progress: Progress) -> Iterator[tuple[int, Refined]]:
+    """Refine all tasks with `jobs` processes; yields (index, result) in the order of completion.
+
+    `progress` is called with a message and the fraction of all tasks done.
+    """
+    for index, result in run_all(Job(refine_task, _name), tasks, jobs, progress):
+        if isinstance(result, Lost):
+            yield index, Refined(tasks[index], None, None, result.reason, 0.0)
+        else:
+            yield index, _with_own_system(result)
+
+
+def _with_own_system(result: Refined) -> Refined:
+    """The system of a candidate that came through a pipe is a copy: put this process's own in its place."""
+    if result.candidate is None:
+        return result
+    return replace(result, candidate=replace(result.candidate, system=SYSTEMS[result.task.system]))

@@ -1,0 +1,5 @@
+"""From families to candidates: what ``orbitproof explore`` does when it is asked for bifurcations."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

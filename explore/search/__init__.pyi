@@ -1,0 +1,2 @@
+from .request import check as check
+from .run import run as run

@@ -1,0 +1,283 @@
+"""The search from start to end: trace families, detect resonances, refine them, write files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from orbitproof.explore.catalogue import CatalogueStart, catalogue_start
+from orbitproof.explore.engines import Reporter
+from orbitproof.explore.families import (
+    BAND,
+    FamilyRecord,
+    Limits,
+    Traced,
+    TracedFamily,
+    TraceTask,
+    family_of,
+    largest_changes,
+    mirrored_name,
+    read_families,
+    trace_tasks,
+)
+from orbitproof.explore.flow import Vector
+from orbitproof.explore.refinement import refine_tasks
+from orbitproof.explore.search.branches import branches_of, shared_branches
+from orbitproof.explore.search.outputs import write_outputs
+from orbitproof.explore.search.request import FamilyRequest, Request
+from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
+from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the result table."""
+
+    target: Target
+    point: Vector
+    level: float | str
+
+
+def run(request: Request) -> int:
+    """Do what a checked command line asks for; returns the exit code. Raises `InputError`."""
+    options = request.options
+    kept: list[Candidate] = []
+    if request.command == "candidates" and options.append and options.output.exists():
+        kept = read_candidates(options.output)
+    lines: tuple[str, ...] = ()
+    with Reporter(options.quiet) as report:
+        if options.from_catalogue is None:
+            tasks, complete = _trace_tasks(request), True
+        else:
+            start = catalogue_start(options.from_catalogue, options.catalogue_orbit, request.control.tolerance, report)
+            tasks, lines, complete = _catalogue_tasks(request, start), start.table, start.complete
+        code, rows = _search(request, tasks, kept, report) if tasks else (1, [])
+    # Only now: a running progress display would take what is printed to standard output.
+    for line in lines:
+        print(line)
+    _print_rows(rows)
+    return code or (0 if complete else 1)
+
+
+def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], report: Reporter) -> tuple[int, list[Row]]:
+    """Trace, detect, refine and write; the exit code and the lines of the result table."""
+    results, unlocated = _trace_all(tasks, request.options.jobs, report), False
+    if request.options.branches and not _interrupted(tasks, results):
+        branches = branches_of(results)
+        results += _trace_all(branches.tasks, request.options.jobs, report) if branches.tasks else []
+        tasks = [*tasks, *branches.tasks]
+        for line in shared_branches(results):
+            report.message(line)
+        for line in branches.failures:
+            report.error(line)
+        unlocated = bool(branches.failures)
+    traced = [result.item for result in results if result.item is not None]
+    complete = False not in [_is_complete(result, report) for result in results] and not unlocated
+    if traced:
+        options = request.options
+        csv, catalogue = getattr(options, "csv", None), getattr(options, "catalogue", None)
+        write_outputs(traced, request.family_output, csv, catalogue, report)
+    if _interrupted(tasks, results):
+        written = request.family_output is not None and traced
+        where = f"resume with --from-family {request.family_output}" if written else "nothing is written"
+        report.error(f"interrupted while tracing; {where}")
+        return 130, []
+    if request.command == "family":
+        return (0 if complete else 1), [row for item in traced for row in _float_rows(item)]
+    code, rows = _refine_all(request, traced, kept, report)
+    return max(code, 0 if complete else 1), rows
+
+
+def _interrupted(tasks: list[TraceTask], results: list[Traced]) -> bool:
+    return len(results) < len(tasks) or any(result.interrupted for result in results)
+
+
+def _catalogue_tasks(request: Request, start: CatalogueStart) -> list[TraceTask]:
+    if start.seed is None:
+        return []
+    options, problem = request.options, start.seed.problem
+    speed = options.vy_max[0] if options.vy_max else None
+    return [
+        TraceTask(
+            system=problem.system.name, name=start.name, label=start.label, parameters=dict(problem.parameters),
+            limits=_limits(options, speed), multiplicities=request.multiplicities, start=start.seed, both_ways=True,
+            control=request.control,
+        )
+    ]  # fmt: skip
+
+
+def _trace_tasks(request: Request) -> list[TraceTask]:
+    """The families to trace, those of a family file from where they end. Raises `InputError`."""
+    options = request.options
+    records = [] if options.from_family is None else read_families(options.from_family)
+    wrong = next((record for record in records if request.system not in (None, record.system)), None)
+    if wrong is not None and request.system is not None:
+        raise InputError(
+            f"--system {request.system.name}: {options.from_family} holds a family of {wrong.system.name}; "
+            "leave the option out"
+        )
+    if not request.families:
+        speed = options.vy_max[0] if options.vy_max else None
+        return [_resuming(request, record, _limits(options, speed)) for record in records]
+    return [_task(request, family, records) for family in request.families]
+
+
+def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) -> TraceTask:
+    mirrored = request.options.mirror
+    name = mirrored_name(family.name) if mirrored else family.name
+    limits = _limits(request.options, family.velocity_max)
+    for record in records:
+        if record.name == name and dict(record.parameters) == dict(family.parameters):
+            return _resuming(request, record, limits)
+    return TraceTask(
+        system=family.system.name, name=family.name, label=family.label, parameters=dict(family.parameters),
+        limits=limits, multiplicities=request.multiplicities, mirrored=mirrored, control=request.control,
+    )  # fmt: skip
+
+
+def _resuming(request: Request, record: FamilyRecord, limits: Limits) -> TraceTask:
+    return TraceTask(
+        system=record.system.name, name=record.name, label=record.label, parameters=dict(record.parameters),
+        limits=limits, multiplicities=request.multiplicities, start=family_of(record), control=request.control,
+    )  # fmt: skip
+
+
+def _limits(options: Any, velocity_max: float | None) -> Limits:
+    bounds = {"z": options.z_max, "vy": velocity_max}
+    return Limits(
+        max_orbits=options.max_orbits,
+        coordinate_max={name: bound for name, bound in bounds.items() if bound is not None},
+        parameter_min=options.beta_min,
+        parameter_max=options.beta_max,
+        integral_min=options.jacobi_min,
+        min_distance=options.min_distance,
+    )
+
+
+def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> list[Traced]:
+    """The results in the order of the tasks; fewer of them after an interrupt."""
+    report.stage(", ".join(task.title for task in tasks) if len(tasks) < 3 else f"{len(tasks)} families")
+    results: dict[int, Traced] = {}
+    try:
+        for index, result in trace_tasks(tasks, jobs, report.update):
+            results[index] = result
+            if result.item is not None:
+                family, seconds = result.item.family, result.seconds
+                report.message(f"{result.item.title}: {len(family.orbits)} orbits, ends: {family.reason}")
+                if family.beginning is not None:
+                    report.message(f"{result.item.title}: begins: {family.beginning.reason}")
+                for line in family.tangencies:
+                    report.message(f"{result.item.title}: {line}")
+                found = len(result.item.detection.resonances)
+                report.message(f"{result.item.title}: {found} resonances, {seconds:.1f} s{_density(result.item)}")
+    except KeyboardInterrupt:
+        pass
+    return [results[index] for index in sorted(results)]
+
+
+def _density(item: TracedFamily) -> str:
+    samples = item.detection.samples
+    if not samples:
+        return ""
+    change = largest_changes([orbit.coefficients[1:] for orbit in samples])
+    return f"; {len(samples)} samples, stability parameters in [-{BAND}, {BAND}] change by {change:.2g} at most"
+
+
+def _is_complete(result: Traced, report: Reporter) -> bool:
+    """Whether everything asked for was found; what was not is reported."""
+    item = result.item
+    if item is None:
+        if not result.interrupted:
+            report.error(f"{result.task.title}: {result.failure}")
+        return False
+    if result.interrupted:
+        return False
+    complete = not item.family.failed and not item.detection.undecided
+    for line in item.detection.undecided:
+        report.error(f"{item.title}: {line}")
+    found = {resonance.k for resonance in item.detection.resonances}
+    for k in sorted(set(result.task.multiplicities) - found):
+        what = "symmetry breaking" if k == 1 else f"1:{k} resonance"
+        report.error(f"{item.title}: no {what} found on the part traced; it ends: {item.family.reason}")
+        complete = False
+    return complete
+
+
+def _refine_all(
+    request: Request, traced: list[TracedFamily], kept: list[Candidate], report: Reporter
+) -> tuple[int, list[Row]]:
+    """Refine what the output file does not hold yet; every point is written as soon as it is refined."""
+    options = request.options
+    known = {candidate.id: candidate for candidate in kept}
+    found = [target for item in traced for target in targets_of(item, request.points)]
+    targets = [target for target in found if target.resonance.orbit.crossings == 1]
+    for target in found:
+        crossings = target.resonance.orbit.crossings
+        if crossings != 1:
+            report.error(f"{target.id}: not refined: its half orbit crosses the section {crossings} times, not once")
+    tasks = [target.task(options.digits) for target in targets]
+    done = {i: known[task.id] for i, task in enumerate(tasks) if task.id in known and is_refined(task, known[task.id])}
+    missing = [i for i in range(len(tasks)) if i not in done]
+    if done:
+        report.message(f"{len(done)} points are refined in {options.output} already")
+    new: dict[int, Candidate] = {}
+    code = 0 if len(targets) == len(found) else 1
+    try:
+        if missing:
+            report.stage(f"refining {len(missing)} points")
+        for position, result in refine_tasks([tasks[i] for i in missing], options.jobs, report.update):
+            if result.candidate is None:
+                report.error(f"{result.task.id}: not refined: {result.failure}")
+                code = 1
+                continue
+            new[missing[position]] = result.candidate
+            write_candidates(options.output, merged(kept, [new[i] for i in sorted(new)]))
+            report.message(f"{result.task.id}: refined to {options.digits} digits in {result.seconds:.1f} s")
+    except KeyboardInterrupt:
+        resume = "; the same command with --append goes on from there" if done or new else ""
+        report.error(f"interrupted; {len(done) + len(new)} of {len(tasks)} points are refined{resume}")
+        code = 130
+    done |= new
+    if not done:
+        report.error(f"no candidates found; nothing is written to {options.output}")
+        return code or 1, []
+    total = len(merged(kept, list(new.values())))
+    report.message(f"{len(new)} candidates written to {options.output} ({total} in the file)")
+    return code, [_exact_row(targets[i], done[i]) for i in sorted(done)]
+
+
+def _exact_row(target: Target, candidate: Candidate) -> Row:
+    level = candidate.provenance.get("level")
+    point = np.array([float(value) for value in candidate.centre])
+    return Row(target, point, level if isinstance(level, str) else _float_level(target))
+
+
+def _float_level(target: Target) -> float:
+    orbit = target.resonance.orbit
+    return orbit.first_integral if orbit.first_integral is not None else float(orbit.unknowns[0])
+
+
+def _float_rows(item: TracedFamily) -> list[Row]:
+    return [Row(target, target.guess, _float_level(target)) for target in targets_of(item, "one")]
+
+
+def _print_rows(rows: list[Row]) -> None:
+    """The result table, on standard output."""
+    if not rows:
+        return
+    system = rows[0].target.item.system
+    title = system.first_integral_name or system.family_parameter or "parameter"
+    header = ("family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id")
+    lines = [header]
+    for row in rows:
+        resonance, item = row.target.resonance, row.target.item
+        point = ", ".join(f"{value:.10g}" for value in row.point)
+        level = row.level if isinstance(row.level, str) else f"{row.level:.12g}"
+        level = level[: level.index(".") + 21] if "." in level else level
+        lines.append((item.title, str(resonance.k), resonance.kind, row.target.side, level, point, row.target.id))
+    widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
+    for line in lines:
+        print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())

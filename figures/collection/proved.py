@@ -1,0 +1,32 @@
+"""The pictures of certificates of atlases, as files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from orbitproof.figures.model import Curve
+from orbitproof.figures.pictures import Surface, draw_curves, draw_pieces, draw_surface
+from orbitproof.figures.style import close, file_name, save
+
+
+def write_curves(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:
+    """Draw the pieces of each curve, and all curves of one kind together; yields the paths written."""
+    groups: dict[str, list[Curve]] = {}
+    for curve in curves:
+        groups.setdefault(f"{curve.system.name}-{curve.atlas.claim.kind}", []).append(curve)
+        figure = draw_pieces(curve)
+        yield from save(figure, folder / f"atlas-{file_name(curve.atlas.id)}")
+        close(figure)
+    for name, group in groups.items():
+        figure = draw_curves(group)
+        yield from save(figure, folder / f"curves-{file_name(name)}")
+        close(figure)
+
+
+def write_surfaces(surfaces: Sequence[Surface], folder: Path) -> Iterator[Path]:
+    """Draw each surface; yields the paths written."""
+    for surface in surfaces:
+        figure = draw_surface(surface)
+        yield from save(figure, folder / f"surface-{file_name(surface.atlas.id)}")
+        close(figure)

@@ -1,0 +1,5 @@
+"""What pictures are drawn from: families, certified curves and boxes, orbits."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

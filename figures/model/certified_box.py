@@ -1,0 +1,135 @@
+"""The two certified curves of a certificate, family and branch, as thin boxes over their whole interval.
+
+Evaluated in balls from the tables of derivatives that the certificate carries, by the functions of the verifier:
+over each part of P_0 an enclosure of p_1(p_0), over each part of P_1 one of p_0(p_1) (docs/method.md, 8.1 and 8.4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from orbitproof.figures.model.family import Array
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
+from orbitproof.verify.bifurcation import (
+    BifurcationFunction,
+    DoublySymmetricFamily,
+    Family,
+    Problem,
+    check_enclosures,
+    check_family,
+    check_reduction,
+    level_form,
+    locate,
+)
+from orbitproof.verify.certificate import GUARD_BITS, tables_from_json
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, meet, up_to
+
+
+@dataclass(frozen=True)
+class CertifiedCurves:
+    """What a certificate says about its box, in units of the radii R_0 and R_1.
+
+    Attributes:
+        claim: the candidate, in the form that the hypotheses are about.
+        radii: R_0 and R_1.
+        family: shape (M, 4), lower and upper end of p_0/R_0, then of p_1/R_1, along the family.
+        branch: shape (M, 4), the same along the branch.
+        point: shape (4,), of the bifurcation point.
+        side: on which side the new orbits are.
+        parameter_name: the bifurcation parameter.
+        beta: enclosure of the leading coefficient of the parameter along the branch, or `None`.
+    """
+
+    claim: Candidate
+    radii: tuple[Fraction, Fraction]
+    family: Array
+    branch: Array
+    point: Array
+    side: str
+    parameter_name: str
+    beta: arb | None
+
+
+def certified_curves(certificate: Mapping[str, Any], where: str, parts: int = 40) -> CertifiedCurves:
+    """The curves of a certificate that says "proved", each in `parts` boxes.
+
+    Raises `InputError` if the certificate does not carry what it takes, or does not prove what it says.
+    """
+    entry, computation, results = certificate["enclosures"], certificate["computation"], certificate["results"]
+    if certificate["verdict"] != "proved" or entry is None or results is None:
+        raise InputError(f"{where}: not proved, so there are no certified curves; choose another certificate")
+    stated = certificate["statement"]["candidate"]
+    document = {"format": "orbitproof-candidates", "version": 1, "candidates": [stated]}
+    validate_document(document, "candidates", f"{where}.statement.candidate")
+    candidate = candidate_from_json(stated, f"{where}.statement.candidate")
+    claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
+    try:
+        if claim is None:
+            raise ValueError("there is no such level form")
+        stored = tables_from_json(entry, len(claim.radii), computation)
+        with ctx.workprec(computation["precision"] + GUARD_BITS):
+            checklist = Checklist()
+            problem = check_enclosures(checklist, claim, stored.iterates, stored.first_integral, stored.return_times)
+            start = check_family(checklist, problem) if claim.k > 1 else None
+            reduction = check_reduction(checklist, problem, start)
+            family: Family = start if start is not None else DoublySymmetricFamily(reduction)
+            point = locate(checklist, problem, family, reduction).where
+            beta = results["normal_form"].get("beta")
+            return CertifiedCurves(
+                claim=claim, radii=(claim.radii[0], claim.radii[1]), family=_family(problem, family, parts),
+                branch=_branch(problem, family, reduction, parts),
+                point=np.array([*_ends(point[0], claim.radii[0]), *_ends(point[1], claim.radii[1])]),
+                side=results["side"], parameter_name=results["parameter_name"],
+                beta=None if beta is None else ball_from_json(beta),
+            )  # fmt: skip
+    except (ValueError, NotEstablishedError, ArithmeticError) as error:
+        raise InputError(f"{where}.enclosures: {error}; verify the candidate again") from None
+
+
+def _family(problem: Problem, family: Family, parts: int) -> Array:
+    """Boxes around (p_0, p_1(p_0))."""
+    rows = []
+    for low, high, ball in _pieces(problem.radii[0], parts):
+        rows.append([low, high, *_ends(family.over(ball)[1], problem.radii[1])])
+    return np.array(rows)
+
+
+def _branch(problem: Problem, family: Family, reduction: BifurcationFunction, parts: int) -> Array:
+    """Boxes around (p_0(p_1), p_1): p_0 = -g(0, p_1) / g_0, with g and g_0 enclosed as in section 8.4."""
+    p_0, p_1 = problem.box[:2]
+    slope = family.jet(family.over(p_0)).slope
+    over_box = reduction.jet(reduction.over(p_0, p_1))
+    g_0 = over_box.derivative(1, 1) + over_box.derivative(0, 2) * slope / 2
+    foot = family.over(arb(0))
+    at_foot, across = reduction.jet(foot), reduction.jet(reduction.over(arb(0), p_1))
+    rows = []
+    for low, high, ball in _pieces(problem.radii[1], parts):
+        distance = ball - foot[1]
+        square = up_to(distance.abs_upper() * distance.abs_upper()) if distance.contains(0) else distance * distance
+        first = at_foot.derivative(0, 1) + across.derivative(0, 2) * distance / 2
+        second = (
+            at_foot.derivative(0, 1) + at_foot.derivative(0, 2) * distance / 2 + across.derivative(0, 3) * square / 6
+        )
+        rows.append([*_ends(meet(p_0, -meet(first, second) / g_0), problem.radii[0]), low, high])
+    return np.array(rows)
+
+
+def _pieces(radius: Fraction, parts: int) -> list[tuple[float, float, arb]]:
+    """[-radius, radius] in equal parts: ends in units of the radius, and a ball around each."""
+    pieces = []
+    for i in range(parts):
+        low, high = Fraction(2 * i, parts) - 1, Fraction(2 * i + 2, parts) - 1
+        pieces.append((float(low), float(high), enclose(low * radius).union(enclose(high * radius))))
+    return pieces
+
+
+def _ends(ball: arb, radius: Fraction) -> tuple[float, float]:
+    """Ends of a ball in units of the radius, in double precision for drawing."""
+    scaled = ball / enclose(radius)
+    return float(scaled.lower()), float(scaled.upper())

@@ -1,0 +1,239 @@
+"""What a picture needs: traced families, marked points, and which of these points are certified.
+
+A family file is written by ``orbitproof explore``; candidates and certificates are read with
+`shared.formats.candidates`. Everything here is in double precision: pictures prove nothing, and the only
+statement that a picture makes, filled or hollow, is copied from the certificates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_document
+from orbitproof.shared.systems import ReversibleSystem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Family:
+    """A traced family of N symmetric periodic orbits.
+
+    Attributes:
+        name: what the family is called, for example ``L1-halo``.
+        system: the reversible system.
+        parameters: exact values of the system's fixed parameters.
+        points: shape (N, 1 + n), a point of each orbit on Fix(R), in the order of
+            `ReversibleSystem.centre_coordinates`, nondimensional.
+        second_points: shape (N, 1 + n), the point on Fix(R) half a period later.
+        periods: shape (N,), full periods, nondimensional time.
+        levels: shape (N,), Jacobi constant (first integral) or family parameter.
+        coefficients: shape (N, n + 1), polynomial whose roots are the stability parameters
+            (lambda + 1/lambda)/2 of the nontrivial pairs of Floquet multipliers, highest power first.
+        arclength: shape (N,), along the family, increasing.
+    """
+
+    name: str
+    system: ReversibleSystem
+    parameters: Mapping[str, Fraction]
+    points: Array
+    second_points: Array
+    periods: Array
+    levels: Array
+    coefficients: Array
+    arclength: Array
+
+    @cached_property
+    def stability(self) -> Array:
+        """Stability parameters, shape (N, n), ascending.
+
+        NaN where a pair is complex, that is, where multipliers have left both the unit circle and
+        the real axis: there is no resonance there.
+        """
+        roots = np.array([np.roots(row) for row in self.coefficients])
+        return np.sort(np.where(roots.imag == 0, roots.real, np.nan), axis=1)
+
+    def refined(self, parts: int = 12) -> Family:
+        """The same family with each interval of arclength cut into `parts`, by cubic interpolation."""
+        nodes = self.arclength
+        fractions = np.arange(parts) / parts
+        dense = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
+        names = ("points", "second_points", "periods", "levels", "coefficients")
+        # The coefficients, unlike the stability parameters, are smooth also where two parameters meet.
+        return replace(
+            self, arclength=dense, **{name: interpolate(nodes, getattr(self, name), dense) for name in names}
+        )
+
+
+@dataclass(frozen=True)
+class MarkedPoint:
+    """A candidate as a picture shows it.
+
+    Attributes:
+        candidate: the claim.
+        certified: whether its certificate says "proved".
+        point: shape (1 + n,), its centre in double precision.
+        level: Jacobi constant (first integral) or family parameter at the centre.
+    """
+
+    candidate: Candidate
+    certified: bool
+    point: Array
+    level: float
+
+    @property
+    def k(self) -> int:
+        """Multiplicity: the new orbits have k times the period; 1 for symmetry breaking."""
+        return self.candidate.k
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where a marked point sits on a family: on which of the two curves, and at which arclength."""
+
+    mark: MarkedPoint
+    second: bool
+    arclength: float
+    distance: float
+
+
+def interpolate(nodes: Array, values: Array, positions: Array) -> Array:
+    """Piecewise cubic Hermite interpolation with slopes from three neighbours; `values` has N rows."""
+    slopes = np.gradient(values, nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
+    i = np.clip(np.searchsorted(nodes, positions, side="right") - 1, 0, len(nodes) - 2)
+    width = nodes[i + 1] - nodes[i]
+    shape = (-1,) + (1,) * (values.ndim - 1)
+    u, width = ((positions - nodes[i]) / width).reshape(shape), width.reshape(shape)
+    return np.asarray(
+        values[i] * (1 + 2 * u) * (1 - u) ** 2
+        + values[i + 1] * u * u * (3 - 2 * u)
+        + width * (slopes[i] * u * (1 - u) ** 2 - slopes[i + 1] * u * u * (1 - u))
+    )
+
+
+def state_on_fixed_set(system: ReversibleSystem, point: Sequence[float]) -> list[float]:
+    """The full state, length m, of a point given by the coordinates of Fix(R) (family parameter dropped)."""
+    values = list(point)[len(point) - len(system.fixed_coordinates) :]
+    state = [0.0] * len(system.state)
+    for index, value in zip(system.fixed_coordinates, values, strict=True):
+        state[index] = float(value)
+    return state
+
+
+def parameter_values(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]
+) -> list[float]:
+    """All parameters of the vector field in its order, the family parameter taken from `point`."""
+    return [
+        float(point[0]) if name == system.family_parameter else float(parameters[name]) for name in system.parameters
+    ]
+
+
+def level_of(system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]) -> float:
+    """Family parameter, or first integral, at a point of Fix(R)."""
+    if system.first_integral is None:
+        return float(point[0])
+    values = parameter_values(system, parameters, point)
+    return float(system.first_integral(state_on_fixed_set(system, point), values)[0])
+
+
+def mark_candidates(
+    candidates: Sequence[Candidate], certificates: Path | None, candidates_path: Path
+) -> list[MarkedPoint]:
+    """The candidates with the verdicts of a certificates file; without a certificate: not certified.
+
+    Raises `InputError` if the certificates cannot be read, repeat an id, name no candidate, or carry
+    a statement that differs from the candidate of that id.
+    """
+    proved: dict[str, bool] = {}
+    by_id = {candidate.id: candidate for candidate in candidates}
+    entries = [] if certificates is None else read_document(certificates, "certificates")["certificates"]
+    for index, entry in enumerate(entries):
+        where = f"{certificates}: field certificates[{index}]"
+        identifier = entry["id"]
+        if identifier in proved:
+            raise InputError(f"{where}.id: {identifier!r} appears twice; keep one certificate for each candidate")
+        if identifier not in by_id:
+            raise InputError(
+                f"{where}.id: no candidate {identifier!r} in {candidates_path}; "
+                "give the candidates file that was verified"
+            )
+        if not _same_claim(entry["statement"]["candidate"], by_id[identifier], f"{where}.statement.candidate"):
+            raise InputError(
+                f"{where}.statement.candidate: differs from {identifier!r} in {candidates_path}; "
+                "verify these candidates again"
+            )
+        proved[identifier] = entry["verdict"] == "proved"
+    marks = []
+    for candidate in candidates:
+        point = np.array([float(value) for value in candidate.centre])
+        level = level_of(candidate.system, candidate.parameters, list(point))
+        marks.append(MarkedPoint(candidate, proved.get(candidate.id, False), point, level))
+    return marks
+
+
+def _same_claim(entry: Mapping[str, object], candidate: Candidate, where: str) -> bool:
+    try:
+        stated = candidate_from_json(entry, where)
+    except (KeyError, TypeError, ValueError, AttributeError):
+        return False
+    return replace(stated, provenance={}) == replace(candidate, provenance={})
+
+
+def place(family: Family, mark: MarkedPoint) -> Placement:
+    """The nearest place of `mark` on either curve of `family`, distances per coordinate range."""
+    best: Placement | None = None
+    for second, curve in ((False, family.points), (True, family.second_points)):
+        extent = np.ptp(curve, axis=0)
+        scale = np.where(extent > 0, extent, 1.0)
+        start, step = curve[:-1] / scale, np.diff(curve, axis=0) / scale
+        offset = mark.point / scale - start
+        square = np.maximum((step * step).sum(axis=1), np.finfo(float).tiny)
+        along = np.clip((offset * step).sum(axis=1) / square, 0.0, 1.0)
+        distances = np.linalg.norm(offset - along[:, None] * step, axis=1)
+        i = int(np.argmin(distances))
+        s = family.arclength[i] + along[i] * (family.arclength[i + 1] - family.arclength[i])
+        found = Placement(mark, second, float(s), float(distances[i]))
+        if best is None or found.distance < best.distance:
+            best = found
+    assert best is not None
+    return best
+
+
+def assign(
+    families: Sequence[Family], marks: Sequence[MarkedPoint], tolerance: float = 1e-2
+) -> tuple[list[list[MarkedPoint]], list[MarkedPoint]]:
+    """The marks of each family, and the marks that lie on none.
+
+    A mark belongs to the nearest family of its system and parameters, if one of the two curves of
+    that family passes within `tolerance` of it (distances per coordinate range).
+    """
+    members: list[list[MarkedPoint]] = [[] for _ in families]
+    alone: list[MarkedPoint] = []
+    for mark in marks:
+        candidate = mark.candidate
+        distances = [
+            place(family, mark).distance
+            if family.system.name == candidate.system.name and dict(family.parameters) == dict(candidate.parameters)
+            else np.inf
+            for family in families
+        ]
+        nearest = int(np.argmin(distances)) if distances else 0
+        if distances and distances[nearest] < tolerance:
+            members[nearest].append(mark)
+        else:
+            alone.append(mark)
+    return members, alone
+
+
+def stability_at(family: Family, arclength: float) -> Array:
+    """Stability parameters, shape (n,), interpolated linearly at an arclength."""
+    columns = family.stability.T
+    return np.array([np.interp(arclength, family.arclength, column) for column in columns])

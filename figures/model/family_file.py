@@ -1,0 +1,39 @@
+"""From a family file, written and checked by `explore.families.file`, to the arrays that pictures need."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from orbitproof.explore.families import FamilyRecord
+from orbitproof.explore.families import read_families as read_records
+from orbitproof.figures.model.family import Family
+from orbitproof.shared.formats import InputError
+
+
+def read_families(path: Path) -> list[Family]:
+    """The families of a file. Raises `InputError`, also for a family of fewer than two orbits."""
+    families = []
+    for index, record in enumerate(read_records(path)):
+        if len(record.orbits) < 2:
+            raise InputError(f"{path}: field families[{index}].orbits: one orbit is no curve; trace at least two")
+        families.append(_family(record))
+    return families
+
+
+def _family(record: FamilyRecord) -> Family:
+    orbits = record.orbits
+    points = np.array([orbit.point for orbit in orbits])
+    integrals = [orbit.first_integral for orbit in orbits if orbit.first_integral is not None]
+    return Family(
+        name=f"{record.label}-{record.name}" if record.label else record.name,
+        system=record.system,
+        parameters=record.parameters,
+        points=points,
+        second_points=np.array([orbit.second_point for orbit in orbits]),
+        periods=np.array([2 * orbit.half_period for orbit in orbits]),
+        levels=np.array(integrals) if integrals else points[:, 0],
+        coefficients=np.array([orbit.coefficients for orbit in orbits]),
+        arclength=np.array([orbit.arclength for orbit in orbits]),
+    )

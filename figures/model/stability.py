@@ -1,0 +1,183 @@
+"""The finely sampled stability of a family, from a family file: arrays, CSV text, and how fine the samples are."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from orbitproof.explore.families import ExtremumRecord, FamilyRecord, ResonanceRecord
+from orbitproof.explore.families import read_families as read_records
+from orbitproof.figures.model.family import Array, Family, MarkedPoint, place
+from orbitproof.shared.formats import InputError
+
+_SAME_ORBIT = 1e-3
+
+BAND = 1.1
+"""Magnitude of a stability parameter up to which its changes are reported."""
+
+
+@dataclass(frozen=True)
+class StabilityCurve:
+    """A family of N orbits, so dense that between neighbours no resonance can hide.
+
+    Attributes:
+        family: the samples.
+        half_periods: shape (N,).
+        parameters: shape (N, n), complex: the stability parameters (lambda + 1/lambda)/2, by real part.
+        resonances: located on the family in double precision.
+        extrema: of the stability parameters, with the nearest resonant value.
+    """
+
+    family: Family
+    half_periods: Array
+    parameters: np.ndarray
+    resonances: tuple[ResonanceRecord, ...]
+    extrema: tuple[ExtremumRecord, ...]
+
+    def changes(self, band: float) -> Array:
+        """Largest change between neighbours of a real stability parameter in [-band, band], shape (N - 1,)."""
+        real = np.where(self.parameters.imag == 0, self.parameters.real, np.nan)
+        inside = np.abs(real) <= band
+        steps = np.where(inside[1:] | inside[:-1], np.abs(np.diff(real, axis=0)), np.nan)
+        return np.asarray(np.nan_to_num(np.nanmax(steps, axis=1, initial=0.0)))
+
+    def summary(self, band: float) -> str:
+        """In one line: how fine the samples are, and the extrema nearest to resonant values."""
+        count, change = len(self.half_periods), float(self.changes(band).max(initial=0.0))
+        text = f"{count} samples, stability parameters in [-{band:g}, {band:g}] change by {change:.2g} at most"
+        nearest = sorted(self.extrema, key=lambda item: abs(item.stability_parameter - item.level))[:2]
+        turns = [f"{item.stability_parameter:.7g} (1:{item.k} is {item.level:.3g})" for item in nearest]
+        return f"{text}; extrema nearest to a resonance: {', '.join(turns)}" if turns else text
+
+
+@dataclass(frozen=True)
+class Place:
+    """A bifurcation on the curve: its multiplicity and kind, where it is, and its candidate, if there is one."""
+
+    k: int
+    kind: str
+    side: str
+    arclength: float
+    level: float
+    resonant_value: float
+    mark: MarkedPoint | None
+
+
+def read_curves(path: Path) -> list[StabilityCurve]:
+    """The curves of a family file. Raises `InputError` if it holds a family without one."""
+    return [_curve(record, f"{path}: field families[{i}]") for i, record in enumerate(read_records(path))]
+
+
+def _curve(record: FamilyRecord, source: str) -> StabilityCurve:
+    curve = record.curve
+    if curve is None:
+        raise InputError(
+            f"{source}.curve: missing; search the family for resonances (orbitproof explore family -k ...)"
+        )
+    family = Family(
+        name=f"{record.label}-{record.name}" if record.label else record.name,
+        system=record.system,
+        parameters=record.parameters,
+        points=curve.points,
+        second_points=curve.second_points,
+        periods=2 * curve.half_periods,
+        levels=curve.points[:, 0] if curve.first_integrals is None else curve.first_integrals,
+        coefficients=curve.coefficients,
+        arclength=curve.arclength,
+    )
+    roots = np.array([np.sort_complex(np.roots(row)) for row in curve.coefficients])
+    return StabilityCurve(family, curve.half_periods, roots, record.resonances, record.extrema)
+
+
+def places_on(curve: StabilityCurve, marks: Sequence[MarkedPoint]) -> list[Place]:
+    """The resonances of the family file, each with the candidate that refines it, by arclength.
+
+    Candidates that refine none of them, for example of other multiplicities, are placed by their point.
+    """
+    family, rest = curve.family, list(marks)
+    result: list[Place] = []
+    for resonance in curve.resonances:
+        known = [mark for mark in rest if mark.k == resonance.k and np.allclose(mark.point, resonance.point, atol=1e-6)]
+        for mark in known[:1]:
+            rest.remove(mark)
+        level = resonance.point[0] if resonance.first_integral is None else resonance.first_integral
+        result.append(
+            Place(
+                resonance.k, resonance.kind, resonance.side, resonance.arclength, float(level),
+                resonance.stability_parameter, known[0] if known else None,
+            )
+        )  # fmt: skip
+    for mark in rest:
+        found = place(family, mark)
+        # The other point on Fix(R) of an orbit in resonance: at the arclength of that orbit.
+        near = [
+            item
+            for item in curve.resonances
+            if item.k == mark.k and abs(item.arclength - found.arclength) < _SAME_ORBIT * (1 + found.arclength)
+        ]
+        value = near[0].stability_parameter if near else mark.candidate.provenance.get("resonant_value")
+        side = "second" if found.second else "first"
+        result.append(
+            Place(
+                mark.k, mark.candidate.kind, side, near[0].arclength if near else found.arclength, mark.level,
+                float(value) if isinstance(value, float) else np.nan, mark,
+            )
+        )  # fmt: skip
+    return sorted(result, key=lambda item: item.arclength)
+
+
+def samples_csv(curve: StabilityCurve) -> str:
+    """One line for each sample: place, both points on Fix(R), half period, level, stability parameters."""
+    system = curve.family.system
+    names = system.centre_coordinates
+    level = (system.first_integral_name or system.family_parameter or "level").replace(" ", "_").lower()
+    numbers = range(1, curve.parameters.shape[1] + 1)
+    header = ["arclength", *names, *(f"{name}_half_period_later" for name in names), "half_period", level]
+    header += [f"stability_{i}_{part}" for i in numbers for part in ("real", "imaginary")]
+    family = curve.family
+    rows = np.column_stack(
+        [family.arclength, family.points, family.second_points, curve.half_periods, family.levels]
+        + [part for column in curve.parameters.T for part in (column.real, column.imag)]
+    )
+    return _csv(header, rows.tolist())
+
+
+def events_csv(curve: StabilityCurve, places: Sequence[Place]) -> str:
+    """One line for each resonance and for each extremum of a stability parameter, by arclength."""
+    header = (
+        "what", "arclength", "level", "k", "kind", "on_fix_r", "stability_parameter", "resonant_value", "distance",
+        "candidate", "certified",
+    )  # fmt: skip
+    rows: list[tuple[float, list[object]]] = []
+    for item in places:
+        name, certified = (item.mark.candidate.id, item.mark.certified) if item.mark else ("", "")
+        rows.append(
+            (
+                item.arclength,
+                ["resonance", item.arclength, item.level, item.k, item.kind, item.side, item.resonant_value,
+                 item.resonant_value, 0.0, name, certified],
+            )
+        )  # fmt: skip
+    for extremum in curve.extrema:
+        value = extremum.stability_parameter
+        rows.append(
+            (
+                extremum.arclength,
+                ["extremum", extremum.arclength, extremum.first_integral, extremum.k, "", "", value, extremum.level,
+                 abs(value - extremum.level), "", ""],
+            )
+        )  # fmt: skip
+    return _csv(header, [row for _, row in sorted(rows, key=lambda pair: pair[0])])
+
+
+def _csv(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows([repr(value) if isinstance(value, float) else value for value in row] for row in rows)
+    return stream.getvalue()

@@ -1,0 +1,363 @@
+"""Bifurcating branches: the family with all of them, and each one with its new orbits.
+
+Everything is drawn from branch files and family files; the pieces of an orbit between its crossings of the
+section are integrated from the states in the file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from orbitproof.explore.branches import BranchOrbit, BranchRecord, read_branches
+from orbitproof.figures.model import (
+    Array,
+    Family,
+    OrbitNotClosed,
+    interpolate,
+    orbit_through,
+    read_families,
+    state_on_fixed_set,
+)
+from orbitproof.figures.style import (
+    CURVE,
+    INK,
+    SECOND_CURVE,
+    bounds_of,
+    check_folder,
+    close,
+    draw_point,
+    label_of,
+    legend_below,
+    legend_handles,
+    level_label,
+    marker_of,
+    save,
+    set_box,
+    use_style,
+    verdict_handles,
+)
+
+_WIDTH = 7.2
+_NEAR = 1e-2
+_BASE = "#8a8a8a"
+_HYPERBOLIC = (0, (3, 1.6))
+_PARTS = 8
+
+
+def write(branches: Path, families: Sequence[Path], folder: Path) -> list[Path]:
+    """Write a picture of each family with its branches, and one of each branch, as PDF and PNG.
+
+    Raises `InputError` for bad files.
+    """
+    records = read_branches(branches)
+    traced = [family.refined() for path in families for family in read_families(path)]
+    members = [[record for record in records if distance(family, record) < _NEAR] for family in traced]
+    check_folder(folder)
+    written: list[Path] = []
+    with use_style():
+        for family, own in zip(traced, members, strict=True):
+            if any(record.sides for record in own):
+                figure = draw_overview(family, own)
+                written += save(figure, folder / _name(f"branches-{family.system.name}-{family.name}"))
+                close(figure)
+        for record in records:
+            if record.sides:
+                figure = draw_branch(record, _family_of(record, traced))
+                written += save(figure, folder / _name(f"branch-{record.system.name}-{record.id}"))
+                close(figure)
+    return written
+
+
+def draw_overview(family: Family, branches: Sequence[BranchRecord]) -> Figure:
+    """A family with all its branches.
+
+    On energy levels: the first integral against a coordinate of Fix(R), and Fix(R). With a family parameter: the
+    two points on Fix(R) against it.
+    """
+    names = family.system.centre_coordinates
+    figure = plt.figure(figsize=(_WIDTH, 3.5))
+    grid = figure.add_gridspec(1, 2, left=0.085, right=0.975, top=0.92, bottom=0.265, wspace=0.26)
+    left, right = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
+    if family.system.family_parameter is None:
+        left.plot(family.second_points[:, 1], family.levels, color=SECOND_CURVE, lw=1.0)
+        left.plot(family.points[:, 1], family.levels, color=CURVE, lw=1.0)
+        right.plot(*family.second_points[:, :2].T, color=SECOND_CURVE, lw=1.0)
+        right.plot(*family.points[:, :2].T, color=CURVE, lw=1.0)
+        for branch in branches:
+            _add(left, branch, lambda points, levels: (points[:, 1], levels))
+            _add(right, branch, lambda points, levels: (points[:, 0], points[:, 1]))
+        left.set_xlabel(label_of(names[1]))
+        left.set_ylabel(level_label(family.system))
+        right.set_xlabel(label_of(names[0]))
+        right.set_ylabel(label_of(names[1]))
+        titles = ("bifurcation parameter", "where the orbits start on Fix($R$)")
+    else:
+        for axes, curve, colour in ((left, family.points, CURVE), (right, family.second_points, SECOND_CURVE)):
+            axes.plot(curve[:, 0], curve[:, 1], color=colour, lw=1.0)
+            for branch in branches:
+                if _nearest(family, branch)[0] is curve:
+                    _add(axes, branch, lambda points, levels: (levels, points[:, 1]))
+            axes.set_xlabel(level_label(family.system))
+            axes.set_ylabel(label_of(names[1]))
+        titles = ("starting points on Fix($R$)", "the other points on Fix($R$)")
+    for axes, letter, title in ((left, "a", titles[0]), (right, "b", titles[1])):
+        axes.margins(0.06)
+        axes.set_title(f"({letter})  {title}", color=INK)
+    _legend(figure, branches)
+    return figure
+
+
+def _add(axes: Axes, branch: BranchRecord, select: Callable[[Array, Array], tuple[Array, Array]]) -> None:
+    """Draw a branch and its bifurcation point; `select` takes points and levels to what is plotted."""
+    if branch.sides:
+        curve = _curve(branch)
+        axes.plot(*select(curve.points, branch.level + curve.differences), color=marker_of(branch.k)[1], lw=1.2)
+    place = select(branch.point[None], np.array([branch.level]))
+    draw_point(axes, [float(value[0]) for value in place], branch.k, _certified(branch), branch.id)
+
+
+def draw_branch(branch: BranchRecord, family: Family | None) -> Figure:
+    """One branch: bifurcation diagram, starting points, and a new orbit beside the resonant one."""
+    spatial = branch.system.family_parameter is None
+    figure = plt.figure(figsize=(_WIDTH, 3.1))
+    grid = figure.add_gridspec(1, 3, left=0.105, right=0.985, top=0.9, bottom=0.29, wspace=0.52)
+    _diagram(figure.add_subplot(grid[0, 0]), branch, family)
+    if spatial:
+        _starts(figure.add_subplot(grid[0, 1]), branch, family)
+        axes = figure.add_axes((0.66, 0.235, 0.31, 0.69), projection="3d", computed_zorder=False)
+    else:
+        _section(figure.add_subplot(grid[0, 1]), branch)
+        axes = figure.add_subplot(grid[0, 2])
+    _orbits(axes, branch, 3 if spatial else 2)
+    top = figure.axes[0].get_position().y1 + 3.4 / (72 * figure.get_figheight())
+    figure.text(
+        0.69 if spatial else axes.get_position().x0, top, "(c)  a new orbit", fontsize=8.5, color=INK, va="bottom"
+    )
+    _branch_legend(figure, branch, family is not None)
+    return figure
+
+
+def _diagram(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
+    """Bifurcation parameter against the coordinate of the start that changes most along the branch."""
+    place = _coordinate(branch)
+    colour = marker_of(branch.k)[1]
+    curve = _curve(branch)
+    x, y = curve.points[:, place], curve.differences
+    axes.plot(x, np.where(curve.elliptic, np.nan, y), color=colour, linestyle=_HYPERBOLIC, linewidth=1.2)
+    axes.plot(x, np.where(curve.elliptic, y, np.nan), color=colour, linewidth=1.8)
+    _limits(axes, x, y)
+    if family is not None:
+        points, levels = _nearest(family, branch)
+        axes.plot(points[:, place], levels - branch.level, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False,
+                  scaley=False)  # fmt: skip
+    draw_point(axes, (float(branch.point[place]), 0.0), branch.k, _certified(branch), branch.id)
+    axes.set_xlabel(f"start on Fix($R$): {label_of(branch.system.centre_coordinates[place])}")
+    name = branch.system.family_parameter
+    quantity = label_of(name, unit=False) if name else branch.system.first_integral_name or "first integral"
+    axes.set_ylabel(f"{quantity} ${'-' if branch.level > 0 else '+'}$ {abs(branch.level):.7g}")
+    axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.set_title("(a)  bifurcation diagram", color=INK)
+
+
+def _starts(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
+    """Fix(R): where new orbits start and where they are half a period later, near the point."""
+    names = branch.system.centre_coordinates
+    colour = marker_of(branch.k)[1]
+    rows = _curve(branch).points
+    shown = (0, 1) if np.ptp(rows[:, 1]) >= 0.2 * np.ptp(rows[:, 2]) else (0, 2)
+    axes.plot(rows[:, shown[0]], rows[:, shown[1]], color=colour, linewidth=1.6)
+    _limits(axes, rows[:, shown[0]], rows[:, shown[1]])
+    if family is not None:
+        points, _ = _nearest(family, branch)
+        axes.plot(points[:, shown[0]], points[:, shown[1]], color=CURVE, linewidth=1.2, zorder=1.8, scalex=False,
+                  scaley=False)  # fmt: skip
+    orbit = _shown_orbit(branch)
+    ends = [orbit.point] + ([orbit.second_point] if branch.k % 2 == 0 else [])
+    for end in ends:
+        axes.plot(end[shown[0]], end[shown[1]], marker=".", color=INK, markersize=6, zorder=5)
+    draw_point(axes, (float(branch.point[shown[0]]), float(branch.point[shown[1]])), branch.k, _certified(branch),
+               branch.id)  # fmt: skip
+    axes.set_xlabel(label_of(names[shown[0]]))
+    axes.set_ylabel(label_of(names[shown[1]]))
+    axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.set_title("(b)  on Fix($R$)", color=INK)
+
+
+def _section(axes: Axes, branch: BranchRecord) -> None:
+    """The section near the point: crossings of new orbits, in the coordinates that are not the section's."""
+    system = branch.system
+    kept = [i for i in range(len(system.state)) if i != system.section_index][:2]
+    signs = np.array(system.reversing_symmetry, dtype=float)
+    colour = marker_of(branch.k)[1]
+    centre = np.array(state_on_fixed_set(system, list(branch.point)))[kept]
+    for side in branch.sides:
+        rows = []
+        for orbit in side.orbits:
+            first, last = (np.array(state_on_fixed_set(system, list(p))) for p in (orbit.point, orbit.second_point))
+            half = np.vstack([first[None], orbit.crossings, last[None]])
+            # Every second crossing is near the point; the way back crosses at the images under R.
+            near = list(half[::2]) + [state * signs for state in half[2::2]]
+            rows.append(np.array(near)[:, kept])
+        for index in range(len(rows[0])):
+            axes.plot(*np.array([row[index] for row in rows]).T, color=colour, linewidth=1.2)
+        if side is branch.sides[1]:
+            axes.plot(*rows[-1].T, linestyle="none", marker=".", color=INK, markersize=6, zorder=5)
+    axes.axvline(0.0, color=_BASE, linewidth=1.0, linestyle=(0, (1, 1.5)), zorder=1.8)
+    axes.annotate("Fix($R$)", (0.0, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -2),
+                  textcoords="offset points", fontsize=7, color=INK, va="top")  # fmt: skip
+    draw_point(axes, [float(v) for v in centre], branch.k, _certified(branch), branch.id)
+    axes.set_xlabel(label_of(system.state[kept[0]]))
+    axes.set_ylabel(label_of(system.state[kept[1]]))
+    axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.margins(0.12)
+    axes.set_title("(b)  in the section", color=INK)
+
+
+def _orbits(axes: Any, branch: BranchRecord, dimension: int) -> None:
+    """The resonant orbit and the last new orbit, with the points in which they meet Fix(R)."""
+    colour = marker_of(branch.k)[1]
+    orbit = _shown_orbit(branch)
+    drawn = []
+    none = np.zeros((0, len(branch.system.state)))
+    for point, crossings, style in (
+        (branch.point, none, {"color": _BASE, "linewidth": 1.6}),
+        (orbit.point, orbit.crossings, {"color": colour, "linewidth": 0.9}),
+    ):
+        try:
+            rows = orbit_through(branch.system, branch.parameters, list(point), crossings)
+        except OrbitNotClosed:
+            continue
+        axes.plot(*rows[:, :dimension].T, **style)
+        drawn.append(rows)
+    for point in (orbit.point, orbit.second_point):
+        state = state_on_fixed_set(branch.system, list(point))[:dimension]
+        axes.plot(*[[value] for value in state], marker=".", color=INK, markersize=6, linestyle="none", zorder=7)
+    if dimension == 3:
+        low, high = bounds_of(drawn or [none + 1.0])
+        set_box(axes, branch.system, low, high, zoom=0.86)
+        return
+    axes.set_xlabel(label_of(branch.system.state[0]))
+    axes.set_ylabel(label_of(branch.system.state[1]))
+    axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.margins(0.06)
+
+
+def _branch_legend(figure: Figure, branch: BranchRecord, with_family: bool) -> None:
+    colour = marker_of(branch.k)[1]
+    lines = [
+        *([Line2D([], [], color=CURVE, linewidth=1.2, label="family")] if with_family else []),
+        Line2D([], [], color=_BASE, linewidth=1.6, label="resonant orbit"),
+        Line2D([], [], color=colour, linewidth=1.8, label="new orbits, elliptic in the new pair"),
+        Line2D([], [], color=colour, linestyle=_HYPERBOLIC, linewidth=1.2, label="hyperbolic"),
+    ]
+    points = [
+        *legend_handles([(branch.k, branch.kind)]), *verdict_handles([_certified(branch)]),
+        Line2D([], [], color=INK, marker=".", linestyle="none", markersize=6, label="the orbit of (c) there"),
+    ]  # fmt: skip
+    for row, height in ((lines, 0.25), (points, 0.06)):
+        figure.legend(handles=row, loc="lower center", ncols=len(row), borderaxespad=0.0,
+                      bbox_to_anchor=(0.5, height / figure.get_figheight()))  # fmt: skip
+
+
+def _legend(figure: Figure, branches: Sequence[BranchRecord]) -> None:
+    legend_below(figure, ((b.k, b.kind) for b in branches), [_certified(b) for b in branches])
+
+
+def _certified(branch: BranchRecord) -> bool:
+    return branch.verdict == "proved"
+
+
+def _shown_orbit(branch: BranchRecord) -> BranchOrbit:
+    return branch.sides[1].orbits[-1]
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """A branch through its bifurcation point, dense; M places.
+
+    Attributes:
+        points: shape (M, 1 + n), starting points.
+        differences: shape (M,), level minus that of the bifurcation.
+        elliptic: shape (M,), whether the pair of multipliers that is resonant at the bifurcation is elliptic.
+    """
+
+    points: Array
+    differences: Array
+    elliptic: Array
+
+
+def _curve(branch: BranchRecord) -> _Curve:
+    orbits = [*reversed(branch.sides[0].orbits), *branch.sides[1].orbits]
+    middle = len(branch.sides[0].orbits)
+    nodes = np.insert(np.array([orbit.arclength for orbit in orbits]), middle, 0.0)
+    points = np.insert(np.array([orbit.point for orbit in orbits]), middle, branch.point, axis=0)
+    differences = np.insert(np.array([orbit.level_difference for orbit in orbits]), middle, 0.0)
+    elliptic = np.concatenate([_elliptic(branch.sides[0].orbits)[::-1], _elliptic(branch.sides[1].orbits)])
+    dense = np.concatenate([np.linspace(a, b, _PARTS, endpoint=False) for a, b in pairwise(nodes)] + [nodes[-1:]])
+    nearest = np.searchsorted(0.5 * (np.delete(nodes, middle)[:-1] + np.delete(nodes, middle)[1:]), dense)
+    return _Curve(interpolate(nodes, points, dense), interpolate(nodes, differences, dense), elliptic[nearest])
+
+
+def _elliptic(orbits: Sequence[BranchOrbit]) -> Array:
+    """Whether the pair is elliptic whose stability parameter is 1 at the bifurcation, followed outwards."""
+    value, result = 1.0 + 0.0j, []
+    for orbit in orbits:
+        value = min(orbit.stability, key=lambda s: float(abs(s - value)))
+        result.append(value.imag == 0 and abs(value) < 1.0)
+    return np.array(result)
+
+
+def _coordinate(branch: BranchRecord) -> int:
+    """The coordinate of Fix(R) that changes most along the branch."""
+    lead = int(branch.system.family_parameter is not None)
+    rows = np.vstack([orbit.point for side in branch.sides for orbit in side.orbits])
+    return lead + int(np.argmax(np.ptp(rows[:, lead:], axis=0)))
+
+
+def _limits(axes: Axes, x: Array, y: Array) -> None:
+    """Limits around a curve; what else is drawn is cut off there."""
+    for values, set_limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
+        pad = 0.12 * max(float(np.ptp(values)), 1e-12)
+        set_limits(float(values.min()) - pad, float(values.max()) + pad)
+
+
+def _nearest(family: Family, branch: BranchRecord) -> tuple[Array, Array]:
+    """The curve of the family, of its two, that passes through the bifurcation point, with its levels."""
+    curves = (family.points, family.second_points)
+    misses = [float(np.linalg.norm((curve - branch.point) / branch.scale, axis=1).min()) for curve in curves]
+    return curves[int(np.argmin(misses))], family.levels
+
+
+def _family_of(branch: BranchRecord, families: Sequence[Family]) -> Family | None:
+    """The nearest family from which the branch may start; a broken symmetry is that of its orbits."""
+    odd: list[int] = []
+    if branch.symmetry is not None:
+        signs = branch.system.symmetries[branch.symmetry]
+        odd = [i for i, state in enumerate(branch.system.fixed_coordinates) if signs[state] == -1]
+    fitting = [family for family in families if not np.any(family.points[:, odd])]
+    nearest = min(fitting, key=lambda family: distance(family, branch), default=None)
+    return nearest if nearest is not None and distance(nearest, branch) < _NEAR else None
+
+
+def distance(family: Family, branch: BranchRecord) -> float:
+    """Of the bifurcation point from the curves of a family, in units of the branch's `scale`."""
+    if family.system.name != branch.system.name or dict(family.parameters) != dict(branch.parameters):
+        return np.inf
+    curve, _ = _nearest(family, branch)
+    return float(np.linalg.norm((curve - branch.point) / branch.scale, axis=1).min())
+
+
+def _name(text: str) -> str:
+    return re.sub(r"[^A-Za-z0-9.]+", "-", text).strip("-.")

@@ -1,0 +1,252 @@
+"""The two pictures: a family on energy levels (halo orbits), and a family in a parameter (Falkner-Skan)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from orbitproof.figures.model import (
+    Array,
+    Family,
+    MarkedPoint,
+    OrbitNotClosed,
+    Placement,
+    place,
+    stability_at,
+    state_on_fixed_set,
+    symmetric_orbit,
+)
+from orbitproof.figures.style import (
+    CURVE,
+    INK,
+    SECOND_CURVE,
+    bottom_margin,
+    bounds_of,
+    draw_mark,
+    label_of,
+    legend_below,
+    level_label,
+    marker_of,
+    resonances,
+    set_box,
+)
+
+_ORBITS_SHOWN = 6
+_WIDTH = 7.2
+_STABILITY_SHOWN = 1.35
+_LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}
+
+
+def draw_family(family: Family, marks: Sequence[MarkedPoint]) -> Figure:
+    """The picture of a family with its marked points, one text width wide.
+
+    Fix(R), the bifurcation parameter, the stability parameters with the resonances, and orbits. The
+    layout depends on whether energy (first integral) or a parameter varies along the family.
+    """
+    placements = [place(family, mark) for mark in marks]
+    if family.system.family_parameter is None:
+        return _energy_figure(family, placements)
+    return _parameter_figure(family, placements)
+
+
+def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
+    figure = plt.figure(figsize=(_WIDTH, 6.0))
+    grid = figure.add_gridspec(
+        2, 2, left=0.085, right=0.945, top=0.955, bottom=_bottom(figure, placements), wspace=0.26, hspace=0.3
+    )
+    fixed = figure.add_subplot(grid[0, 0])
+    level = figure.add_subplot(grid[0, 1])
+    stability = figure.add_subplot(grid[1, 1], sharex=level)
+    # A 3D axes draws its box well inside its rectangle, so the rectangle reaches beyond the grid cell.
+    orbits = figure.add_axes(
+        (0.01, _bottom(figure, placements) - 0.013, 0.47, 0.4), projection="3d", computed_zorder=False
+    )
+    _fixed_plane(fixed, family, placements)
+    _orbits_in_space(orbits, family, placements)
+    level.plot(family.arclength, family.levels, color=CURVE)
+    for placement in placements:
+        draw_mark(level, (placement.arclength, placement.mark.level), placement.mark)
+    level.set_ylabel(level_label(family.system))
+    _stability_curves(stability, family, placements, family.arclength)
+    stability.set_xlabel("arclength along the family  (nondimensional)")
+    level.tick_params(labelbottom=False)
+    _title(fixed, "a", "where the orbits meet Fix($R$)")
+    _title(level, "c", family.system.first_integral_name or "first integral")
+    _title(stability, "d", "stability parameters and resonances")
+    size = float(stability.title.get_fontsize())
+    top = stability.get_position().y1 + size * 0.6 / (72 * figure.get_figheight())
+    figure.text(0.085, top, "(b)  orbits of the family", fontsize=size, color=INK)
+    _legend(figure, placements)
+    return figure
+
+
+def _parameter_figure(family: Family, placements: Sequence[Placement]) -> Figure:
+    figure = plt.figure(figsize=(_WIDTH, 3.1))
+    grid = figure.add_gridspec(
+        2, 3, left=0.105, right=0.985, top=0.91, bottom=_bottom(figure, placements), wspace=0.5, hspace=0.12
+    )
+    first = figure.add_subplot(grid[0, 0])
+    second = figure.add_subplot(grid[1, 0], sharex=first)
+    stability, orbits = figure.add_subplot(grid[:, 1]), figure.add_subplot(grid[:, 2])
+    # The two crossings differ by orders of magnitude in how much they move: one scale would show one of them flat.
+    _fixed_line(first, family, placements, second=False)
+    _fixed_line(second, family, placements, second=True)
+    first.tick_params(labelbottom=False)
+    second.set_xlabel(level_label(family.system))
+    _stability_curves(stability, family, placements, family.levels)
+    bounded = family.levels[(np.abs(family.stability) < _STABILITY_SHOWN).any(axis=1)]
+    _parameter_scale(stability, bounded if bounded.size > 1 else family.levels)
+    stability.set_xlabel(level_label(family.system))
+    _orbits_in_plane(orbits, family, placements)
+    _title(first, "a", "crossings of Fix($R$)")
+    _title(stability, "b", "stability parameter")
+    _title(orbits, "c", "resonant orbits")
+    figure.align_ylabels([first, second])
+    _legend(figure, placements)
+    return figure
+
+
+def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
+    """Marked points of one system without a traced family: Fix(R) and the bifurcation parameter."""
+    system = marks[0].candidate.system
+    names = system.centre_coordinates
+    figure = plt.figure(figsize=(_WIDTH, 3.2))
+    placements = [Placement(mark, False, 0.0, 0.0) for mark in marks]
+    bottom = _bottom(figure, placements)
+    grid = figure.add_gridspec(1, 2, left=0.085, right=0.975, top=0.91, bottom=bottom, wspace=0.26)
+    fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
+    for mark in marks:
+        draw_mark(fixed, mark.point[:2], mark)
+        draw_mark(level, (mark.point[1], mark.level), mark)
+    for axes, x, y in (
+        (fixed, label_of(names[0]), label_of(names[1])),
+        (level, label_of(names[1]), level_label(system)),
+    ):
+        axes.margins(0.08)
+        axes.set_xlabel(x)
+        axes.set_ylabel(y)
+    _title(fixed, "a", "bifurcation points on Fix($R$)")
+    _title(level, "b", system.first_integral_name or "family parameter")
+    _legend(figure, placements)
+    return figure
+
+
+def _title(axes: Axes, letter: str, text: str) -> None:
+    axes.set_title(f"({letter})  {text}", color=INK)
+
+
+def _legend(figure: Figure, placements: Sequence[Placement]) -> None:
+    legend_below(figure, *_claims(placements))
+
+
+def _bottom(figure: Figure, placements: Sequence[Placement]) -> float:
+    return bottom_margin(figure.get_figheight(), *_claims(placements))
+
+
+def _claims(placements: Sequence[Placement]) -> tuple[set[tuple[int, str]], list[bool]]:
+    return {(p.mark.k, p.mark.candidate.kind) for p in placements}, [p.mark.certified for p in placements]
+
+
+def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
+    names = family.system.centre_coordinates
+    axes.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
+    axes.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
+    for placement in placements:
+        draw_mark(axes, placement.mark.point[:2], placement.mark)
+    axes.margins(0.07)
+    axes.set_xlabel(label_of(names[0]))
+    axes.set_ylabel(label_of(names[1]))
+    _curve_key(axes)
+
+
+def _fixed_line(axes: Axes, family: Family, placements: Sequence[Placement], second: bool) -> None:
+    curve = family.second_points if second else family.points
+    axes.plot(family.levels, curve[:, 1], color=SECOND_CURVE if second else CURVE)
+    for placement in placements:
+        if placement.second == second:
+            draw_mark(axes, placement.mark.point[:2], placement.mark)
+    _parameter_scale(axes, family.levels)
+    axes.margins(y=0.15)
+    axes.set_ylabel(label_of(family.system.centre_coordinates[1], unit=False))
+    axes.annotate(
+        "half a period later" if second else "starting point", (0.96, 0.9 if second else 0.08),
+        xycoords="axes fraction", ha="right", va="top" if second else "bottom", fontsize=7, color=INK,
+    )  # fmt: skip
+
+
+def _parameter_scale(axes: Axes, values: Array) -> None:
+    low, high = float(values.min()), float(values.max())
+    if low > 0 and high > 20 * low:
+        axes.set_xscale("log")
+        axes.set_xlim(low / 1.3, high * 1.3)
+    else:
+        axes.set_xlim(low - 0.06 * (high - low), high + 0.06 * (high - low))
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+
+
+def _curve_key(axes: Axes) -> None:
+    handles = [
+        Line2D([], [], color=CURVE, label="starting point"),
+        Line2D([], [], color=SECOND_CURVE, label="half a period later"),
+    ]
+    axes.legend(handles=handles, loc="best", handlelength=1.8)
+
+
+def _stability_curves(axes: Axes, family: Family, placements: Sequence[Placement], abscissa: Array) -> None:
+    for column in family.stability.T:
+        axes.plot(abscissa, column, color=CURVE)
+    axes.set_ylim(-_STABILITY_SHOWN, _STABILITY_SHOWN)
+    levels = resonances([p.mark.k for p in placements] or [1, 2, 3, 4])
+    for k, values in levels.items():
+        for value in values:
+            axes.axhline(value, color=marker_of(k)[1], linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
+            axes.annotate(
+                f"1:{k}", (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
+                textcoords="offset points", va="center", fontsize=7, color=INK,
+            )  # fmt: skip
+    for placement in placements:
+        found = stability_at(family, placement.arclength)
+        miss = [float(np.nanmin(np.abs(found - value), initial=np.inf)) for value in levels[placement.mark.k]]
+        value = levels[placement.mark.k][int(np.argmin(miss))]
+        x = float(np.interp(placement.arclength, family.arclength, abscissa))
+        draw_mark(axes, (x, value), placement.mark)
+    axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
+
+
+def _orbits_in_space(axes: Any, family: Family, placements: Sequence[Placement]) -> None:
+    stops = np.linspace(family.arclength[0], family.arclength[-1], _ORBITS_SHOWN)
+    shown = [family.points[int(np.argmin(np.abs(family.arclength - stop)))] for stop in stops]
+    drawn = [_orbit(axes, family, point, 3, color="#9db4c3", linewidth=0.8) for point in shown]
+    for placement in placements:
+        k, point = placement.mark.k, placement.mark.point
+        if k > 1:
+            style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
+            drawn.append(_orbit(axes, family, point, 3, **style))
+        draw_mark(axes, state_on_fixed_set(family.system, list(point))[:3], placement.mark)
+    low, high = bounds_of([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
+    set_box(axes, family.system, low, high)
+
+
+def _orbits_in_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
+    for placement in placements:
+        k = placement.mark.k
+        style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
+        _orbit(axes, family, placement.mark.point, 2, **style)
+    axes.set_xlabel(label_of(family.system.state[0]))
+    axes.set_ylabel(label_of(family.system.state[1]))
+
+
+def _orbit(axes: Any, family: Family, point: Array, dimension: int, **style: Any) -> Array | None:
+    try:
+        rows = symmetric_orbit(family.system, family.parameters, list(point))
+    except OrbitNotClosed:
+        return None
+    axes.plot(*rows[:, :dimension].T, **style)
+    return rows[:, :dimension]

@@ -1,0 +1,192 @@
+"""The look of the pictures: style sheet, markers by multiplicity, labels with units, PDF and PNG."""
+
+from __future__ import annotations
+
+import io
+import os
+import tempfile
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from importlib import resources
+from math import cos, gcd, pi
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from orbitproof.figures.model import MarkedPoint
+from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.systems import ReversibleSystem
+
+INK = "#222222"
+CURVE = "#3c6e91"
+SECOND_CURVE = "#a8a8a8"
+_LEGEND_ROW, _LEGEND_FOOT, _LABEL_HEIGHT = 0.2, 0.05, 0.44
+_MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
+_COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
+_KINDS = {
+    "symmetry_breaking": "symmetry breaking",
+    "period_tupling": "period tupling",
+    "touch_and_go": "touch-and-go",
+}
+_TEX = {
+    "vx": r"\dot{x}",
+    "vy": r"\dot{y}",
+    "vz": r"\dot{z}",
+    "beta": r"\beta",
+    "mu": r"\mu",
+    "nu": r"\nu",
+    "eps": r"\varepsilon",
+    "xi": r"\xi",
+    "zeta": r"\zeta",
+    "veta": r"\dot{\eta}",
+}
+
+
+def use_style() -> Any:
+    """The style sheet as a context manager."""
+    return plt.style.context(str(resources.files("orbitproof.figures.style").joinpath("orbitproof.mplstyle")))
+
+
+def marker_of(k: int) -> tuple[str, str]:
+    """Marker and colour of multiplicity k. The shape alone tells k, so that grey prints stay readable."""
+    return _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
+
+
+def draw_mark(axes: Axes, position: Sequence[float] | NDArray[np.float64], mark: MarkedPoint) -> Line2D:
+    """Draw one bifurcation, in two or three dimensions: filled if certified, hollow if numerical."""
+    return draw_point(axes, position, mark.k, mark.certified, mark.candidate.id)
+
+
+def draw_point(
+    axes: Axes, position: Sequence[float] | NDArray[np.float64], k: int, certified: bool, identifier: str
+) -> Line2D:
+    """As `draw_mark`, for a point that is known by its multiplicity, verdict and id only."""
+    marker, colour = marker_of(k)
+    coordinates = [[value] for value in position]
+    (line,) = axes.plot(
+        *coordinates, marker=marker, linestyle="none", color=colour, markeredgecolor=colour,
+        markerfacecolor=colour if certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
+        # A thin white rim, so that markers that touch can be told apart.
+        path_effects=[withStroke(linewidth=1.9, foreground="white")],
+    )  # fmt: skip
+    line.set_gid(f"candidate {identifier}")
+    return line
+
+
+def _size(marker: str) -> float:
+    return {"D": 4.9, "s": 5.2, "*": 8.0, "o": 5.4}.get(marker, 6.2)
+
+
+def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
+    """One legend entry for each claim (k, kind), by k."""
+    handles = []
+    for k, kind in sorted(set(claims)):
+        marker, colour = marker_of(k)
+        label = f"$k={k}$, " + _KINDS[kind]
+        handles.append(
+            Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=_size(marker), label=label)
+        )
+    return handles
+
+
+def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:
+    """Legend entries that say what filled and hollow markers mean, for the verdicts that occur."""
+    meanings = {True: ("#666666", "filled: certified"), False: ("white", "hollow: numerical only")}
+    return [
+        Line2D([], [], marker="o", color="#666666", markerfacecolor=face, linestyle="none", label=label)
+        for verdict, (face, label) in meanings.items()
+        if verdict in certified
+    ]
+
+
+def legend_below(figure: Figure, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> None:
+    """Legend below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean."""
+    for number, row in enumerate(_legend_rows(claims, certified)):
+        figure.legend(
+            handles=row, loc="lower center", ncols=len(row), borderaxespad=0.0,
+            bbox_to_anchor=(0.5, (_LEGEND_FOOT + number * _LEGEND_ROW) / figure.get_figheight()),
+        )  # fmt: skip
+
+
+def legend_height(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:
+    """Height in inches that `legend_below` takes at the foot of a figure."""
+    return _LEGEND_FOOT + _LEGEND_ROW * len(_legend_rows(claims, certified))
+
+
+def bottom_margin(height: float, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:
+    """Part of a figure of `height` inches below its axes: for their labels and for `legend_below`."""
+    return (_LABEL_HEIGHT + legend_height(claims, certified)) / height
+
+
+def _legend_rows(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> list[list[Line2D]]:
+    """The rows from the lowest one up; more than four multiplicities take two."""
+    handles = legend_handles(claims)
+    half = len(handles) if len(handles) <= 4 else (len(handles) + 1) // 2
+    return [row for row in (verdict_handles(certified), handles[half:], handles[:half]) if row]
+
+
+def label_of(name: str, unit: bool = True) -> str:
+    """Axis label of a state coordinate or parameter; all are nondimensional."""
+    text = f"${_TEX.get(name, name)}$"
+    return f"{text}  (nondimensional)" if unit else text
+
+
+def level_label(system: ReversibleSystem) -> str:
+    """Axis label of the bifurcation parameter: first integral or family parameter."""
+    if system.family_parameter is not None:
+        return label_of(system.family_parameter)
+    return f"{system.first_integral_name or 'first integral'}  (nondimensional)"
+
+
+def resonances(multiplicities: Sequence[int]) -> dict[int, list[float]]:
+    """Values of the stability parameter in 1:k resonance, cos(2 pi j/k) with gcd(j, k) = 1, by k."""
+    return {
+        k: sorted({round(cos(2 * pi * j / k), 12) for j in range(1, k // 2 + 1) if gcd(j, k) == 1} or {1.0})
+        for k in sorted(set(multiplicities))
+    }
+
+
+def save(figure: Figure, stem: Path) -> list[Path]:
+    """Write `stem`.pdf and `stem`.png, each whole or not at all. Raises `InputError`."""
+    written = []
+    for suffix in (".pdf", ".png"):
+        path = stem.with_name(stem.name + suffix)
+        buffer = io.BytesIO()
+        # No date inside: the same data give the same bytes.
+        metadata = {"CreationDate": None} if suffix == ".pdf" else {"Software": None}
+        figure.savefig(buffer, format=suffix[1:], metadata=metadata)
+        _write_bytes(path, buffer.getvalue())
+        written.append(path)
+    return written
+
+
+def close(figure: Figure) -> None:
+    """Release a figure that is saved."""
+    plt.close(figure)
+
+
+def _write_bytes(path: Path, data: bytes) -> None:
+    check_writable(path)
+    temporary: str | None = None
+    try:
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(data)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except OSError as error:
+        if temporary is not None:
+            with suppress(OSError):
+                os.unlink(temporary)
+        raise InputError(f"{path}: cannot be written ({error.strerror}); free space or choose another path") from None

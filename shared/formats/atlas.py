@@ -1,0 +1,208 @@
+"""Atlases: a curve of symmetric periodic orbits in pieces, or a surface of them over the mass parameter.
+
+The format is in docs/formats.md, the schema in ``schemas/atlas.schema.json``; bad input raises `InputError`, one
+line with file, field and remedy.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NoReturn
+
+from orbitproof.shared.formats.candidates import InputError, read_document, read_system, validate_document, write_text
+from orbitproof.shared.formats.pieces import COORDINATES, Piece, SurfacePiece, check_length, evaluate, piece_from_json
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem
+
+__all__ = [
+    "CLAIMS", "COORDINATES", "SURFACE", "Atlas", "Claim", "Covers", "Piece", "SurfacePiece", "atlas_from_json",
+    "claim_from_json", "evaluate", "piece_from_json", "read_atlas", "write_atlas",
+]  # fmt: skip
+
+SURFACE = "symmetry-breaking-surface"
+CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
+
+
+@dataclass(frozen=True)
+class Covers:
+    """The claim that a coordinate goes from a value <= `start` to one >= `end`."""
+
+    coordinate: str
+    start: Fraction
+    end: Fraction
+
+    def to_json(self) -> dict[str, str]:
+        """The JSON object."""
+        return {"coordinate": self.coordinate, "from": format_exact(self.start), "to": format_exact(self.end)}
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What the pieces are claimed to be together.
+
+    Attributes:
+        kind: one of `CLAIMS`.
+        symmetry: name of the symmetry of the curve (for a surface, of the one that breaks), or `None`.
+        increasing: coordinates that increase along the curve, on a symmetric arc away from its symmetric point.
+        covers: the range that a coordinate takes, or `None`.
+    """
+
+    kind: str
+    symmetry: str | None = None
+    increasing: tuple[str, ...] = ()
+    covers: Covers | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object."""
+        result: dict[str, Any] = {"kind": self.kind, "symmetry": self.symmetry}
+        if self.increasing:
+            result["increasing"] = list(self.increasing)
+        if self.covers is not None:
+            result["covers"] = self.covers.to_json()
+        return result
+
+
+@dataclass(frozen=True)
+class Atlas:
+    """A claim about a curve or a surface, and its pieces in order along it.
+
+    Attributes:
+        id: short name.
+        title: what people read.
+        system: the reversible system.
+        parameters: exact values of the system's fixed parameters, by name; empty for a surface.
+        claim: what the pieces are together.
+        pieces: all of them `Piece`, or for a surface all of them `SurfacePiece`.
+        provenance: free-form, ignored by the verifier.
+    """
+
+    id: str
+    title: str
+    system: ReversibleSystem
+    parameters: Mapping[str, Fraction]
+    claim: Claim
+    pieces: tuple[Piece | SurfacePiece, ...]
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def is_surface(self) -> bool:
+        """Whether the claim is about a surface over the parameters."""
+        return self.claim.kind == SURFACE
+
+    def curve_pieces(self) -> tuple[Piece, ...]:
+        """The pieces of a curve; none for a surface."""
+        return tuple(piece for piece in self.pieces if isinstance(piece, Piece))
+
+    def surface_pieces(self) -> tuple[SurfacePiece, ...]:
+        """The pieces of a surface; none for a curve."""
+        return tuple(piece for piece in self.pieces if isinstance(piece, SurfacePiece))
+
+    def to_json(self, provenance: bool = True) -> dict[str, Any]:
+        """The JSON object of the atlas, a whole document. All numbers must be dyadic or decimal fractions."""
+        result: dict[str, Any] = {
+            "format": "orbitproof-atlas",
+            "version": 1,
+            "id": self.id,
+            "title": self.title,
+            "system": self.system.name,
+        }
+        if not self.is_surface:
+            result["parameters"] = {name: format_exact(value) for name, value in self.parameters.items()}
+        result["claim"] = self.claim.to_json()
+        result["pieces"] = [piece.to_json() for piece in self.pieces]
+        if provenance:
+            result["provenance"] = dict(self.provenance)
+        return result
+
+
+def read_atlas(path: Path) -> Atlas:
+    """Read an atlas file. Raises `InputError` for anything that is not a well-formed claim."""
+    return atlas_from_json(read_document(path, "atlas"), str(path))
+
+
+def write_atlas(path: Path, atlas: Atlas) -> None:
+    """Write an atlas file, whole or not at all. Raises `InputError` if it cannot be written."""
+    document = atlas.to_json()
+    validate_document(document, "atlas", "atlas to be written")
+    rest = json.dumps({**document, "pieces": []}, indent=1, allow_nan=False)
+    # One piece a line: a list of numbers with one number a line is long and says nothing.
+    pieces = ",\n".join(f"  {json.dumps(entry, allow_nan=False)}" for entry in document["pieces"])
+    write_text(path, rest.replace('\n "pieces": []', f'\n "pieces": [\n{pieces}\n ]', 1) + "\n")
+
+
+def atlas_from_json(entry: Mapping[str, Any], source: str) -> Atlas:
+    """An `Atlas` from a schema-valid JSON document; `source` begins the text of errors (`InputError`)."""
+
+    def refuse(name: str, why: str, remedy: str) -> NoReturn:
+        raise InputError(f"{source}: field {name}: {why}; {remedy}")
+
+    for name in ("id", "title"):
+        if not entry[name].isprintable():
+            refuse(name, f"{entry[name]!r} has characters that cannot be printed", "use letters, digits and signs")
+    surface = entry["claim"]["kind"] == SURFACE
+    if surface == ("parameters" in entry):
+        why = "a surface has its parameters in its pieces" if surface else "missing"
+        refuse("parameters", why, "leave it out here" if surface else "give all but the family parameter")
+    if surface:
+        found = BRANCH_SYSTEMS.get(entry["system"])
+        if found is None:
+            refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(BRANCH_SYSTEMS)}")
+        system, parameters = found, dict[str, Fraction]()
+    else:
+        system, parameters = read_system(entry, f"{source}: field atlas", BRANCH_SYSTEMS)
+        for name, value in parameters.items():
+            check_length(value, f"{source}: field parameters.{name}")
+    claim = claim_from_json(entry["claim"], system, f"{source}: field claim")
+    pieces: list[Piece | SurfacePiece] = []
+    seen: set[str] = set()
+    for index, item in enumerate(entry["pieces"]):
+        place = f"pieces[{index}]"
+        if (item["kind"] == SurfacePiece.kind) != surface:
+            why = f"{item['kind']!r} in a claim {claim.kind!r}"
+            refuse(f"{place}.kind", why, "symmetry_breaking belongs to surfaces, the others to curves")
+        piece = piece_from_json(item, system, f"{source}: field {place}")
+        if piece.id in seen:
+            refuse(f"{place}.id", f"{piece.id!r} appears twice", "give each piece its own id")
+        if piece.kind == "symmetric" and claim.symmetry is None:
+            refuse(f"{place}.kind", "a symmetric piece in a claim without a symmetry", "name it in claim.symmetry")
+        seen.add(piece.id)
+        pieces.append(piece)
+    return Atlas(
+        id=entry["id"], title=entry["title"], system=system, parameters=parameters, claim=claim, pieces=tuple(pieces),
+        provenance=entry.get("provenance", {}),
+    )  # fmt: skip
+
+
+def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> Claim:
+    """A `Claim` from a schema-valid JSON object; raises `InputError` that names the field."""
+
+    def refuse(name: str, why: str, remedy: str) -> NoReturn:
+        raise InputError(f"{source}.{name}: {why}; {remedy}")
+
+    kind, symmetry = entry["kind"], entry.get("symmetry")
+    known = ", ".join(system.symmetries) or "none"
+    if symmetry is not None and symmetry not in system.symmetries:
+        refuse("symmetry", f"{system.name} has no symmetry {symmetry!r}", f"known: {known}")
+    if symmetry is None and kind.startswith("symmetr"):
+        refuse("symmetry", f"{kind} without a symmetry", f"name one; {system.name} has: {known}")
+    increasing = tuple(entry.get("increasing", ()))
+    for position, name in enumerate(increasing):
+        if name not in system.centre_coordinates or name in increasing[:position]:
+            wanted = ", ".join(system.centre_coordinates)
+            refuse(f"increasing[{position}]", f"{name!r}", f"name each coordinate once; {system.name} has: {wanted}")
+    if "covers" not in entry:
+        return Claim(kind, symmetry, increasing)
+    name = entry["covers"]["coordinate"]
+    names = system.fixed_parameters if kind == SURFACE else system.centre_coordinates
+    if name not in names:
+        refuse("covers.coordinate", f"{name!r}", f"choose one of: {', '.join(names)}")
+    start, end = (parse_exact(entry["covers"][key]) for key in ("from", "to"))
+    for key, value in (("from", start), ("to", end)):
+        check_length(value, f"{source}.covers.{key}")
+    if not start < end:
+        refuse("covers.to", "not greater than covers.from", "give a range that is not empty")
+    return Claim(kind, symmetry, increasing, Covers(name, start, end))

@@ -1,0 +1,241 @@
+"""Pieces of atlases: tubes about polynomials, and symmetry-breaking boxes that move with the parameters.
+
+A piece of a curve describes the points
+
+    centre + frame * (half_width * s, polynomial_1(s) + tube_1 w_1, .., polynomial_n(s) + tube_n w_n)
+
+for s in [-1, 1] and abs(w_j) <= 1. Its claim: for every s there is exactly one w for which the point lies on a
+symmetric periodic orbit, and it depends smoothly on s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, NoReturn
+
+from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems import ReversibleSystem
+
+COORDINATES = ("auto", "physical", "regularised")
+
+Vector = tuple[Fraction, ...]
+Matrix = tuple[Vector, ...]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A piece of a curve: a tube about a polynomial, in which the symmetric orbits are claimed to be one curve.
+
+    Attributes:
+        id: unique name within the atlas.
+        kind: "regular"; or "symmetric": the curve meets the points that the claim's symmetry fixes at s = 0, where
+            it is a bifurcation of the orbits in them.
+        centre: shape (1 + n,), in the order of the system's `centre_coordinates`.
+        frame: shape (1 + n, 1 + n), rows, regular; column 0 along the curve, columns 1 to n across.
+        half_width: p_0 = half_width * s, positive.
+        polynomial: for p_1, .., p_n the coefficients of 1, s, s^2, ..
+        tube: shape (n,), half-widths of the tube in p_1, .., p_n, positive.
+        coordinates: one of `COORDINATES`, in which the orbits are followed.
+    """
+
+    id: str
+    kind: str
+    centre: Vector
+    frame: Matrix
+    half_width: Fraction
+    polynomial: Matrix
+    tube: Vector
+    coordinates: str = "auto"
+
+    def local(self, s: Fraction) -> Vector:
+        """The coordinates p_0, .., p_n of the polynomial's point at s, exactly."""
+        return (self.half_width * s, *(evaluate(coefficients, s) for coefficients in self.polynomial))
+
+    def point(self, s: Fraction) -> Vector:
+        """The polynomial's point at s, w = 0, in the system's coordinates, exactly; shape (1 + n,)."""
+        p = self.local(s)
+        return tuple(
+            middle + sum((a * b for a, b in zip(row, p, strict=True)), Fraction(0))
+            for middle, row in zip(self.centre, self.frame, strict=True)
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object of the piece. All numbers must be dyadic or decimal fractions."""
+        return {
+            "id": self.id,
+            "kind": self.kind,
+            "centre": _vector_text(self.centre),
+            "frame": _matrix_text(self.frame),
+            "half_width": format_exact(self.half_width),
+            "polynomial": _matrix_text(self.polynomial),
+            "tube": _vector_text(self.tube),
+            "coordinates": self.coordinates,
+        }
+
+
+@dataclass(frozen=True)
+class SurfacePiece:
+    """A symmetry-breaking candidate (docs/formats.md) whose parameters and centre are polynomials in s in [-1, 1].
+
+    Its box consists of the points with abs(p_i) <= radii_i in the coordinates p of
+
+        centre(s) + frame * (p_0 + bend_0(s) p_1^2, p_1, p_2 + tilt_2(s) p_0 + bend_2(s) p_1^2).
+
+    Attributes:
+        id: unique name within the atlas.
+        parameters: for each of the system's fixed parameters the coefficients of 1, s, s^2, ..
+        centre: for each of the 1 + n coordinates the coefficients of 1, s, s^2, ..
+        frame, kernel_frame, radii: as in `shared.formats.candidates.Candidate`, the same for all s.
+        tilt: for p_2, .., p_n the coefficients of 1, s, s^2, .. of what p_0 adds to them; empty: nothing.
+        bend: the same for p_0 and p_2, .., p_n and what p_1^2 adds to them; empty: nothing.
+    """
+
+    id: str
+    parameters: Mapping[str, Vector]
+    centre: Matrix
+    frame: Matrix
+    kernel_frame: Matrix
+    radii: Vector
+    tilt: Matrix = ()
+    bend: Matrix = ()
+
+    kind = "symmetry_breaking"
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object of the piece. All numbers must be dyadic or decimal fractions."""
+        result = {
+            "id": self.id,
+            "kind": self.kind,
+            "parameters": {name: _vector_text(values) for name, values in self.parameters.items()},
+            "centre": _matrix_text(self.centre),
+            "frame": _matrix_text(self.frame),
+            "kernel_frame": _matrix_text(self.kernel_frame),
+            "radii": _vector_text(self.radii),
+        }
+        for name, rows in (("tilt", self.tilt), ("bend", self.bend)):
+            if rows:
+                result[name] = _matrix_text(rows)
+        return result
+
+
+def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:
+    """The value at s of the polynomial with these coefficients of 1, s, s^2, .., exactly."""
+    value = Fraction(0)
+    for coefficient in reversed(coefficients):
+        value = value * s + coefficient
+    return value
+
+
+def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> Piece | SurfacePiece:
+    """A piece from a schema-valid JSON object; raises `InputError` that names the field."""
+    numbers = _Numbers(entry, source)
+    if not entry["id"].isprintable():
+        numbers.refuse("id", "has characters that cannot be printed", "use letters, digits and signs")
+    size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
+    wanted = f"{system.name} needs {size}: {', '.join(system.centre_coordinates)}"
+    frame = numbers.regular("frame", size)
+    if entry["kind"] == SurfacePiece.kind:
+        if set(entry["parameters"]) != set(system.fixed_parameters):
+            names = ", ".join(system.fixed_parameters) or "none"
+            numbers.refuse("parameters", f"not those of {system.name}", f"give exactly: {names}")
+        return SurfacePiece(
+            id=entry["id"],
+            parameters={
+                name: numbers.vector(f"parameters.{name}", texts) for name, texts in entry["parameters"].items()
+            },
+            centre=numbers.rows("centre", size, wanted),
+            frame=frame,
+            kernel_frame=numbers.regular("kernel_frame", kernel),
+            radii=numbers.positive("radii", size, f"{system.name} needs {size}"),
+            tilt=numbers.rows("tilt", size - 2, f"{system.name} needs {size - 2}") if "tilt" in entry else (),
+            bend=numbers.rows("bend", size - 1, f"{system.name} needs {size - 1}") if "bend" in entry else (),
+        )
+    centre = numbers.vector("centre", entry["centre"])
+    if len(centre) != size:
+        numbers.refuse("centre", f"{len(centre)} numbers", wanted)
+    across = f"{system.name} needs {kernel}, one for each equation"
+    half_width = numbers.vector("half_width", [entry["half_width"]])[0]
+    if half_width <= 0:
+        numbers.refuse("half_width", "not positive", "turn column 0 of the frame around to turn the piece around")
+    return Piece(
+        id=entry["id"],
+        kind=entry["kind"],
+        centre=centre,
+        frame=frame,
+        half_width=half_width,
+        polynomial=numbers.rows("polynomial", kernel, across),
+        tube=numbers.positive("tube", kernel, across),
+        coordinates=entry.get("coordinates", "auto"),
+    )
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    """Exact numbers of a JSON object, with their place in the text of errors."""
+
+    entry: Mapping[str, Any]
+    source: str
+
+    def refuse(self, name: str, why: str, remedy: str) -> NoReturn:
+        raise InputError(f"{self.source}.{name}: {why}; {remedy}")
+
+    def vector(self, name: str, texts: Iterable[str]) -> Vector:
+        values = tuple(parse_exact(text) for text in texts)
+        for value in values:
+            check_length(value, f"{self.source}.{name}")
+        return values
+
+    def rows(self, name: str, number: int, wanted: str) -> Matrix:
+        rows = tuple(self.vector(f"{name}[{index}]", texts) for index, texts in enumerate(self.entry[name]))
+        if len(rows) != number:
+            self.refuse(name, f"{len(rows)} rows", wanted)
+        return rows
+
+    def positive(self, name: str, number: int, wanted: str) -> Vector:
+        values = self.vector(name, self.entry[name])
+        if len(values) != number:
+            self.refuse(name, f"{len(values)} numbers", wanted)
+        for position, value in enumerate(values):
+            if value <= 0:
+                self.refuse(f"{name}[{position}]", "not positive", "give positive half-widths")
+        return values
+
+    def regular(self, name: str, size: int) -> Matrix:
+        rows = tuple(self.vector(f"{name}[{index}]", texts) for index, texts in enumerate(self.entry[name]))
+        if len(rows) != size or any(len(row) != size for row in rows):
+            self.refuse(name, "wrong shape", f"give {size} rows of {size} numbers")
+        if not is_regular(rows):
+            self.refuse(name, "is singular", "give linearly independent columns")
+        return rows
+
+
+def is_regular(matrix: Matrix) -> bool:
+    """Whether an exact square matrix is invertible."""
+    rows = [list(row) for row in matrix]
+    while rows:
+        pivot = next((row for row in rows if row[0] != 0), None)
+        if pivot is None:
+            return False
+        rows.remove(pivot)
+        rows = [[b - row[0] / pivot[0] * a for a, b in zip(pivot[1:], row[1:], strict=True)] for row in rows]
+    return True
+
+
+def check_length(value: Fraction, source: str) -> None:
+    """Numbers go into certificates, so the text that `format_exact` gives must fit the schema again."""
+    if len(format_exact(value)) > _LONGEST:
+        raise InputError(f"{source}: a number is too long to be written exactly; give fewer digits")
+
+
+_LONGEST = 4000
+
+
+def _vector_text(values: Iterable[Fraction]) -> list[str]:
+    return [format_exact(value) for value in values]
+
+
+def _matrix_text(rows: Iterable[Iterable[Fraction]]) -> list[list[str]]:
+    return [_vector_text(row) for row in rows]

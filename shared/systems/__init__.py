@@ -1,0 +1,30 @@
+"""Systems: vector field, symmetries, section, parameters, as values and as straight-line programs."""
+
+from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS
+from orbitproof.shared.systems.program import Program, record
+from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
+from orbitproof.shared.systems.system import (
+    CR3BP,
+    FALKNER_SKAN,
+    HILL,
+    MASS_PARAMETERS,
+    SYSTEMS,
+    DerivedParameter,
+    ReversibleSystem,
+)
+
+__all__ = [
+    "AROUND",
+    "BRANCH_SYSTEMS",
+    "CR3BP",
+    "FALKNER_SKAN",
+    "HILL",
+    "MASS_PARAMETERS",
+    "REGULARISATIONS",
+    "SYSTEMS",
+    "DerivedParameter",
+    "Program",
+    "Regularisation",
+    "ReversibleSystem",
+    "record",
+]

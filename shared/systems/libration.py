@@ -1,0 +1,97 @@
+"""The planar CR3BP around a collinear libration point, in units of the size of the orbit.
+
+With x_l the libration point, X = x_l + eps x and Y = eps y, the equations of (x, y) are analytic in eps
+through eps = 0, where they are the linearisation at the libration point. An orbit that starts on the axis at
+X is measured in the unit eps = X - x_l, so that it starts at x = 1; eps is negative on the left of the
+libration point. docs/method.md, section 16, proves what this says about the CR3BP.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from orbitproof.shared.systems.system import SYSTEMS, DerivedParameter, ParameterRange, ReversibleSystem, VectorField
+
+
+def _relative_field(sides: tuple[int, int]) -> VectorField:
+    """(F(x_l + eps x) - F(x_l)) / eps for the vector field F of the planar CR3BP, as in (16.1).
+
+    `sides` are the signs of x_l + mu and x_l + mu - 1.
+    """
+
+    def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        x, y, vx, vy = state
+        mu, x_l, eps = parameters
+        square = x * x + y * y
+        along, across = x + 2 * vy, y - 2 * vx
+        for mass, distance, side in ((1 - mu, x_l + mu, sides[0]), (mu, x_l + mu - 1, sides[1])):
+            inverse = distance**-1
+            stiffness = side * mass * (inverse * inverse * inverse)
+            linear = 2 * x + eps * (inverse * square)
+            ratio = (1 + eps * (inverse * linear)) ** -0.5
+            inverse_square = ratio * ratio
+            cube = inverse_square * ratio
+            # (cube - 1) / eps = -linear * inverse * quotient without a division by eps.
+            quotient = inverse_square * (ratio + 1 / (1 + ratio))
+            along = along - stiffness * (x * cube - linear * quotient)
+            across = across - stiffness * (y * cube)
+        return (vx, vy, along, across)
+
+    return field
+
+
+def _force_on_axis(value: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    """The force along the axis at rest; increasing between the primaries and on either side of them."""
+    (x,), (mu,) = value, parameters
+    larger = x + mu
+    smaller = larger - 1
+    return (
+        x - (1 - mu) * larger * (larger * larger) ** -1.5 - mu * smaller * (smaller * smaller) ** -1.5,
+    )  # fmt: skip
+
+
+def _between_primaries(parameters: Sequence[Any]) -> tuple[Any, Any]:
+    (mu,) = parameters
+    return -mu, 1 - mu
+
+
+def _beyond_smaller(parameters: Sequence[Any]) -> tuple[Any, Any]:
+    (mu,) = parameters
+    return 1 - mu, None
+
+
+def _beyond_larger(parameters: Sequence[Any]) -> tuple[Any, Any]:
+    (mu,) = parameters
+    return None, -mu
+
+
+def _around(point: str, sides: tuple[int, int], interval: Any) -> ReversibleSystem:
+    return ReversibleSystem(
+        name=f"cr3bp-{point.lower()}",
+        title=f"planar circular restricted three-body problem in units of the orbit's size around {point}",
+        state=("x", "y", "vx", "vy"),
+        parameters={
+            "mu": ParameterRange(Fraction(0), Fraction(1)),
+            "x_l": ParameterRange(None, None),
+            "eps": ParameterRange(None, None),
+        },
+        vector_field=_relative_field(sides),
+        reversing_symmetry=(1, -1, -1, 1),
+        section="y",
+        family_parameter="eps",
+        normalised={"x": Fraction(1)},
+        derived_parameters={"x_l": DerivedParameter(_force_on_axis, interval)},
+    )
+
+
+AROUND: Mapping[str, ReversibleSystem] = {
+    "L1": _around("L1", (1, -1), _between_primaries),
+    "L2": _around("L2", (1, 1), _beyond_smaller),
+    "L3": _around("L3", (-1, -1), _beyond_larger),
+}
+"""The system around each collinear libration point, by the name of the point."""
+
+BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {**SYSTEMS, **{system.name: system for system in AROUND.values()}}
+"""Systems whose branches can be proved, by name. Those of `AROUND` are not for single candidates."""

@@ -1,0 +1,52 @@
+"""The command ``orbitproof``: hands over to one of its rooms."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from importlib import metadata
+
+_ROOMS = {
+    "explore": "find families, bifurcations and branches; write candidates and atlases",
+    "verify": "prove candidates (verify FILE) and whole branches (verify atlas FILE); check certificates again",
+    "figures": "draw families, branches, certificates; set tables",
+}
+
+
+def main() -> int:
+    """Run the command line; returns the exit code: 0 done, 1 something not proved or not found, 2 bad input."""
+    arguments = sys.argv[1:]
+    name = arguments[0] if arguments else "--help"
+    if name in ("-h", "--help"):
+        print(_help())
+        return 0
+    if name == "--version":
+        print(f"orbitproof {metadata.version('orbitproof')}")
+        return 0
+    if name not in _ROOMS:
+        print(f"error: {name}: there is no such command; there are {', '.join(_ROOMS)}", file=sys.stderr)
+        return 2
+    try:
+        room = importlib.import_module(f"orbitproof.{name}.__main__")
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] == "orbitproof":
+            raise
+        print(f"error: orbitproof {name} needs {error.name}: pip install 'orbitproof[{name}]'", file=sys.stderr)
+        return 2
+    code: int = room.main(arguments[1:])
+    return code
+
+
+def _help() -> str:
+    rows = "\n".join(f"  {name:9}{text}" for name, text in _ROOMS.items())
+    return (
+        "usage: orbitproof {explore,verify,figures} ...\n\n"
+        "Finds bifurcations of symmetric periodic orbits and proves them.\n\n"
+        f"{rows}\n\n"
+        "options:\n  --version   print the version\n\n"
+        "Each explains itself: orbitproof verify --help"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,137 @@
+"""The project's surface: packages, README examples, and nothing that belongs to one machine."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import re
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+ROOMS = ("shared", "explore", "verify", "figures")
+README = (ROOT / "README.md").read_text("utf-8")
+MAKEFILE = (ROOT / "Makefile").read_text("utf-8")
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+
+
+def commands_of(text: str) -> list[list[str]]:
+    """Every `orbitproof explore|verify|figures ...` in a text, as argument lists from the package name on."""
+    lines = re.findall(r"orbitproof ((?:explore|verify|figures)[ ][^\n`#]+)", text.replace("\\\n", " "))
+    return [shlex.split(re.split(r"\s{2,}\(", line)[0]) for line in lines]
+
+
+class Parsed(Exception):
+    """Raised in place of the work, once the arguments are accepted."""
+
+
+def parse(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the command's own parser read the arguments; raises `SystemExit` if it refuses them."""
+    package, *rest = arguments
+    main = importlib.import_module(f"orbitproof.{package}.__main__").main
+    plain = argparse.ArgumentParser.parse_args
+
+    def parse_and_stop(parser: argparse.ArgumentParser, *args: Any, **options: Any) -> None:
+        plain(parser, *args, **options)
+        raise Parsed
+
+    with monkeypatch.context() as patch:
+        patch.setattr(argparse.ArgumentParser, "parse_args", parse_and_stop)
+        with pytest.raises(Parsed):
+            main(rest)
+
+
+def tracked_files() -> list[Path]:
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a git checkout")
+    names = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    return [ROOT / name for name in names.split("\0") if name and (ROOT / name).is_file()]
+
+
+def test_readme_shows_a_command_for_each_step() -> None:
+    assert {command[0] for command in commands_of(README)} == {"explore", "verify", "figures"}
+
+
+@pytest.mark.parametrize("command", commands_of(README), ids=" ".join)
+def test_readme_commands_parse(command: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    parse(command, monkeypatch)
+
+
+def test_a_command_with_a_misspelt_option_does_not_parse(monkeypatch: pytest.MonkeyPatch) -> None:
+    for command in (["explore", "candidates", "--sistem", "cr3bp"], ["verify", "c.json", "--outptu", "x"]):
+        with pytest.raises(SystemExit):
+            parse(command, monkeypatch)
+
+
+@pytest.mark.parametrize("package", ["explore", "verify", "figures"])
+def test_help_has_examples_and_its_examples_parse(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    result = subprocess.run(
+        [sys.executable, "-m", "orbitproof", package, "--help"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
+    assert "examples" in result.stdout.lower()
+    examples = commands_of(result.stdout.partition("examples:")[2])
+    assert examples
+    for command in examples:
+        parse(command, monkeypatch)
+
+
+def test_every_folder_of_python_files_is_a_package_that_is_installed() -> None:
+    folders = {path.parent for room in ROOMS for path in (ROOT / room).rglob("*.py")} - {ROOT / "verify" / "alone"}
+    for folder in folders:
+        assert (folder / "__init__.py").is_file(), folder
+    for room in ROOMS:
+        assert f"    {room}/" in README
+
+
+def test_base_install_carries_nothing_of_the_search_side() -> None:
+    names = {re.split(r"[<>=\[]", line)[0] for line in PROJECT["project"]["dependencies"]}
+    assert names.isdisjoint({"jax", "diffrax", "equinox", "mpmath", "matplotlib"})
+    assert set(PROJECT["project"]["optional-dependencies"]) == {"explore", "figures", "cluster", "dev"}
+
+
+def test_demo_verifies_where_the_search_side_is_refused() -> None:
+    assert re.search(r"^VERIFY = PYTHONPATH=verify/alone \S+ verify$", MAKEFILE, re.MULTILINE)
+    assert "env $(VERIFY) $(OUT)/candidates.json" in MAKEFILE
+
+
+def test_tracked_files_name_no_machine_path() -> None:
+    pattern = re.compile(r"(?<![\w.$}~-])/(?:home|Users|root|work|tmp|mnt|opt|var/folders)/[\w.]")
+    found = []
+    for path in tracked_files():
+        if path.suffix in {".png", ".pdf"}:
+            continue
+        for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
+            if pattern.search(line):
+                found.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()[:100]}")
+    assert not found, "\n".join(found)
+
+
+def test_every_local_link_and_picture_of_the_documents_exists() -> None:
+    for document in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        for target in re.findall(r"\]\(([^)#\s]+)", document.read_text("utf-8")):
+            if "://" not in target:
+                assert (document.parent / target).exists(), f"{document.name}: {target}"
+
+
+def test_pictures_of_the_readme_are_small() -> None:
+    pictures = sorted((ROOT / "docs" / "images").glob("*"))
+    assert pictures
+    for picture in pictures:
+        assert picture.stat().st_size < 300_000, picture.name
+
+
+def test_modules_stay_one_idea_long() -> None:
+    for package in ROOMS:
+        for module in sorted((ROOT / package).rglob("*.py")):
+            assert len(module.read_text("utf-8").splitlines()) <= 450, module.name

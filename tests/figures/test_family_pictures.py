@@ -1,0 +1,232 @@
+"""Pictures show what the certificates say, and nothing more."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from orbitproof.figures.__main__ import main
+from orbitproof.figures.model.family import (
+    Family,
+    MarkedPoint,
+    assign,
+    level_of,
+    mark_candidates,
+    place,
+    state_on_fixed_set,
+)
+from orbitproof.figures.model.family_file import read_families
+from orbitproof.figures.model.orbit import OrbitNotClosed, symmetric_orbit
+from orbitproof.figures.pictures.family import draw_family, draw_marks
+from orbitproof.figures.style.style import close, marker_of, resonances, use_style
+from orbitproof.shared.formats.candidates import InputError, read_candidates
+from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+
+DATA = Path(__file__).parents[1] / "data"
+CANDIDATES = DATA / "figures-candidates.json"
+CERTIFICATES = DATA / "figures-certificates.json"
+HALO, FALKNER = DATA / "figures-halo-family.json", DATA / "figures-falkner-skan-family.json"
+EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
+
+
+@pytest.fixture(scope="module")
+def families() -> list[Family]:
+    return [family.refined() for path in (HALO, FALKNER) for family in read_families(path)]
+
+
+@pytest.fixture(scope="module")
+def marks() -> list[MarkedPoint]:
+    return mark_candidates(read_candidates(CANDIDATES), CERTIFICATES, CANDIDATES)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def style() -> Iterator[None]:
+    with use_style():
+        yield
+
+
+@pytest.fixture(scope="module")
+def pictures(families: list[Family], marks: list[MarkedPoint]) -> Iterator[list[tuple[list[MarkedPoint], Figure]]]:
+    """The picture of each family, with the marks that belong on it."""
+    members, alone = assign(families, marks)
+    assert not alone
+    drawn = [(own, draw_family(family, own)) for family, own in zip(families, members, strict=True)]
+    yield drawn
+    for _, figure in drawn:
+        close(figure)
+
+
+def drawn_marks(figure: Figure) -> list[Line2D]:
+    """The lines of a figure that are bifurcation markers."""
+    return [line for axes in figure.axes for line in axes.lines if str(line.get_gid()).startswith("candidate ")]
+
+
+def is_filled(line: Line2D) -> bool:
+    return bool(line.get_markerfacecolor() == line.get_markeredgecolor() != "white")
+
+
+def test_stored_data_hold_proved_and_not_proved_points_of_both_systems(marks: list[MarkedPoint]) -> None:
+    for system in (CR3BP, FALKNER_SKAN):
+        assert {mark.certified for mark in marks if mark.candidate.system is system} == {True, False}
+
+
+def test_certified_points_are_filled_and_others_hollow(pictures: list[tuple[list[MarkedPoint], Figure]]) -> None:
+    for own, figure in pictures:
+        for mark in own:
+            lines = [line for line in drawn_marks(figure) if line.get_gid() == f"candidate {mark.candidate.id}"]
+            assert lines
+            assert all(is_filled(line) == mark.certified for line in lines)
+
+
+def test_without_certificates_no_marker_is_filled(families: list[Family]) -> None:
+    marks = mark_candidates(read_candidates(CANDIDATES), None, CANDIDATES)
+    for family, own in zip(families, assign(families, marks)[0], strict=True):
+        figure = draw_family(family, own)
+        lines = drawn_marks(figure)
+        assert lines
+        assert not any(is_filled(line) for line in lines)
+        close(figure)
+
+
+def test_not_proved_is_hollow(tmp_path: Path) -> None:
+    document = json.loads(CERTIFICATES.read_text())
+    proved = [entry["id"] for entry in document["certificates"] if entry["verdict"] == "proved"]
+    for entry in document["certificates"]:
+        entry.update(verdict="not proved", results=None)
+        entry["statement"].pop("theorem", None)
+        entry["reason"] = {"condition": "frames", "message": "not regular", "remedy": "refine again"}
+    path = tmp_path / "certificates.json"
+    path.write_text(json.dumps(document))
+    marks = mark_candidates(read_candidates(CANDIDATES), path, CANDIDATES)
+    assert proved
+    assert not any(mark.certified for mark in marks)
+
+
+def test_certificate_for_another_claim_is_refused(tmp_path: Path) -> None:
+    document = json.loads(CERTIFICATES.read_text())
+    path = tmp_path / "certificates.json"
+    first = document["certificates"][0]
+
+    def refusal(entries: list[Any]) -> str:
+        path.write_text(json.dumps({**document, "certificates": entries}))
+        with pytest.raises(InputError) as caught:
+            mark_candidates(read_candidates(CANDIDATES), path, CANDIDATES)
+        return str(caught.value)
+
+    shifted = copy.deepcopy(first)
+    shifted["statement"]["candidate"]["centre"][0] = "0x1p-1"
+    assert "differs from" in refusal([shifted])
+    empty = copy.deepcopy(first)
+    empty["statement"]["candidate"] = {}
+    assert "differs from" in refusal([empty])
+    assert "no candidate 'unheard of'" in refusal([{**first, "id": "unheard of"}])
+    assert "appears twice" in refusal([first, first])
+
+
+def test_each_multiplicity_has_its_own_marker() -> None:
+    shapes = [marker_of(k)[0] for k in (1, 2, 3, 4, 5, 6, 7)]
+    assert len(set(shapes)) == len(shapes)
+
+
+def test_every_axis_of_a_picture_is_labelled(pictures: list[tuple[list[MarkedPoint], Figure]]) -> None:
+    for _, figure in pictures:
+        for axes in figure.axes:
+            assert axes.get_ylabel()
+            shared_below = not axes.xaxis.get_tick_params().get("labelbottom", True)
+            assert axes.get_xlabel() or shared_below
+
+
+def test_legend_lies_below_all_axes(pictures: list[tuple[list[MarkedPoint], Figure]]) -> None:
+    for _, figure in pictures:
+        figure.draw_without_rendering()
+        top = max(legend.get_window_extent().y1 for legend in figure.legends)
+        for axes in figure.axes:
+            assert axes.get_tightbbox().y0 >= top - 1
+
+
+def test_points_lie_on_the_curve_of_their_crossing(families: list[Family], marks: list[MarkedPoint]) -> None:
+    halo = families[0]
+    assert halo.points.shape[0] > 100
+    for second, curve in ((False, halo.points), (True, halo.second_points)):
+        point = 0.5 * (curve[4] + curve[5])
+        placement = place(halo, replace(marks[0], point=point))
+        assert placement.second == second
+        assert placement.distance < 1e-12
+        assert halo.arclength[4] < placement.arclength < halo.arclength[5]
+
+
+def test_a_point_of_another_mass_or_far_away_is_on_no_family(families: list[Family], marks: list[MarkedPoint]) -> None:
+    mark = next(mark for mark in marks if mark.candidate.system is CR3BP)
+    assert assign(families, [mark])[1] == []
+    heavier = replace(mark, candidate=replace(mark.candidate, parameters={"mu": Fraction(1, 2)}))
+    moved = replace(mark, point=mark.point + 0.1)
+    assert assign(families, [heavier, moved])[1] == [heavier, moved]
+    figure = draw_marks([heavier, moved])
+    assert len(drawn_marks(figure)) == 4
+    close(figure)
+
+
+def test_families_of_the_stored_data_consist_of_symmetric_periodic_orbits() -> None:
+    for family in read_families(HALO) + read_families(FALKNER):
+        for i in (0, len(family.points) // 2, len(family.points) - 1):
+            orbit = symmetric_orbit(family.system, family.parameters, list(family.points[i]))
+            half = orbit[len(orbit) // 2]
+            expected = state_on_fixed_set(family.system, list(family.second_points[i]))
+            assert half == pytest.approx(expected, abs=1e-5)
+            assert orbit[-1] == pytest.approx(orbit[0], abs=1e-12)
+            level = level_of(family.system, family.parameters, list(family.points[i]))
+            assert level == pytest.approx(family.levels[i], abs=1e-9)
+
+
+def test_first_integral_is_constant_along_a_drawn_orbit(families: list[Family]) -> None:
+    halo = families[0]
+    orbit = symmetric_orbit(CR3BP, EARTH_MOON, list(halo.points[len(halo.points) // 2]))
+    mu = float(EARTH_MOON["mu"])
+    assert CR3BP.first_integral is not None
+    values = [float(CR3BP.first_integral(list(row), [mu])[0]) for row in orbit]
+    assert np.ptp(values) < 1e-7
+
+
+def test_orbit_into_the_primary_is_reported() -> None:
+    with pytest.raises(OrbitNotClosed):
+        symmetric_orbit(CR3BP, EARTH_MOON, [1 - float(EARTH_MOON["mu"]), 0.0, 0.0])
+
+
+def test_resonances_are_the_primitive_roots() -> None:
+    levels = resonances([1, 2, 3, 4, 5])
+    assert levels[1] == [1.0]
+    assert levels[2] == [-1.0]
+    assert levels[3] == pytest.approx([-0.5])
+    assert levels[4] == pytest.approx([0.0])
+    assert levels[5] == pytest.approx([(-1 - 5**0.5) / 4, (-1 + 5**0.5) / 4])
+
+
+def test_command_writes_pdf_and_png_of_each_family(tmp_path: Path, capsys: Any) -> None:
+    folder = tmp_path / "new" / "pictures"
+    arguments = ["family", str(CANDIDATES), str(CERTIFICATES), "--family", str(HALO), str(FALKNER), "-o", str(folder)]
+    assert main(arguments) == 0
+    output, errors = capsys.readouterr()
+    written = sorted(folder.iterdir())
+    assert sorted(output.split()) == [str(path) for path in written]
+    assert errors == ""
+    assert [path.suffix for path in written] == [".pdf", ".png", ".pdf", ".png"]
+    for path in written:
+        assert path.read_bytes().startswith(b"%PDF" if path.suffix == ".pdf" else b"\x89PNG")
+        assert path.suffix == ".pdf" or path.stat().st_size < 300_000
+
+
+def test_command_without_family_files_draws_the_points_and_says_so(tmp_path: Path, capsys: Any) -> None:
+    assert main(["family", str(CANDIDATES), str(CERTIFICATES), "-o", str(tmp_path)]) == 0
+    output, errors = capsys.readouterr()
+    assert len(output.split()) == 4
+    assert "--family" in errors

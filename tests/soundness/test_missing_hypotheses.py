@@ -1,0 +1,281 @@
+"""Reversible maps in closed form with one hypothesis missing: each is refused by the name of that hypothesis."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction as F
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
+from support.map_cases import CASES, SLOPED, WIDE, cubic, even, failed, outcome_of, proof, quadratic, tilted
+
+from orbitproof.verify.bifurcation.conditions import Point, Problem, check_transversality, locate
+from orbitproof.verify.bifurcation.nondegeneracy import check_family_of_maps
+from orbitproof.verify.bifurcation.reduction import BifurcationFunction, PeriodTwoFamily
+from orbitproof.verify.bifurcation.theorem import theorem_of
+from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
+from orbitproof.verify.newton.interval_newton import ImplicitGraph
+from orbitproof.verify.newton.jets import indices_up_to
+from orbitproof.verify.newton.taylor_forms import BoxFunction
+from orbitproof.verify.poincare.derivatives import DerivativeTable
+
+
+@pytest.fixture(autouse=True)
+def precision() -> Any:
+    with ctx.workprec(300):
+        yield
+
+
+def identity_with(size: int, entries: dict[tuple[int, int], F]) -> tuple[tuple[F, ...], ...]:
+    return tuple(tuple(entries.get((i, j), F(int(i == j))) for j in range(size)) for i in range(size))
+
+
+@pytest.mark.parametrize(
+    ("changes", "hamiltonian"),
+    [
+        ({"frame": identity_with(2, {(1, 1): F(0)})}, False),
+        ({"kernel_frame": ((F(0),),)}, False),
+        ({"frame": identity_with(2, {(0, 1): F(1, 2)})}, False),
+        ({"frame": identity_with(2, {(0, 0): F(2)})}, False),
+        ({"frame": identity_with(2, {(0, 1): F(1), (1, 0): F(1)})}, True),
+    ],
+    ids=["frame singular", "kernel frame singular", "parameter mixed", "parameter scaled", "singular, Hamiltonian"],
+)
+def test_singular_frames_are_not_proved(changes: dict[str, Any], hamiltonian: bool) -> None:
+    failed(outcome_of("k=2", hamiltonian, **changes), "frames")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"symmetry": None},
+        {"centre": (F(0), F(1, 2**100))},
+        {"frame": identity_with(2, {(1, 0): F(1, 2**100)})},
+    ],
+    ids=["no symmetry", "centre not symmetric", "family direction not symmetric"],
+)
+def test_symmetry_breaking_without_exactly_adapted_frames_is_not_proved(changes: dict[str, Any]) -> None:
+    failed(outcome_of("k=1", **changes), "adapted-frames")
+
+
+@pytest.mark.parametrize("entry", [(0, 1), (1, 0)])
+def test_kernel_frame_that_mixes_even_and_odd_is_not_proved(entry: tuple[int, int]) -> None:
+    failed(outcome_of("k=1, n=2", kernel_frame=identity_with(2, {entry: F(1, 2**100)})), "adapted-frames")
+
+
+def edited(
+    name: str,
+    iterate: int,
+    index: tuple[int, ...],
+    box: Callable[[arb], arb] | None = None,
+    centre: Callable[[arb], arb] | None = None,
+    component: int = 0,
+) -> Outcome:
+    """The outcome with one derivative of one iterate replaced, in the table of the box and of the centre."""
+    system, kind, k, radii = CASES[name]
+    tables, _ = tables_of_maps(system, k, radii)
+    old = tables[iterate - 1][component]
+    tables[iterate - 1][component] = DerivativeTable(
+        {**old.box, index: old.box[index] if box is None else box(old.box[index])},
+        {**old.centre, index: old.centre[index] if centre is None else centre(old.centre[index])},
+    )
+    return verdict(claim(description(len(radii) - 1, False, k == 1), kind, k, radii), tables, None)
+
+
+@pytest.mark.parametrize("bad", [arb("nan"), arb("inf"), arb(0, "inf")], ids=["nan", "infinite", "infinite radius"])
+@pytest.mark.parametrize("where", ["box", "centre"])
+@pytest.mark.parametrize("index", [(0, 0), (1, 1), (0, 3)])
+def test_an_enclosure_that_is_not_finite_is_not_proved(index: tuple[int, int], where: str, bad: arb) -> None:
+    failed(edited("k=2", 2, index, **{where: lambda _: bad}), "poincare-map")
+
+
+def test_disjoint_enclosures_of_one_derivative_are_not_proved() -> None:
+    failed(edited("k=2", 2, (1, 1), centre=lambda ball: ball + 1), "poincare-map")
+
+
+def test_empty_or_incomplete_tables_are_not_proved() -> None:
+    system, kind, k, radii = CASES["k=2"]
+    tables, _ = tables_of_maps(system, k, radii)
+    candidate = claim(description(1, False), kind, k, radii)
+    empty = DerivativeTable({}, {})
+    thin = DerivativeTable({i: b for i, b in tables[1][0].box.items() if i != (0, 3)}, tables[1][0].centre)
+    for iterates in ([], [[], []], tables[:1], [*tables, tables[0]], [[empty], [empty]], [tables[0], [thin]]):
+        failed(verdict(candidate, iterates, None), "poincare-map")
+
+
+def test_a_first_integral_that_is_missing_or_too_many_is_not_proved() -> None:
+    system, kind, k, radii = CASES["k=2"]
+    tables, integral = tables_of_maps(system, k, radii, tilted)
+    failed(verdict(claim(description(1, True), kind, k, radii), tables, None), "poincare-map")
+    failed(verdict(claim(description(1, False), kind, k, radii), tables, integral), "poincare-map")
+
+
+def test_box_off_the_family_is_not_proved() -> None:
+    failed(edited("k=2", 1, (0, 0), box=lambda x: x + 1, centre=lambda x: x + 1), "family")
+
+
+def test_period_quadrupling_claimed_at_a_doubling_is_not_proved() -> None:
+    system, _, _, radii = CASES["k=2"]
+    tables, _ = tables_of_maps(system, 4, radii)
+    failed(verdict(claim(description(1, False), "period_tupling", 4, radii), tables, None), "regular-2")
+
+
+def test_period_doubling_claimed_at_a_quadrupling_is_not_proved() -> None:
+    system, _, _, radii = CASES["k=4"]
+    tables, _ = tables_of_maps(system, 2, radii)
+    failed(verdict(claim(description(1, False), "period_tupling", 2, radii), tables, None), "C3")
+
+
+@pytest.mark.parametrize(("second", "i"), [(F(0), 2), (F(-1, 2), 3), (F(1), 1)])
+def test_resonance_of_the_second_pair_is_not_proved(second: F, i: int) -> None:
+    system, kind, k, radii = CASES["k=4, n=2"]
+    tables, _ = tables_of_maps(replace(system, others=(second,)), k, radii)
+    outcome = verdict(claim(description(2, False), kind, k, radii), tables, None)
+    failed(outcome, "family" if i == 1 else f"regular-{i}")
+
+
+def test_singular_matrix_of_an_intermediate_iterate_is_not_proved() -> None:
+    failed(edited("k=4", 3, (0, 1), box=lambda x: x - x.mid(), centre=lambda x: x - x.mid()), "regular-3")
+
+
+def test_values_outside_p_2_are_not_proved() -> None:
+    system, kind, k, radii = CASES["k=2, n=2"]
+    narrow = (radii[0], radii[1], radii[2] / 2**20)
+    tables, integral = tables_of_maps(system, k, narrow)
+    failed(verdict(claim(description(2, False), kind, k, narrow), tables, integral), "C2")
+    tables, integral = tables_of_maps(system, k, narrow, tilted)
+    failed(verdict(claim(description(2, True), kind, k, narrow), tables, integral), "HC2")
+
+
+def test_branch_that_leaves_p_0_is_not_proved() -> None:
+    system, kind, k, radii = CASES["k=2"]
+    narrow = (radii[0] / 2**10, radii[1])
+    tables, integral = tables_of_maps(system, k, narrow)
+    failed(verdict(claim(description(1, False), kind, k, narrow), tables, integral), "C3")
+    tables, integral = tables_of_maps(system, k, narrow, tilted)
+    failed(verdict(claim(description(1, True), kind, k, narrow), tables, integral), "HC3")
+
+
+def test_box_shifted_off_the_bifurcation_is_not_proved_and_asks_for_no_precision() -> None:
+    system, kind, k, radii = CASES["k=2"]
+    shifted = replace(system, a=system.a + 4 * radii[0])
+    tables, _ = tables_of_maps(shifted, k, radii)
+    outcome = failed(verdict(claim(description(1, False), kind, k, radii), tables, None), "C3")
+    assert not outcome.reason.needs_precision
+
+
+def planar_problem(product: dict[tuple[int, int], F], radii: tuple[F, F]) -> tuple[Problem, Any, Any]:
+    """Problem, family p_1 = p_0 / 8 and reduction with G given by its derivatives, which are constant."""
+    indices = indices_up_to(2, 3)
+
+    def function(values: dict[tuple[int, int], F]) -> BoxFunction:
+        table = {index: enclose(values.get(index, F(0))) for index in indices}
+        return BoxFunction(DerivativeTable(table, table))
+
+    family = function({(0, 1): F(1), (1, 0): F(-1, 8)})
+    bifurcation = function(product)
+    box = tuple(arb(0, 1) * enclose(radius) for radius in radii)
+    problem = Problem(3, radii, box, ((family,), (family,), (bifurcation,)), None)
+    return problem, PeriodTwoFamily(ImplicitGraph((family,), box, 1)), BifurcationFunction(
+        bifurcation, ImplicitGraph((), box, 2))  # fmt: skip
+
+
+def test_curves_that_touch_are_not_proved() -> None:
+    # G = (p_1 - p_0/8) (p_0 - 8 p_1): both factors have the same zeros.
+    problem, family, reduction = planar_problem({(1, 1): F(2), (0, 2): F(-16), (2, 0): F(-1, 4)}, (F(1), F(1)))
+    checklist = Checklist()
+    with pytest.raises(NotEstablishedError) as caught:
+        check_transversality(checklist, problem, family, reduction)
+    assert caught.value.reason.condition == "C4"
+    assert not checklist.hypotheses[0].holds
+
+
+def test_point_outside_the_box_is_not_proved() -> None:
+    # G_1 = 1 + p_0: its zero is on the edge of P_0 for R_0 = 1 and outside for R_0 = 1/2.
+    for radius in (F(1), F(1, 2)):
+        problem, family, reduction = planar_problem({(0, 1): F(1), (1, 1): F(1)}, (radius, F(1)))
+        with pytest.raises(NotEstablishedError) as caught:
+            locate(Checklist(), problem, family, reduction)
+        assert caught.value.reason.condition == "point"
+
+
+def test_vanishing_mixed_derivative_is_not_proved() -> None:
+    problem, family, reduction = planar_problem({(0, 3): F(1)}, (F(1), F(1)))
+    point = Point((arb(0), arb(0)), arb(0))
+    with pytest.raises(NotEstablishedError) as caught:
+        check_family_of_maps(Checklist(), replace(problem, k=2), family, reduction, point)
+    assert caught.value.reason.condition == "G_01"
+
+
+def test_touch_and_go_without_quadratic_term_is_not_proved() -> None:
+    # theta = pi/3: f^3 is -1 at the resonance and the quadratic term vanishes.
+    system = ReversibleMap(F(1, 2), cubic)
+    tables, _ = tables_of_maps(system, 3, SLOPED)
+    failed(verdict(claim(description(1, False), "touch_and_go", 3, SLOPED), tables, None), "G_11")
+    tables, integral = tables_of_maps(system, 3, SLOPED, even)
+    failed(verdict(claim(description(1, True), "touch_and_go", 3, SLOPED), tables, integral), "h_b'")
+
+
+def test_period_doubling_without_cubic_term_is_not_proved() -> None:
+    system = ReversibleMap(F(0), quadratic)
+    tables, _ = tables_of_maps(system, 2, WIDE)
+    failed(verdict(claim(description(1, False), "period_tupling", 2, WIDE), tables, None), "G_111")
+
+
+Level = Callable[[Sequence[Any], Callable[[F], Any]], Any]
+
+DEGENERATE_LEVELS: dict[str, tuple[str, Level]] = {
+    # The derivative of H in p_0 vanishes.
+    "dH/dp_0": ("k=3", lambda p, c: p[0] * p[0] + p[1]),
+    # H is stationary along the family p_1 = p_0 / 2^8.
+    "h_fp'": ("k=3, sloped family", lambda p, c: p[0] + p[1] * c(F(-(2**8)))),
+    # H is stationary along the crossing branch p_0 = p_1 / 2.
+    "h_b'": ("k=3", lambda p, c: p[0] + p[1] * c(F(-1, 2))),
+    # H is constant to second order along the new branch p_0 = p_1^2.
+    "h_b''": ("k=2", lambda p, c: p[0] + p[1] * p[1] * c(F(-1))),
+}
+
+
+@pytest.mark.parametrize("condition", DEGENERATE_LEVELS)
+def test_degenerate_first_integral_is_not_proved(condition: str) -> None:
+    name, level = DEGENERATE_LEVELS[condition]
+    system, kind, k, radii = CASES[name]
+    tables, _ = tables_of_maps(system, k, radii)
+    _, integral = tables_of_maps(system, 1, radii, level)
+    failed(verdict(claim(description(1, True), kind, k, radii), tables, integral), condition)
+
+
+@pytest.mark.parametrize(
+    ("kind", "k"),
+    [("touch_and_go", 2), ("touch_and_go", 4), ("period_tupling", 3), ("touch_and_go", 5), ("touch_and_go", 7)],
+)
+def test_claim_without_a_theorem_is_not_proved(kind: str, k: int) -> None:
+    outcome = verdict(claim(description(1, False), kind, k, WIDE), [], None)
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "theorem"
+    assert not outcome.reason.needs_precision
+
+
+def test_proved_cannot_be_made_with_a_missing_or_failing_hypothesis() -> None:
+    result = proof(outcome_of("k=2"))
+    assert not isinstance(theorem_of(claim(description(1, False), "period_tupling", 2, WIDE)), NotProved)
+    for position in range(len(result.hypotheses)):
+        rest = (*result.hypotheses[:position], *result.hypotheses[position + 1 :])
+        with pytest.raises(ValueError, match="not those of the theorem"):
+            replace(result, hypotheses=rest)
+        broken = (*rest[:position], replace(result.hypotheses[position], holds=False), *rest[position:])
+        with pytest.raises(ValueError, match="does not hold"):
+            replace(result, hypotheses=broken)
+    with pytest.raises(ValueError, match="not those of the theorem"):
+        replace(result, hypotheses=(), theorem=replace(result.theorem, hypotheses=()))
+
+
+def test_a_hypothesis_without_any_check_does_not_hold() -> None:
+    checklist = Checklist()
+    with pytest.raises(NotEstablishedError, match="nothing was checked"), checklist.hypothesis("empty", "1", "", ""):
+        pass
+    assert not checklist.hypotheses[0].holds

@@ -1,0 +1,90 @@
+"""Provers of intervals that integrate nothing, in a module that is quick to import: each process imports it afresh.
+
+They answer as `verify.atlas.task.prove_task` does, for the exact cases of `chain_cases`, whose curves are known.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from orbitproof.shared.numbers import parse_exact
+
+Report = Callable[[float, str], None]
+Argument = Mapping[str, Any]
+
+
+def proving(argument: Argument, report: Report) -> dict[str, Any]:
+    """What is true of the cases."""
+    report(0.5, "half way")
+    size = len(argument["piece"]["tube"])
+    return {
+        "piece": argument["piece"]["id"],
+        "interval": list(argument["interval"]),
+        "verdict": "proved",
+        "deviation": ["0x1p-30"] * size,
+        "slope_deviation": ["0x1p-26"] * size,
+        "time": {"mid": "0x3", "rad": "0x1p-2", "decimal": "[2.75, 3.25]"},
+        "computation": {**argument["integrator"], "steps": 7, "coordinates": "physical", "seconds": 0.25},
+    }
+
+
+def failing(argument: Argument, report: Report) -> dict[str, Any]:
+    """Fails on every interval."""
+    return {
+        "piece": argument["piece"]["id"],
+        "interval": list(argument["interval"]),
+        "verdict": "not proved",
+        "reason": {"message": "the tube is empty", "remedy": "give another piece"},
+        "computation": {**argument["integrator"], "seconds": 0.5},
+    }
+
+
+def short_only(argument: Argument, report: Report) -> dict[str, Any]:
+    """Fails on intervals longer than 1 of the second piece."""
+    return proving(argument, report) if _length(argument) <= 1 or not _second(argument) else failing(argument, report)
+
+
+def precise_only(argument: Argument, report: Report) -> dict[str, Any]:
+    """Fails with little precision on the second piece."""
+    enough = argument["integrator"]["precision"] > _LITTLE_PRECISION
+    return proving(argument, report) if enough or not _second(argument) else failing(argument, report)
+
+
+def not_the_second(argument: Argument, report: Report) -> dict[str, Any]:
+    """Fails on the second piece, however short the interval."""
+    return failing(argument, report) if _second(argument) else proving(argument, report)
+
+
+def dying(argument: Argument, report: Report) -> dict[str, Any]:
+    """Ends its process at the second piece."""
+    if _second(argument):
+        os._exit(3)
+    return proving(argument, report)
+
+
+def endless(argument: Argument, report: Report) -> dict[str, Any]:
+    """Never comes to an end at the second piece."""
+    if _second(argument):
+        time.sleep(600)
+    return proving(argument, report)
+
+
+def other_times(argument: Argument, report: Report) -> dict[str, Any]:
+    """Half periods that cannot be those of `proving`."""
+    return {**proving(argument, report), "time": {"mid": "0x9", "rad": "0x1p-2", "decimal": "[8.75, 9.25]"}}
+
+
+_LITTLE_PRECISION = 100
+
+
+def _second(argument: Argument) -> bool:
+    return bool(argument["piece"]["id"] == "p001")
+
+
+def _length(argument: Argument) -> Fraction:
+    start, end = (parse_exact(text) for text in argument["interval"])
+    return end - start

@@ -1,0 +1,102 @@
+"""Known bifurcations with high-precision centres, and claims made from them by changing one thing at a time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.shared.systems.system import MASS_PARAMETERS
+from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.evidence.balls_as_text import ball_from_json, bounds
+
+DATA = Path(__file__).parents[1] / "data" / "known-bifurcations.json"
+
+ACCURACY = Fraction(1, 10**50)
+"""How well the centres in the file are known; the last Newton corrections are below 1e-56."""
+
+NAMES = {
+    "fs2": "falkner-skan-odd-k2-1",
+    "fs3": "falkner-skan-odd-k3-1",
+    "fs4": "falkner-skan-odd-k4-1",
+    "fs5": "falkner-skan-odd-k5-1",
+    "em1": "earth-moon-L1-halo-k1-1",
+    "em2": "earth-moon-L1-halo-k2-1",
+    "em3": "earth-moon-L1-halo-k3-1",
+    "em4": "earth-moon-L1-halo-k4-1",
+}
+
+EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
+SUN_JUPITER = {"mu": MASS_PARAMETERS["sun-jupiter"]}
+
+
+@cache
+def _all() -> dict[str, Candidate]:
+    return {candidate.id: candidate for candidate in read_candidates(DATA)}
+
+
+def known(name: str) -> Candidate:
+    """A true claim, by its key in `NAMES`."""
+    return _all()[NAMES[name]]
+
+
+def shifted(candidate: Candidate, p: tuple[Fraction, ...]) -> Candidate:
+    """The same box around the point with coordinates p."""
+    centre = tuple(
+        middle + sum((a * b for a, b in zip(row, p, strict=True)), Fraction(0))
+        for middle, row in zip(candidate.centre, candidate.frame, strict=True)
+    )
+    return replace(candidate, centre=centre)
+
+
+def moved(candidate: Candidate, direction: int, radii: Fraction | int) -> Candidate:
+    """The same box, moved by a multiple of its half-width along one of its directions."""
+    p = [Fraction(0)] * len(candidate.radii)
+    p[direction] = candidate.radii[direction] * radii
+    return shifted(candidate, tuple(p))
+
+
+def with_radii(candidate: Candidate, *factors: Fraction | int) -> Candidate:
+    """The same centre and frame, radii multiplied by one factor or by one each."""
+    each = factors * len(candidate.radii) if len(factors) == 1 else factors
+    return replace(candidate, radii=tuple(r * Fraction(f) for r, f in zip(candidate.radii, each, strict=True)))
+
+
+def verdict(candidate: Candidate, max_precision: int = 512) -> str:
+    """ "proved", or the condition that is not shown."""
+    return verdict_of(certify(candidate, Limits(max_precision=max_precision)))
+
+
+def verdict_of(certificate: Certificate) -> str:
+    """ "proved", or the condition that is not shown."""
+    if certificate["verdict"] == "proved":
+        return "proved"
+    return str(certificate["reason"]["condition"])
+
+
+def coordinates_in_box(candidate: Candidate, point: tuple[Fraction, ...]) -> list[Fraction]:
+    """The coordinates p of a point in the candidate's frame: the exact solution of centre + frame p = point."""
+    size = len(point)
+    rows = [[*row, x - c] for row, x, c in zip(candidate.frame, point, candidate.centre, strict=True)]
+    for column in range(size):
+        pivot = next(i for i in range(column, size) if rows[i][column])
+        rows[column], rows[pivot] = rows[pivot], rows[column]
+        rows[column] = [value / rows[column][column] for value in rows[column]]
+        for i in range(size):
+            if i != column:
+                factor = rows[i][column]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
+    return [row[-1] for row in rows]
+
+
+def distances(certificate: Certificate, point: tuple[Fraction, ...]) -> list[Fraction]:
+    """How far each coordinate of a point lies outside the enclosures of a certificate; 0 inside."""
+    balls = certificate["results"]["point"].values()
+    result = []
+    for entry, value in zip(balls, point, strict=True):
+        lower, upper = bounds(ball_from_json(entry))
+        result.append(max(lower - value, value - upper, Fraction(0)))
+    return result

@@ -1,0 +1,173 @@
+"""Propagation of graded errors: the tube, the derivatives of the field on it, the comparison system."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from flint import fmpz_poly
+from support.exact_elements import (
+    PRECISION,
+    Element,
+    Unknown,
+    exponents_of_grade,
+    is_enclosed,
+    number,
+    random_arithmetic,
+    random_element,
+    random_point,
+)
+
+from orbitproof.shared.systems.system import SYSTEMS
+from orbitproof.verify.algebra.grading import Grading
+from orbitproof.verify.algebra.programs import prepare
+from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.flow.gronwall import (
+    PARTS,
+    centre_and_norms,
+    comparison_matrices,
+    derivative_bounds,
+    norm_arithmetic,
+)
+
+
+@pytest.fixture(autouse=True)
+def _reference_precision() -> Iterator[None]:
+    with mpmath.workprec(PRECISION):
+        yield
+
+
+def moved(source: random.Random, element: Element, tube: list[float]) -> Element:
+    """An exact element within `tube` of a given one."""
+    grading = element.series.arithmetic.grading
+    extra = []
+    for slot, size in enumerate(tube):
+        grades = [slot] if slot <= grading.top else range(grading.top + 1, grading.top + 3)
+        monomials = [exponents for grade in grades for exponents in exponents_of_grade(grading, grade)]
+        if monomials:
+            extra.append(Unknown(size, source.choice(monomials), source.randrange(3)))
+    return Element(element.series, (*element.unknown, *extra))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_the_tube_holds_every_element_near_the_solution(seed: int) -> None:
+    """Also where degree and precision of the norm computation are below those of the solution."""
+    source = random.Random(seed)
+    fine = random_arithmetic(source)
+    if seed % 2:
+        fine = Arithmetic(fine.grading, 150, fine.grade_bits, 40)
+    element = random_element(source, fine)
+    tube = [10.0 ** source.uniform(-20, -1) for _ in element.series.errors]
+    neighbour = moved(source, element, tube)
+    coarse = norm_arithmetic(fine)
+    result = centre_and_norms(coarse, element.series, tube)
+    assert all(polynomial.length() <= coarse.degree + 1 for polynomial in result.coefs)
+    for _ in range(12):
+        theta, t, point = random_point(source, fine.grading)
+        assert is_enclosed(result, neighbour.at(theta, point), theta, t, [])
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("seed", range(6))
+def test_derivatives_of_the_field_are_bounded_on_the_tube(name: str, seed: int) -> None:
+    """Partial derivatives by central differences at real points, and the values of the field."""
+    source = random.Random(f"{name} {seed}")
+    system = SYSTEMS[name]
+    size = len(system.state)
+    fine = Arithmetic(Grading((1, 2), 2), 90, 5, 6)
+    centres = [source.uniform(0.3, 0.6) for _ in range(size + len(system.parameters))]
+    elements = [random_element(source, fine, centre=value) for value in centres]
+    small = [
+        Element(x.series.with_errors([0.05 * e for e in x.series.errors]),
+                tuple(Unknown(0.05 * u.size, u.exponents, u.shape) for u in x.unknown))
+        for x in elements
+    ]  # fmt: skip
+    tube = [1e-4, 1e-5, 1e-5, 1e-6]
+    neighbours = [moved(source, x, tube) for x in small]
+    coarse = norm_arithmetic(fine)
+    inputs = [centre_and_norms(coarse, x.series, tube) for x in small]
+    derivatives, slopes = derivative_bounds(prepare(system.program), size, inputs)
+    shift = mpmath.mpf(2) ** -150
+    for _ in range(4):
+        theta, t, point = random_point(source, fine.grading)
+        values = [x.at(theta, point) for x in neighbours]
+
+        def field(arguments: list[mpmath.mpc]) -> list[mpmath.mpc]:
+            return system.program.evaluate(arguments, number, lambda base, e: mpmath.power(base, number(e)))
+
+        for slope, value in zip(slopes, field(values), strict=True):
+            assert is_enclosed(slope, value, theta, t, [])
+        for j in range(size):
+            ahead, behind = ([v + s * shift * (i == j) for i, v in enumerate(values)] for s in (1, -1))
+            for i, (high, low) in enumerate(zip(field(ahead), field(behind), strict=True)):
+                partial = (high - low) / (2 * shift)
+                if j in derivatives[i]:
+                    assert is_enclosed(widened(derivatives[i][j]), partial, theta, t, [])
+                else:
+                    assert abs(partial) < mpmath.mpf(2) ** -200
+
+
+def widened(series: Series) -> Series:
+    """Room for the truncation of central differences with steps of 2^-150."""
+    return series.with_errors([series.errors[0] + 2.0**-200, *series.errors[1:]])
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_comparison_matrices_bound_the_derivatives_part_by_part(seed: int) -> None:
+    """M E is at least, component by component, the sum of the graded products of derivatives and errors."""
+    source = random.Random(seed)
+    size, top = source.randint(1, 3), source.randint(0, 3)
+    slots = top + 2
+    coarse = Arithmetic(Grading((), top), 96, 0, 24)
+    scale = 10.0 ** source.uniform(-20, 3)
+    derivatives = [
+        {
+            j: Series(
+                coarse,
+                [fmpz_poly([int(source.uniform(-1, 1) * scale * 2.0**96) for _ in range(source.randint(0, 25))])],
+                [10.0 ** source.uniform(-9, 3) * scale * (source.random() < 0.8) for _ in range(slots)],
+            )
+            for j in range(size)
+            if source.random() < 0.7
+        }
+        for _ in range(size)
+    ]
+    errors = np.array([[10.0 ** source.uniform(-30, 0) for _ in range(slots)] for _ in range(size)])
+    matrices = comparison_matrices(derivatives, slots)
+    assert len(matrices) == PARTS
+    for part, matrix in enumerate(matrices):
+        product = (matrix @ errors.reshape(-1)).reshape(size, slots)
+        for place in (Fraction(0), Fraction(1), Fraction(source.random())):
+            theta = (part + place) / PARTS
+            for i, row in enumerate(derivatives):
+                wanted = [Fraction(0)] * slots
+                for j, series in row.items():
+                    value = abs(sum((int(c) * theta**n for n, c in enumerate(series.coefs[0].coeffs())), Fraction(0)))
+                    norm = [Fraction(e) for e in series.errors]
+                    norm[0] += value / 2**96
+                    for grade, bound in enumerate(norm):
+                        for source_grade, error in enumerate(errors[j]):
+                            wanted[min(grade + source_grade, slots - 1)] += bound * Fraction(float(error))
+                for found, least in zip(product[i], wanted, strict=True):
+                    assert Fraction(float(found)) >= least
+
+
+def test_a_constant_derivative_is_not_enlarged() -> None:
+    coarse = Arithmetic(Grading((), 1), 96, 0, 24)
+    derivative = Series(coarse, [fmpz_poly([3 << 95])], [0.0, 0.25, 0.5])
+    for matrix in comparison_matrices([{0: derivative}], 3):
+        expected = [[1.5, 0.0, 0.0], [0.25, 1.5, 0.0], [0.5, 0.75, 2.25]]
+        assert np.allclose(matrix, expected, rtol=1e-8, atol=1e-200)
+
+
+def test_an_oscillation_is_bounded_by_its_size_on_each_part() -> None:
+    """The sum of the coefficients of a Chebyshev polynomial is far above its values."""
+    values = [1, 0, -32, 0, 160, 0, -256, 0, 128]
+    coarse = Arithmetic(Grading((), 0), 96, 0, 24)
+    derivative = Series(coarse, [fmpz_poly([v << 96 for v in values])], [0.0, 0.0])
+    for matrix in comparison_matrices([{0: derivative}], 2):
+        assert matrix[0, 0] < 10

@@ -1,0 +1,309 @@
+"""Checking certificates again: what is untouched stands, what was changed is named."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from hypothesis import given
+from hypothesis import strategies as st
+
+import orbitproof.verify.certificate.recheck
+from orbitproof.shared.formats.candidates import candidate_from_json
+from orbitproof.shared.numbers import format_dyadic, parse_exact
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.certificate.certificate import Certificate, digest, write_certificates
+from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.recheck import Recheck, recheck
+from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
+from orbitproof.verify.evidence.balls_as_text import exact_value
+from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
+
+TRUE: dict[str, Any] = {
+    "id": "k=3",
+    "system": "falkner-skan",
+    "parameters": {},
+    "kind": "touch_and_go",
+    "k": 3,
+    "centre": ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"],
+    "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
+    "kernel_frame": [["1"]],
+    "radii": ["1e-11", "1e-15"],
+}
+FALSE = {**TRUE, "id": "shifted", "centre": ["453.4425869", TRUE["centre"][1]]}
+HOPELESS = {**TRUE, "id": "singular frame", "kernel_frame": [["0"]]}
+EARLY = {**TRUE, "id": "too few bits"}
+
+
+def certified(entry: dict[str, Any], **limits: Any) -> Certificate:
+    certificate = certify(candidate_from_json(entry, "test"), Limits(**limits))
+    return dict(json.loads(json.dumps(certificate)))
+
+
+@pytest.fixture(scope="module")
+def proved() -> Certificate:
+    return certified(TRUE)
+
+
+@pytest.fixture(scope="module")
+def refuted() -> Certificate:
+    return certified(FALSE, max_precision=256)
+
+
+def forged(certificate: Certificate, change: Callable[[Certificate], Any]) -> Certificate:
+    """A changed copy with a digest that fits."""
+    entry = copy.deepcopy(certificate)
+    change(entry)
+    entry["digest"] = digest(entry)
+    return entry
+
+
+def hypothesis(entry: Certificate, name: str) -> dict[str, Any]:
+    return next(item for item in entry["hypotheses"] if item["name"] == name)
+
+
+def shift(entry: dict[str, str], key: str, bits: int) -> None:
+    """Change a number by one unit, `bits` bits below one."""
+    entry[key] = format_dyadic(parse_exact(entry[key]) + Fraction(1, 2**bits))
+
+
+def places(result: Recheck) -> str:
+    return "; ".join(finding.place for finding in result.findings)
+
+
+@given(st.integers(-(2**300), 2**300), st.integers(-2000, 200), st.integers(0, 2**30 - 1), st.sampled_from([53, 900]))
+def test_a_ball_of_a_table_reads_back_to_the_same_ball(mantissa: int, exponent: int, radius: int, bits: int) -> None:
+    ball = arb((mantissa, exponent), arb((radius, exponent)) if radius else 0)
+    with ctx.workprec(bits):
+        again = ball_from_text(ball_to_text(ball))
+    assert (exact_value(again.mid()), exact_value(again.rad())) == (exact_value(ball.mid()), exact_value(ball.rad()))
+
+
+@pytest.mark.parametrize(
+    "text", ["", "0x1", "0x1 +- -0x1", "0x1 +- nan", "0.5 +- 0x1", "0x01 +- 0x0", "0x1 +- 0x1 +- 0x1"]
+)
+def test_text_that_is_no_ball_of_a_table_is_refused(text: str) -> None:
+    with pytest.raises(ValueError):
+        ball_from_text(text)
+
+
+@pytest.fixture
+def no_integration(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: Any) -> Enclosures:
+        raise AssertionError("an integration was started")
+
+    monkeypatch.setattr(orbitproof.verify.certificate.recheck, "enclose_iterates", refuse)
+
+
+@pytest.mark.usefixtures("no_integration")
+def test_untouched_certificates_stand_without_integrating(proved: Certificate, refuted: Certificate) -> None:
+    for entry in (proved, refuted, certified(HOPELESS), certified(EARLY, max_precision=64)):
+        result = recheck(entry)
+        assert result.findings == ()
+        assert result.stands
+        assert result.hypotheses > 0
+        assert result.verdict == entry["verdict"]
+    assert recheck(proved).hypotheses == len(proved["hypotheses"])
+
+
+def test_another_integration_overlaps_and_proves_again(proved: Certificate, refuted: Certificate) -> None:
+    result = recheck(proved, integrate=True)
+    assert result.findings == ()
+    assert result.precision > proved["computation"]["precision"]
+    assert recheck(refuted, integrate=True).stands
+
+
+def _leaves(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+    if isinstance(value, dict):
+        return [leaf for key in value for leaf in _leaves(value[key], (*path, key))]
+    if isinstance(value, list):
+        return [leaf for index in range(len(value)) for leaf in _leaves(value[index], (*path, index))]
+    return [path]
+
+
+def test_any_changed_value_is_noticed_by_the_digest(proved: Certificate) -> None:
+    for path in _leaves(proved):
+        entry = copy.deepcopy(proved)
+        target = entry
+        for key in path[:-1]:
+            target = target[key]
+        value = target[path[-1]]
+        target[path[-1]] = value + "0" if isinstance(value, str) else 7 if value != 7 else 8
+        if path == ("digest",):
+            assert entry["digest"] != digest(entry)
+        else:
+            assert entry["digest"] != digest(entry), path
+
+
+def _table(entry: Certificate, i: int, part: str, index: int, change: Callable[[Fraction, Fraction], Any]) -> None:
+    """Change one ball of a table of P^i; the order of the derivatives in two variables is lexicographic."""
+    texts = entry["enclosures"]["iterates"][i - 1][0][part]
+    middle, radius = (parse_exact(number) for number in texts[index].split(" +- "))
+    texts[index] = " +- ".join(format_dyadic(value) for value in change(middle, radius))
+
+
+def _other_results(entry: Certificate) -> None:
+    shift(entry["results"]["parameter"], "mid", 400)
+
+
+FORGERIES: dict[str, tuple[Callable[[Certificate], Any], str]] = {
+    "derivative of P^3 at the centre": (lambda e: _table(e, 3, "centre", 1, lambda m, r: (m + r, r)), "C3"),
+    "derivative of P over the box": (lambda e: _table(e, 1, "box", 1, lambda m, r: (-m, r)), "poincare-map"),
+    "radius of a derivative of P^3": (lambda e: _table(e, 3, "centre", 2, lambda m, r: (m, r * 2)), "G_11"),
+    "derivative of P^2 over the box": (lambda e: _table(e, 2, "box", 1, lambda m, r: (m + r, r)), "regular-2"),
+    "time of a crossing": (lambda e: e["enclosures"]["return_times"].reverse(), "time of crossing 1"),
+    "a crossing left out": (lambda e: e["enclosures"]["return_times"].pop(), "time of crossing 3"),
+    "an iterate left out": (lambda e: e["enclosures"]["iterates"].pop(), "verdict"),
+    "all tables left out": (lambda e: e.update(enclosures=None), "enclosures"),
+    "a derivative left out": (lambda e: e["enclosures"]["iterates"][0][0]["box"].pop(), "certificate"),
+    "no ball in a table": (lambda e: e["enclosures"]["iterates"][0][0]["box"].__setitem__(0, "nan"), "certificate"),
+    "middle of an enclosure": (lambda e: shift(hypothesis(e, "C3")["enclosures"]["g_0"], "mid", 600), "C3"),
+    "radius of an enclosure": (lambda e: shift(hypothesis(e, "C3")["enclosures"]["g_0"], "rad", 600), "C3"),
+    "decimal of an enclosure": (lambda e: hypothesis(e, "G_11")["enclosures"]["G_11"].update(decimal="[1, 2]"), "G_11"),
+    "an enclosure left out": (lambda e: hypothesis(e, "C3")["enclosures"].pop("g_0"), "g_0"),
+    "an enclosure added": (lambda e: hypothesis(e, "C3")["enclosures"].update(more=e["results"]["parameter"]), "more"),
+    "words of a hypothesis": (lambda e: hypothesis(e, "C3").update(statement="anything"), "C3"),
+    "name of a hypothesis": (lambda e: hypothesis(e, "C3").update(name="C5"), "C3"),
+    "a hypothesis left out": (lambda e: e["hypotheses"].remove(hypothesis(e, "regular-2")), "hypotheses"),
+    "a hypothesis added": (lambda e: e["hypotheses"].append(hypothesis(e, "C3")), "hypotheses"),
+    "k": (lambda e: e["statement"]["candidate"].update(k=4, kind="period_tupling"), "verdict"),
+    "kind": (lambda e: e["statement"]["candidate"].update(kind="period_tupling"), "verdict"),
+    "radii that are too small": (lambda e: e["statement"]["candidate"].update(radii=["0x1p-80", "0x1p-90"]), "verdict"),
+    "radii that are a little smaller": (
+        lambda e: e["statement"]["candidate"].update(radii=["9.9e-12", "1e-15"]), "hypothesis",
+    ),
+    "centre": (lambda e: e["statement"]["candidate"]["centre"].__setitem__(0, "453.4425868"), "results"),
+    "frame": (lambda e: e["statement"]["candidate"]["frame"][1].__setitem__(0, "3.7e-7"), "results"),
+    "system": (lambda e: e["statement"]["candidate"].update(system="cr3bp"), "certificate"),
+    "vector field": (lambda e: e["statement"].update(vector_field="v0 = x"), "vector_field"),
+    "R": (lambda e: e["statement"].update(reversing_symmetry=[1, 1, -1]), "reversing_symmetry"),
+    "section": (lambda e: e["statement"].update(section="x"), "section"),
+    "theorem": (lambda e: e["statement"].update(theorem="There is life on Mars."), "theorem"),
+    "id": (lambda e: e.update(id="another"), "id"),
+    "parameter": (_other_results, "results, parameter"),
+    "point": (lambda e: shift(e["results"]["point"]["y"], "mid", 500), "results, point"),
+    "side": (lambda e: e["results"].update(side="above"), "results, side"),
+    "normal form": (lambda e: e["results"]["normal_form"].pop("beta"), "normal_form"),
+    "precision": (lambda e: e["computation"].update(precision=70), "hypothesis"),
+    "an impossible precision": (lambda e: e["computation"].update(precision=10**9), "certificate"),
+    "verdict": (
+        lambda e: (
+            e["statement"].pop("theorem"),
+            e.update(verdict="not proved", results=None, reason={"condition": "C3", "message": "m", "remedy": "r"}),
+        ),
+        "verdict",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.usefixtures("no_integration")
+@pytest.mark.parametrize(("change", "where"), FORGERIES.values(), ids=FORGERIES.keys())
+def test_a_forgery_with_a_new_digest_is_named(proved: Certificate, change: Any, where: str) -> None:
+    result = recheck(forged(proved, change))
+    assert not result.stands
+    assert where in places(result), result.findings
+    assert "digest" not in places(result)
+
+
+@pytest.mark.usefixtures("no_integration")
+def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: Certificate) -> None:
+    assert refuted["verdict"] == "not proved"
+
+    def fill(entry: Certificate, tables: bool) -> None:
+        for key in ("verdict", "reason", "hypotheses", "results", "computation"):
+            entry[key] = copy.deepcopy(proved[key])
+        entry["statement"]["theorem"] = proved["statement"]["theorem"]
+        if tables:
+            entry["enclosures"] = copy.deepcopy(proved["enclosures"])
+
+    kept = recheck(forged(refuted, lambda entry: fill(entry, False)))
+    assert "verdict" in places(kept)
+    # With the tables of another box the hypotheses follow; that they are its own only an integration shows.
+    borrowed = recheck(forged(refuted, lambda entry: fill(entry, True)))
+    assert "results" in places(borrowed)
+
+
+def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> None:
+    entry = copy.deepcopy(proved)
+    entry["statement"]["candidate"]["centre"][0] = "453.4425868"
+    candidate = candidate_from_json(entry["statement"]["candidate"], "test")
+    stored = orbitproof.verify.certificate.recheck._stored_enclosures(entry, candidate)
+    assert stored is not None
+    outcome = orbitproof.verify.certificate.recheck._conclude(candidate, entry["computation"]["precision"], stored)
+    consistent = orbitproof.verify.certificate.recheck.make_certificate(
+        candidate, outcome, entry["computation"], stored
+    )
+    assert recheck(consistent).stands
+    result = recheck(consistent, integrate=True)
+    assert not result.stands
+    assert "q_1(P" in places(result)
+
+
+def test_a_second_integration_that_is_off_is_found(proved: Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
+    def moved(candidate: Any, settings: Any, progress: Any) -> Enclosures:
+        found = enclose_iterates(candidate, settings, progress)
+        table = found.iterates[1][0]
+        changed = {**table.centre, (1, 1): table.centre[(1, 1)] * 2}
+        iterates = (found.iterates[0], (type(table)(table.box, changed),), *found.iterates[2:])
+        return Enclosures(iterates, None, found.return_times, found.order, found.precision, found.steps)
+
+    monkeypatch.setattr(orbitproof.verify.certificate.recheck, "enclose_iterates", moved)
+    result = recheck(proved, integrate=True)
+    assert "d^(1,1) of q_1(P^2), centre" in places(result)
+
+
+def test_a_certificate_without_digest_does_not_stand(proved: Certificate) -> None:
+    entry = {key: value for key, value in proved.items() if key != "digest"}
+    assert places(recheck(entry)) == "digest"
+
+
+def test_other_software_is_named_where_numbers_differ(proved: Certificate) -> None:
+    def change(entry: Certificate) -> None:
+        entry["software"]["FLINT"] = "1.0"
+        _other_results(entry)
+
+    result = recheck(forged(proved, change))
+    assert result.findings[-1].place == "software"
+    assert "FLINT 1.0" in result.findings[-1].message
+
+
+@pytest.mark.parametrize("options", [[], ["--jobs", "2"]], ids=["one process", "two processes"])
+def test_the_command_says_which_certificate_and_which_number(
+    proved: Certificate, refuted: Certificate, options: list[str], tmp_path: Path, capsys: Any
+) -> None:
+    path = tmp_path / "certificates.json"
+    write_certificates(path, [proved, refuted])
+    assert main(["--recheck", str(path), *options]) == 0
+    output, errors = capsys.readouterr()
+    assert output.count("stands") == 2
+    assert "2/2" in errors
+    entry = forged(proved, _other_results)
+    write_certificates(path, [entry, refuted])
+    assert main(["--recheck", str(path), "--quiet", *options]) == 1
+    output, errors = capsys.readouterr()
+    assert "DOES NOT STAND" in output
+    assert "k=3: results, parameter: stored is [453.4425868" in output
+    assert "FAILED k=3" in errors
+    assert main(["--recheck", str(path), "--quiet", "--only", "shifted"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [(["--recheck", "-o", "x.json"], "--output"), (["--recheck", "--fresh"], "--fresh"), (["--integrate"], "--recheck"),
+     (["--recheck", "--only", "no such row"], "no such row")],
+)  # fmt: skip
+def test_options_that_contradict_each_other_are_refused(
+    proved: Certificate, options: list[str], word: str, tmp_path: Path, capsys: Any
+) -> None:
+    path = tmp_path / "certificates.json"
+    write_certificates(path, [proved])
+    assert main([str(path), *options]) == 2
+    errors = capsys.readouterr().err
+    assert len(errors.splitlines()) == 1
+    assert word in errors

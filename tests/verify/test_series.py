@@ -1,0 +1,240 @@
+"""Every operation on graded Taylor models encloses the exact result, grade by grade."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import pytest
+from flint import fmpz, fmpz_poly
+from support.exact_elements import (
+    PRECISION,
+    Element,
+    Unknown,
+    allowed,
+    exponents_of_grade,
+    is_enclosed,
+    known_value,
+    number,
+    random_arithmetic,
+    random_element,
+    random_point,
+)
+
+from orbitproof.verify.algebra.grading import Grading
+from orbitproof.verify.algebra.programs import approximate_power
+from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
+
+EXPONENTS = [Fraction(-1), Fraction(-1, 2), Fraction(-3, 2), Fraction(-2, 3), Fraction(-3), Fraction(-1, 3)]
+
+
+@pytest.fixture(autouse=True)
+def _reference_precision() -> Iterator[None]:
+    with mpmath.workprec(PRECISION):
+        yield
+
+
+Operation = Callable[[Any, Any], Any]
+BINARY: dict[str, Operation] = {
+    "sum": lambda a, b: a + b,
+    "difference": lambda a, b: a - b,
+    "product": lambda a, b: a * b,
+}
+
+
+@pytest.mark.parametrize("name", BINARY)
+@pytest.mark.parametrize("seed", range(40))
+def test_binary_operations_enclose(name: str, seed: int) -> None:
+    source = random.Random(f"{name} {seed}")
+    arithmetic = random_arithmetic(source)
+    left, right = random_element(source, arithmetic), random_element(source, arithmetic)
+    result = BINARY[name](left.series, right.series)
+    for _ in range(12):
+        theta, t, point = random_point(source, arithmetic.grading)
+        exact = BINARY[name](left.at(theta, point), right.at(theta, point))
+        assert is_enclosed(result, exact, theta, t, point)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_squares_enclose(seed: int) -> None:
+    source = random.Random(seed)
+    arithmetic = random_arithmetic(source)
+    element = random_element(source, arithmetic)
+    result = element.series * element.series
+    for _ in range(12):
+        theta, t, point = random_point(source, arithmetic.grading)
+        assert is_enclosed(result, element.at(theta, point) ** 2, theta, t, point)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_multiples_enclose(seed: int) -> None:
+    """Also tiny factors, whose size in float64 has to be rounded up."""
+    source = random.Random(seed)
+    arithmetic = random_arithmetic(source)
+    element = random_element(source, arithmetic)
+    factor = Fraction(source.randint(-100, 100) or 1, source.randint(1, 50)) * Fraction(10) ** source.randint(-40, 5)
+    result = element.series.scaled(factor)
+    for _ in range(12):
+        theta, t, point = random_point(source, arithmetic.grading)
+        assert is_enclosed(result, number(factor) * element.at(theta, point), theta, t, point)
+
+
+@pytest.mark.parametrize("factor", [Fraction(1, 10**25), Fraction(-1, 3 * 2**62), Fraction(2, 3), Fraction(10**30)])
+def test_multiples_keep_their_error(factor: Fraction) -> None:
+    arithmetic = Arithmetic(Grading((1,), 1), 200, 0, 0)
+    element = Series(arithmetic, [fmpz_poly([])] * 2, [1.0, 0.5, 0.25])
+    for bound, error in zip(element.scaled(factor).errors, element.errors, strict=True):
+        assert Fraction(bound) >= abs(factor) * Fraction(error)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS, ids=str)
+@pytest.mark.parametrize("seed", range(20))
+def test_powers_enclose(exponent: Fraction, seed: int) -> None:
+    source = random.Random(f"{exponent} {seed}")
+    arithmetic = random_arithmetic(source)
+    element = random_element(source, arithmetic, centre=source.uniform(0.5, 3))
+    approximate, _ = approximate_power(arithmetic, element.series.coefs[0], exponent)
+    coefs = [approximate] + [fmpz_poly([])] * (len(arithmetic.grading.monomials) - 1)
+    result = correct_power(Series(arithmetic, coefs, arithmetic.zero_errors()), element.series, exponent)
+    assert result is not None
+    for _ in range(12):
+        theta, t, point = random_point(source, arithmetic.grading)
+        exact = mpmath.power(element.at(theta, point), number(exponent))
+        assert is_enclosed(result, exact, theta, t, point)
+
+
+def test_reciprocals_of_negative_elements_enclose() -> None:
+    source = random.Random(5)
+    arithmetic = Arithmetic(Grading((1, 1), 2), 80, 3, 9)
+    element = random_element(source, arithmetic, centre=1.25)
+    negative = element.series.scaled(Fraction(-1))
+    approximate, _ = approximate_power(arithmetic, negative.coefs[0], Fraction(-1))
+    coefs = [approximate] + [fmpz_poly([])] * (len(arithmetic.grading.monomials) - 1)
+    result = correct_power(Series(arithmetic, coefs, arithmetic.zero_errors()), negative, Fraction(-1))
+    assert result is not None
+    for _ in range(50):
+        theta, t, point = random_point(source, arithmetic.grading)
+        assert is_enclosed(result, -1 / element.at(theta, point), theta, t, point)
+
+
+def constant_pair(value: float, approximation: float, errors: Sequence[float]) -> tuple[Series, Series]:
+    """A base with given errors and an exact approximation of its power."""
+    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 2)
+    base = arithmetic.constant(Fraction(value)).with_errors(list(errors))
+    return base, arithmetic.constant(Fraction(approximation))
+
+
+def test_any_approximation_is_corrected() -> None:
+    """A poor approximation widens the enclosure and nothing else."""
+    base, approximate = constant_pair(4.0, 0.45, [0.125, 0.0, 0.0])
+    result = correct_power(approximate, base, Fraction(-1, 2))
+    assert result is not None
+    for value in (3.875, 4.0, 4.125):
+        assert abs(mpmath.mpf(value) ** -0.5 - 0.45) <= result.errors[0]
+
+
+def test_the_other_square_root_is_refused() -> None:
+    base, approximate = constant_pair(4.0, -0.5, [0.0, 0.0, 0.0])
+    assert correct_power(approximate, base, Fraction(-1, 2)) is None
+    base, approximate = constant_pair(4.0, -0.125, [0.0, 0.0, 0.0])
+    assert correct_power(approximate, base, Fraction(-3, 2)) is None
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS, ids=str)
+def test_powers_of_elements_that_may_vanish_are_refused(exponent: Fraction) -> None:
+    base, approximate = constant_pair(1.0, 1.0, [0.5, 0.5, 0.0])
+    assert correct_power(approximate, base, exponent) is None
+    base, approximate = constant_pair(1.0, 1.0, [0.0, 0.0, float("nan")])
+    assert correct_power(approximate, base, exponent) is None
+    base, approximate = constant_pair(1.0, 1.0, [0.0, float("inf"), 0.0])
+    assert correct_power(approximate, base, exponent) is None
+
+
+def test_square_roots_of_negative_elements_are_refused() -> None:
+    base, approximate = constant_pair(-4.0, 0.5, [0.0, 0.0, 0.0])
+    assert correct_power(approximate, base, Fraction(-1, 2)) is None
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_constants_and_polynomials_enclose(seed: int) -> None:
+    """Monomials above the top grade are charged to the last slot."""
+    source = random.Random(seed)
+    arithmetic = random_arithmetic(source)
+    grading = arithmetic.grading
+    monomials = [e for grade in range(grading.top + 4) for e in exponents_of_grade(grading, grade)]
+    coefficients = {
+        exponents: Fraction(source.randint(-(10**9), 10**9), 3 ** source.randint(0, 20))
+        * Fraction(10) ** source.randint(-400, 0)
+        for exponents in source.sample(monomials, min(5, len(monomials)))
+    }
+    result = arithmetic.polynomial(coefficients)
+    constant = Fraction(source.randint(-(10**6), 10**6), 7 * 10**5)
+    for _ in range(12):
+        theta, t, point = random_point(source, grading)
+        exact = mpmath.mpc(0)
+        for exponents, value in coefficients.items():
+            term = number(value)
+            for base, exponent in zip(point, exponents, strict=True):
+                term = term * base**exponent
+            exact += term
+        assert is_enclosed(result, exact, theta, t, point)
+        assert is_enclosed(arithmetic.constant(constant), number(constant), theta, t, point)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_value_at_the_end_encloses(seed: int) -> None:
+    source = random.Random(seed)
+    arithmetic = random_arithmetic(source)
+    element = random_element(source, arithmetic)
+    result = element.series.at_end()
+    assert all(polynomial.length() <= 1 for polynomial in result.coefs)
+    for _ in range(12):
+        theta, t, point = random_point(source, arithmetic.grading)
+        exact = element.at(mpmath.mpf(1), point)
+        assert is_enclosed(result, exact, theta, t, point)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_norms_bound_the_element(seed: int) -> None:
+    source = random.Random(seed)
+    arithmetic = random_arithmetic(source)
+    element = random_element(source, arithmetic)
+    bound = element.series.norm()
+    for _ in range(20):
+        theta, t, point = random_point(source, arithmetic.grading)
+        limit = sum(mpmath.mpf(value) * t**grade for grade, value in enumerate(bound))
+        assert abs(element.at(theta, point)) <= limit
+
+
+@pytest.mark.parametrize("length", [1, 7, 8, 9, 30])
+def test_sizes_bound_sums_of_coefficients(length: int) -> None:
+    source = random.Random(length)
+    arithmetic = Arithmetic(Grading((1,), 1), 50, 10, 40)
+    for _ in range(50):
+        values = [source.randint(-(2**60), 2**60) >> source.randint(0, 59) for _ in range(length)]
+        size = arithmetic.size(fmpz_poly(values), 70)
+        assert Fraction(size) >= Fraction(sum(map(abs, values)), 2**70)
+
+
+def test_the_error_of_a_product_is_attained() -> None:
+    """With all signs alike the bound is the exact distance: smaller errors would fail the tests above."""
+    arithmetic = Arithmetic(Grading((1, 2), 2), 60, 0, 3)
+    one = int(arithmetic.one)
+    coefs = [fmpz_poly([one >> 1, one >> 2]) if i < 3 else fmpz_poly([]) for i in range(len(arithmetic.scales))]
+    unknown = tuple(Unknown(2.0**-20, exponents_of_grade(arithmetic.grading, grade)[0], 0) for grade in range(4))
+    element = Element(Series(arithmetic, coefs, [2.0**-20] * 4), unknown)
+    result = element.series * element.series
+    theta, point = mpmath.mpf(1), [mpmath.mpf(1), mpmath.mpf(1)]
+    distance = abs(element.at(theta, point) ** 2 - known_value(result, theta, point))
+    assert distance <= allowed(result, mpmath.mpf(1)) <= distance * (1 + mpmath.mpf(2) ** -30)
+
+
+def test_shifts_and_divisions_round_down() -> None:
+    """What the format relies on: coefficientwise floor, and right_shift as division by a power of theta."""
+    polynomial = fmpz_poly([5, -5, 7, -9])
+    assert polynomial // fmpz(4) == fmpz_poly([1, -2, 1, -3])
+    assert polynomial.right_shift(2) == fmpz_poly([7, -9])
+    assert polynomial.height_bits() == 4

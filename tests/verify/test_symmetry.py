@@ -1,0 +1,106 @@
+"""Symmetries are read off the straight-line program, and wrong ones are refused."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+import pytest
+
+from orbitproof.shared.systems.program import record
+from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem
+from orbitproof.verify.claim.symmetry import check_symmetries, parities
+from orbitproof.verify.evidence.failure import IntegrationFailure
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_known_systems_have_their_symmetries(name: str) -> None:
+    system = SYSTEMS[name]
+    check_symmetries(system)
+    for symmetry in system.symmetries:
+        check_symmetries(system, symmetry)
+
+
+def numerically_reversible(system: ReversibleSystem, signs: Sequence[int], orientation: int) -> bool:
+    """Whether f(R x) = orientation R f(x) at random points, in float64."""
+    source = random.Random(0)
+    for _ in range(5):
+        x = [source.uniform(0.2, 0.6) for _ in system.state]
+        p = [source.uniform(0.1, 0.4) for _ in system.parameters]
+        image = system.vector_field([s * v for s, v in zip(signs, x, strict=True)], p)
+        for s, left, right in zip(signs, image, system.vector_field(x, p), strict=True):
+            if abs(left - orientation * s * right) > 1e-9 * (1 + abs(right)):
+                return False
+    return True
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_exactly_the_true_sign_changes_are_accepted(name: str) -> None:
+    """All sign matrices, against values of the vector field."""
+    system = SYSTEMS[name]
+    for signs in product((1, -1), repeat=len(system.state)):
+        for orientation in (1, -1):
+            shown = parities(system.program, signs) == [orientation * sign for sign in signs]
+            assert shown == numerically_reversible(system, signs, orientation), (signs, orientation)
+
+
+WRONG_REVERSALS = {
+    "velocity of z negated with z": replace(CR3BP, reversing_symmetry=(1, -1, -1, 1, 1, -1)),
+    "velocity kept": replace(CR3BP, reversing_symmetry=(1, -1, 1, 1, -1, -1), level_coordinate=None),
+    "y kept": replace(FALKNER_SKAN, reversing_symmetry=(1, -1, -1)),
+    "a term that breaks it": replace(
+        FALKNER_SKAN,
+        vector_field=lambda s, p: (s[1], s[2], p[0] * (s[1] * s[1] - 1) - s[0] * s[2] + s[0]),
+    ),
+    "an integral that is not invariant": replace(CR3BP, first_integral=lambda s, _: (s[0] + s[1],)),
+    "friction": replace(
+        CR3BP,
+        vector_field=lambda s, p: (
+            *CR3BP.vector_field(s, p)[:3],
+            *(a - v for a, v in zip(CR3BP.vector_field(s, p)[3:], s[3:], strict=True)),
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_REVERSALS)
+def test_wrong_reversals_are_refused(name: str) -> None:
+    with pytest.raises(IntegrationFailure, match="symmetry"):
+        check_symmetries(WRONG_REVERSALS[name])
+
+
+WRONG_SYMMETRIES = {
+    "R itself": CR3BP.reversing_symmetry,
+    "x and its velocity": (-1, 1, 1, -1, 1, 1),
+    "z without its velocity": (1, 1, -1, 1, 1, 1),
+    "everything": (-1, -1, -1, -1, -1, -1),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_SYMMETRIES)
+def test_wrong_symmetries_are_refused(name: str) -> None:
+    system = replace(CR3BP, symmetries={"S": WRONG_SYMMETRIES[name]})
+    check_symmetries(system)
+    with pytest.raises(IntegrationFailure, match="symmetry S"):
+        check_symmetries(system, "S")
+
+
+def test_the_identity_is_a_symmetry() -> None:
+    check_symmetries(replace(CR3BP, symmetries={"S": (1,) * 6}), "S")
+
+
+def test_parities_of_all_operations() -> None:
+    def operations(x: Sequence[Any], p: Sequence[Any]) -> Sequence[Any]:
+        odd, even = x
+        (parameter,) = p
+        return (
+            odd + odd, odd - even, odd * even, odd * odd, even / odd, odd**3, odd**-2, odd**0, even**-1.5,
+            odd**0.5, (odd + even) ** 2, odd * parameter, odd + 1, parameter - 1, -odd, odd ** Fraction(1, 3),
+        )  # fmt: skip
+
+    found = parities(record(operations, ("odd", "even"), ("parameter",)), (-1, 1))
+    assert found == [-1, 0, -1, 1, -1, -1, 1, 1, 1, 0, 0, -1, 0, 1, -1, 0]

@@ -1,0 +1,33 @@
+"""Power series on the polydisc with one error bound per grade (docs/method.md, section 2)."""
+
+from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded_power, pack, to_points, unpack
+from orbitproof.verify.algebra.grading import Factors, Grading
+from orbitproof.verify.algebra.norms import GradedNorm, float_above, inflate, total
+from orbitproof.verify.algebra.programs import Evaluation, PreparedProgram, approximate_power, integer_part, prepare
+from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
+from orbitproof.verify.algebra.wide_power import wide_power
+
+__all__ = [
+    "Arithmetic",
+    "Evaluation",
+    "Factors",
+    "Floats",
+    "GradedNorm",
+    "Grading",
+    "Points",
+    "PreparedProgram",
+    "Series",
+    "approximate_power",
+    "correct_power",
+    "float_above",
+    "from_points",
+    "graded_power",
+    "inflate",
+    "integer_part",
+    "pack",
+    "prepare",
+    "to_points",
+    "total",
+    "unpack",
+    "wide_power",
+]

@@ -1,0 +1,318 @@
+"""Graded Taylor models in fixed point (docs/method.md, section 2).
+
+A `Series` encloses a function of time theta in [0, 1] with values in the algebra A of power series in
+xi that are absolutely summable on the closed unit polydisc. For every kept monomial it holds a
+polynomial in theta with integer coefficients (the value is the integer times 2^-(bits + grade *
+grade_bits)), and for every grade a float that bounds the l1 norm, for all theta in [0, 1], of what is
+unknown. Integer arithmetic is exact; every rounding and every truncation is added to the errors.
+
+There may be one more variable s of weight 0, the *wide* variable: then the coefficients of the monomials
+are polynomials in theta and s, packed into one integer polynomial with s as the minor index.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from flint import fmpz, fmpz_poly
+
+from orbitproof.verify.algebra.grading import Grading
+from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, geometric, inflate
+
+_ZERO = fmpz_poly([])
+_HEAD = 8
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """Fixed-point formats shared by the series of one computation.
+
+    Attributes:
+        grading: the kept monomials.
+        bits: fractional bits of grade 0.
+        grade_bits: further fractional bits per grade.
+        degree: largest degree in theta that is kept, N.
+        grade_loss: significant bits that a coefficient is expected to lose per grade.
+        width: largest degree in the wide variable s that is kept, d; 0 if there is none.
+    """
+
+    grading: Grading
+    bits: int
+    grade_bits: int
+    degree: int
+    grade_loss: int = 0
+    width: int = 0
+
+    @property
+    def stride(self) -> int:
+        """Distance of the powers of theta in a packed polynomial: a product has degree 2 d in s."""
+        return 2 * self.width + 1
+
+    @property
+    def length(self) -> int:
+        """Length of a packed polynomial that holds every kept power of theta."""
+        return (self.degree + 1) * self.stride
+
+    @cached_property
+    def one(self) -> fmpz:
+        """The integer that stands for 1."""
+        return fmpz(1 << self.bits)
+
+    @cached_property
+    def scales(self) -> tuple[int, ...]:
+        """Fractional bits of each kept monomial."""
+        return tuple(self.bits + grade * self.grade_bits for grade in self.grading.grades)
+
+    @cached_property
+    def rounding(self) -> tuple[float, ...]:
+        """For each grade, a bound for the rounding of one polynomial: one unit for every coefficient."""
+        top, number = self.grading.top, (self.degree + 1) * (self.width + 1)
+        return tuple(float_above(number, -self.bits - grade * self.grade_bits) for grade in range(top + 1))
+
+    def spare_bits(self, grade: int) -> int:
+        """Bits by which the significant part of a coefficient of this grade is shorter than grade 0."""
+        return min(max(0, self.bits - 64), grade * self.grade_loss)
+
+    def zero_errors(self) -> GradedNorm:
+        """Errors of an exact element."""
+        return [0.0] * (self.grading.top + 2)
+
+    def constant(self, value: Fraction) -> Series:
+        """A real constant, rounded to the format."""
+        return self.polynomial({self.grading.monomials[0]: value})
+
+    def polynomial(self, coefficients: Mapping[tuple[int, ...], Fraction | Sequence[Fraction]]) -> Series:
+        """A polynomial in xi, constant in theta; a sequence holds the coefficients of 1, s, s^2, ..
+
+        What lies above the top grade or the largest degree in s becomes an error.
+        """
+        grading = self.grading
+        coefs = [_ZERO] * len(grading.monomials)
+        errors = self.zero_errors()
+        for exponents, given in coefficients.items():
+            position = grading.index.get(exponents)
+            grade = grading.top + 1 if position is None else grading.grades[position]
+            integers = []
+            for power, value in enumerate([given] if isinstance(given, Fraction) else given):
+                if position is None or power > self.width:
+                    size = abs(value)
+                    lost = float_above(-(-size.numerator * 2**1000 // size.denominator), -1000)
+                else:
+                    scaled = value * 2 ** self.scales[position]
+                    integers.append(scaled.numerator // scaled.denominator)
+                    lost = 0.0 if integers[-1] == scaled else float_above(1, -self.scales[position])
+                if lost:
+                    errors[grade] = inflate(errors[grade] + lost)
+            if position is not None:
+                coefs[position] = fmpz_poly(integers)
+        return Series(self, coefs, errors)
+
+    def size(self, polynomial: fmpz_poly, scale: int) -> float:
+        """A bound for ``sum_n |c_n|`` times 2^-scale, hence for the supremum over theta in [0, 1]."""
+        length = polynomial.length()
+        if length == 0:
+            return 0.0
+        if self.width:
+            return float_above(int(sum(map(abs, polynomial.coeffs()))), -scale)
+        head = sum(abs(int(polynomial[n])) for n in range(min(length, _HEAD)))
+        if length > _HEAD:
+            head += (length - _HEAD) << int(polynomial.right_shift(_HEAD).height_bits())
+        return float_above(head, -scale)
+
+    def round_product(self, exact: fmpz_poly, position: int) -> tuple[fmpz_poly, float]:
+        """Bring an exact sum of products (2 * bits fractional bits at grade 0) back to the format.
+
+        Returns the polynomial, truncated at `degree` (and in s at `width`) and rounded down, and a bound for
+        what was lost.
+        """
+        grade = self.grading.grades[position]
+        lost = self.rounding[grade]
+        if self.width:
+            exact, beyond = self.cut(exact)
+            return exact // self.one, inflate(lost + float_above(beyond, -self.scales[position] - self.bits))
+        excess = exact.length() - self.degree - 1
+        if excess > 0:
+            tail = exact.right_shift(self.degree + 1)
+            lost += float_above(excess << int(tail.height_bits()), -self.scales[position] - self.bits)
+            exact = exact.truncate(self.degree + 1)
+        return exact // self.one, inflate(lost)
+
+    def cut(self, packed: fmpz_poly) -> tuple[fmpz_poly, int]:
+        """The part of a product of packed polynomials that is kept, and the l1 norm of the rest."""
+        stride, width = self.stride, self.width
+        kept: list[fmpz] = []
+        beyond = fmpz(0)
+        coefs = packed.coeffs()
+        zeros = [fmpz(0)] * width
+        for start in range(0, min(len(coefs), self.length), stride):
+            kept += coefs[start : start + width + 1]
+            beyond += sum(map(abs, coefs[start + width + 1 : start + stride]))
+            kept += zeros[: start + stride - len(kept)]
+        beyond += sum(map(abs, coefs[self.length :]))
+        return fmpz_poly(kept), int(beyond)
+
+    def derivative(self, polynomial: fmpz_poly) -> fmpz_poly:
+        """The derivative in theta."""
+        if not self.width:
+            return polynomial.derivative()
+        stride = self.stride
+        return fmpz_poly([value * (index // stride) for index, value in enumerate(polynomial.coeffs())][stride:])
+
+    def sum_of_coefficients(self, polynomial: fmpz_poly) -> fmpz_poly:
+        """The value at theta = 1, a polynomial in s."""
+        coefs = polynomial.coeffs()
+        return fmpz_poly([sum(coefs[power :: self.stride], fmpz(0)) for power in range(self.width + 1)])
+
+    def product_slice(
+        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int
+    ) -> tuple[fmpz_poly, float]:
+        """The known part of one monomial of a product and a bound for what rounding and truncation lost."""
+        exact: fmpz_poly | None = None
+        square = left is right
+        for i, j in self.grading.factors[position]:
+            a, b = left[i], right[j]
+            if a.length() and b.length() and (i <= j or not square):
+                term = a * b if i == j or not square else (a * b) * 2
+                exact = term if exact is None else exact + term
+        if exact is None:
+            return _ZERO, 0.0
+        return self.round_product(exact, position)
+
+
+class Series:
+    """An enclosure of a function [0, 1] -> A; immutable by convention.
+
+    Attributes:
+        arithmetic: the format.
+        coefs: one integer polynomial in theta per kept monomial.
+        errors: bounds for the unknown part, grades 0 .. G and above.
+    """
+
+    __slots__ = ("_known", "arithmetic", "coefs", "errors")
+
+    def __init__(self, arithmetic: Arithmetic, coefs: Sequence[fmpz_poly], errors: GradedNorm) -> None:
+        self.arithmetic = arithmetic
+        self.coefs = list(coefs)
+        self.errors = errors
+        self._known: GradedNorm | None = None
+
+    @property
+    def known(self) -> GradedNorm:
+        """Graded norm of the known part, supremum over theta; the last slot is 0."""
+        if self._known is None:
+            arithmetic = self.arithmetic
+            norm = arithmetic.zero_errors()
+            for polynomial, grade, scale in zip(self.coefs, arithmetic.grading.grades, arithmetic.scales, strict=True):
+                if polynomial.length():
+                    norm[grade] += arithmetic.size(polynomial, scale)
+            self._known = [inflate(value) if value else 0.0 for value in norm]
+        return self._known
+
+    def norm(self) -> GradedNorm:
+        """Graded norm of the enclosed function, supremum over theta."""
+        return add(self.known, self.errors)
+
+    def __add__(self, other: Series) -> Series:
+        coefs = [a + b for a, b in zip(self.coefs, other.coefs, strict=True)]
+        return Series(self.arithmetic, coefs, add(self.errors, other.errors))
+
+    def __sub__(self, other: Series) -> Series:
+        coefs = [a - b for a, b in zip(self.coefs, other.coefs, strict=True)]
+        return Series(self.arithmetic, coefs, add(self.errors, other.errors))
+
+    def __mul__(self, other: Series) -> Series:
+        arithmetic = self.arithmetic
+        coefs = []
+        lost = arithmetic.zero_errors()
+        for position, grade in enumerate(arithmetic.grading.grades):
+            polynomial, loss = arithmetic.product_slice(self.coefs, other.coefs, position)
+            coefs.append(polynomial)
+            lost[grade] += loss
+        return Series(arithmetic, coefs, product_errors(self, other, lost))
+
+    def scaled(self, factor: Fraction) -> Series:
+        """The product with an exact constant."""
+        arithmetic = self.arithmetic
+        coefs, lost = scale_coefficients(arithmetic, self.coefs, factor)
+        size = float_above(-((-abs(factor.numerator) << 60) // factor.denominator), -60)
+        return Series(arithmetic, coefs, [inflate(size * e + loss) for e, loss in zip(self.errors, lost, strict=True)])
+
+    def at_end(self) -> Series:
+        """The value at theta = 1: constant in theta, exact sums of the coefficients."""
+        arithmetic = self.arithmetic
+        if arithmetic.width:
+            return Series(arithmetic, [arithmetic.sum_of_coefficients(p) for p in self.coefs], self.errors)
+        one = fmpz(1)
+        return Series(arithmetic, [fmpz_poly([p(one)]) if p.length() else p for p in self.coefs], self.errors)
+
+    def with_errors(self, errors: GradedNorm) -> Series:
+        """The same known part with other errors."""
+        result = Series(self.arithmetic, self.coefs, errors)
+        result._known = self._known
+        return result
+
+
+def product_errors(left: Series, right: Series, lost: Sequence[float]) -> GradedNorm:
+    """Errors of a product: ``|a| e_b + e_a |b| + e_a e_b``, overflowing known products, and `lost`."""
+    top = left.arithmetic.grading.top
+    a, b = left.known, right.known
+    p, q = left.errors, right.errors
+    result = list(lost)
+    for i in range(top + 2):
+        ai, pi = a[i], p[i]
+        whole = ai + pi
+        for j in range(top + 2):
+            grade = i + j
+            if grade <= top:
+                result[grade] += whole * q[j] + pi * b[j]
+            else:
+                result[top + 1] += whole * (b[j] + q[j])
+    return [inflate(value) for value in result]
+
+
+def scale_coefficients(
+    arithmetic: Arithmetic, coefs: Sequence[fmpz_poly], factor: Fraction
+) -> tuple[list[fmpz_poly], GradedNorm]:
+    """Known part times an exact constant, and bounds for the rounding by grade."""
+    lost = arithmetic.zero_errors()
+    numerator, denominator = fmpz(factor.numerator), fmpz(factor.denominator)
+    if factor.denominator == 1:
+        return [p * numerator for p in coefs], lost
+    result = []
+    for polynomial, grade in zip(coefs, arithmetic.grading.grades, strict=True):
+        if polynomial.length():
+            lost[grade] += arithmetic.rounding[grade]
+            polynomial = (polynomial * numerator) // denominator
+        result.append(polynomial)
+    return result, lost
+
+
+def correct_power(approximate: Series, base: Series, exponent: Fraction) -> Series | None:
+    """Turn an approximation of ``base ** exponent``, exponent < 0, into an enclosure.
+
+    With exponent = -p/q, all of E = 1 - approximate^q base^p is bounded; then base^exponent equals
+    approximate * (1 - E)^(-1/q) (docs/method.md, section 3.3). `None` if the bound of E is not below
+    1/2, or if q is even and the approximation is not positive at the centre at theta = 0.
+    """
+    p, q = -exponent.numerator, exponent.denominator
+    if q % 2 == 0 and not approximate.coefs[0][0] > 0:
+        return None
+    shared = min(p, q)
+    mixed = approximate * base
+    value = mixed
+    for _ in range(shared - 1):
+        value = value * mixed
+    for _ in range(p - shared):
+        value = value * base
+    for _ in range(q - shared):
+        value = value * approximate
+    defect = list(value.coefs)
+    defect[0] = defect[0] - fmpz_poly([base.arithmetic.one])
+    series = geometric(Series(base.arithmetic, defect, value.errors).norm())
+    if series is None:
+        return None
+    relative = [inflate(term / q) for term in series]
+    return approximate.with_errors(add(approximate.errors, convolve(approximate.norm(), relative)))

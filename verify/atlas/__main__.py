@@ -1,0 +1,306 @@
+"""Command line for whole branches: ``orbitproof verify atlas atlas.json -o certificate.json``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from orbitproof.shared.formats import Atlas, InputError, check_writable, read_atlas
+from orbitproof.verify.atlas.certificate import (
+    Result,
+    make_atlas_certificate,
+    read_atlas_certificate,
+    reusable,
+    write_atlas_certificate,
+)
+from orbitproof.verify.atlas.recheck import differences, name_of, proved_again, proved_of
+from orbitproof.verify.atlas.report import conclusion_text, piece_table
+from orbitproof.verify.atlas.run import AtlasRun
+from orbitproof.verify.atlas.splitting import Settings
+from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task
+from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all
+from orbitproof.verify.curve import conclude
+from orbitproof.verify.engines import (
+    GRACE_SECONDS,
+    ArgumentParser,
+    Display,
+    Engine,
+    Processes,
+    Work,
+    connected,
+    positive_integer,
+    positive_seconds,
+)
+from orbitproof.verify.surface import conclude_surface
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify atlas atlas.json
+      prove every piece, and that neighbours are the same curve; print the theorem
+  orbitproof verify atlas atlas.json -o curve.json --jobs 2
+      the same on two cores, with a certificate; if interrupted, the same command goes on
+  orbitproof verify atlas atlas.json -o curve.json --bifurcations certificates.json --only "earth-moon-L1-*"
+      also which of the certified bifurcations lie on the curve
+  orbitproof verify atlas atlas.json -o curve.json --scheduler tcp://192.0.2.1:8786
+      hand the pieces to a cluster (dask.distributed)
+  orbitproof verify atlas --recheck curve.json
+      check that the theorem follows from what the certificate carries, without integrating
+  orbitproof verify atlas --recheck --integrate curve.json --jobs 2
+      and prove every interval again, at another precision and order
+
+A piece that fails is tried with more precision, then split in two; what was proved is kept.
+exit codes: 0 the theorem is proved, and every bifurcation asked about lies on the curve; 1 not, or interrupted;
+2 bad input. "not proved" never means "shown to be false"
+"""
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = ArgumentParser(
+        prog="orbitproof verify atlas",
+        description="Prove a whole branch of symmetric periodic orbits, piece by piece, from its atlas.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("file", type=Path, help="atlas (JSON); with --recheck, certificate of an atlas")
+    parser.add_argument("-o", "--output", type=Path, help="certificate; results are saved as they come")
+    parser.add_argument(
+        "--bifurcations", type=Path, nargs="+", default=[], metavar="FILE",
+        help="certificates files: say which of these bifurcations lie on the curve",
+    )  # fmt: skip
+    parser.add_argument("--only", nargs="+", metavar="ID", help="of these bifurcations (with * and ? as in file names)")
+    parser.add_argument(
+        "--jobs", type=positive_integer, default=1, metavar="N",
+        help="pieces side by side, each in a process of its own (default: 1)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
+    )
+    parser.add_argument(
+        "--timeout", type=positive_seconds, metavar="SECONDS",
+        help=f"give an interval of a piece up after this time; it has {GRACE_SECONDS:g} s more to end by itself",
+    )  # fmt: skip
+    parser.add_argument(
+        "--max-splits", type=_splits, default=RunLimits.max_splits, metavar="N",
+        help="halve an interval at most N times (default: %(default)s)",
+    )  # fmt: skip
+    for name, what in (
+        ("precision", "bits"),
+        ("order", "degree of the expansions in time"),
+        ("width", "degree of the expansions along the curve"),
+    ):
+        parser.add_argument(
+            f"--{name}",
+            type=positive_integer,
+            metavar="N",
+            help=f"{what}, for the first attempt (default: as it suits)",
+        )
+    parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
+    parser.add_argument("--recheck", action="store_true", help="check a certificate again")
+    parser.add_argument("--integrate", action="store_true", help="with --recheck: prove all again, in another way")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    return parser
+
+
+def _splits(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text[:3]) > _MOST_SPLITS:
+        raise argparse.ArgumentTypeError(f"{text!r}: give a number from 0 to {_MOST_SPLITS}")
+    return int(text)
+
+
+_MOST_SPLITS = 20
+
+
+def main(arguments: Sequence[str] | None = None, work: Work = prove_task) -> int:
+    """Run the command line; returns the exit code. `work` is what a process does for each interval."""
+    options = _parser().parse_args(arguments)
+    try:
+        return _recheck(options, work) if options.recheck else _run(options, work)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+def _run(options: argparse.Namespace, work: Work) -> int:
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    atlas = read_atlas(options.file)
+    limits = _limits(options, atlas)
+    bifurcations = _bifurcations(options, atlas)
+    earlier = _earlier(options, atlas, attempts_of(atlas, limits))
+    run = AtlasRun(atlas, limits, earlier)
+    kept = frozenset(piece.id for piece in atlas.pieces) - frozenset(run.pending)
+    display = Display(dict.fromkeys(run.pending, 1.0), options.quiet)
+    if kept:
+        display.message(f"{len(kept)} of {len(atlas.pieces)} pieces settled already, kept (--fresh proves again)")
+
+    def saved(results: Sequence[Result]) -> None:
+        if options.output is not None:
+            write_atlas_certificate(options.output, make_atlas_certificate(atlas, results, None))
+
+    interrupted = False
+    unsaved: InputError | None = None
+    try:
+        with _engine(options) as engine, display.shown():
+            run.run(engine, display, saved, work)
+    except KeyboardInterrupt:
+        interrupted = True
+    except InputError as error:
+        if not run.results:
+            raise
+        unsaved = error
+    print(piece_table(run, kept), flush=True)
+    if unsaved is not None:
+        raise unsaved
+    if interrupted:
+        return _interrupted(options, run)
+    try:
+        conclusion = _conclude(atlas, run.results, bifurcations, options)
+    except KeyboardInterrupt:
+        return _interrupted(options, run)
+    certificate = make_atlas_certificate(atlas, run.results, conclusion)
+    print(f"\n{conclusion_text(certificate)}", flush=True)
+    if options.output is not None:
+        write_atlas_certificate(options.output, certificate)
+    return 0 if certificate["verdict"] == "proved" and not _off_curve(conclusion) else 1
+
+
+def _interrupted(options: argparse.Namespace, run: AtlasRun) -> int:
+    done = len(run.atlas.pieces) - len(run.pending)
+    saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
+    print(f"interrupted: {done} of {len(run.atlas.pieces)} pieces finished{saved}", file=sys.stderr)
+    return 1
+
+
+def _off_curve(conclusion: Mapping[str, Any]) -> list[str]:
+    """Ids of the bifurcations that are not shown to lie on the curve."""
+    return [entry["id"] for entry in conclusion.get("bifurcations", []) if not entry["on_curve"]]
+
+
+def _limits(options: argparse.Namespace, atlas: Atlas) -> RunLimits:
+    given = {name: getattr(options, name) for name in ("precision", "order", "width")}
+    limits = RunLimits(
+        {name: value for name, value in given.items() if value is not None}, options.timeout, options.max_splits
+    )
+    try:
+        attempts_of(atlas, limits)
+    except ValueError as error:
+        raise InputError(f"--precision, --order, --width: {error}; give larger numbers") from None
+    return limits
+
+
+def _engine(options: argparse.Namespace) -> AbstractContextManager[Engine]:
+    if options.scheduler is not None:
+        return connected(options.scheduler)
+    return nullcontext(Processes(options.jobs, options.timeout))
+
+
+def _earlier(options: argparse.Namespace, atlas: Atlas, attempts: Sequence[Settings]) -> list[Result]:
+    """What an earlier run left in the output file. The certificate of another atlas is not overwritten."""
+    path = options.output
+    if path is None:
+        return []
+    check_writable(path)
+    if not path.exists() or options.fresh:
+        return []
+    try:
+        before = read_atlas_certificate(path)
+    except InputError as error:
+        raise InputError(f"{error}; or replace the file with --fresh") from None
+    if before.atlas.id != atlas.id:
+        raise InputError(
+            f"{path}: holds the certificate of another atlas ({before.atlas.id!r}); "
+            "choose another output, or replace the file with --fresh"
+        )
+    return reusable(before, atlas, attempts)
+
+
+def _bifurcations(options: argparse.Namespace, atlas: Atlas) -> list[Certificate]:
+    """The certificates asked about, in the order of the files."""
+    if options.only is not None and not options.bifurcations:
+        raise InputError("--only: chooses among bifurcations; give their certificates with --bifurcations")
+    if options.bifurcations and atlas.is_surface:
+        raise InputError("--bifurcations: a surface is about all bifurcations over it; leave them out")
+    found: dict[str, Certificate] = {}
+    for path in options.bifurcations:
+        for name, certificate in read_certificates(path).items():
+            if name in found:
+                raise InputError(f"{path}: {name!r} is in another file too; give each certificate once")
+            found[name] = certificate
+    if options.only is None:
+        return list(found.values())
+    for pattern in options.only:
+        # A pattern may well match nothing, an id may not.
+        if not any(fnmatchcase(name, pattern) for name in found) and not set(pattern) & set("*?["):
+            raise InputError(f"--only {pattern}: no such bifurcation; the ids are: {', '.join(found)}")
+    return [entry for name, entry in found.items() if any(fnmatchcase(name, pattern) for pattern in options.only)]
+
+
+def _conclude(
+    atlas: Atlas, results: Sequence[Result], bifurcations: Sequence[Certificate], options: argparse.Namespace
+) -> dict[str, Any]:
+    """What the results give together; the certificates of bifurcations are checked again, side by side."""
+    if atlas.is_surface:
+        return conclude_surface(atlas, results).to_json()
+    checks: dict[str, Recheck] = {}
+
+    def finished(check: Recheck) -> None:
+        checks[check.id] = check
+        display.finish(check.id, "certificate stands" if check.stands else "certificate does not stand")
+
+    if bifurcations:
+        display = Display({entry["id"]: 1.0 for entry in bifurcations}, options.quiet)
+        with display.shown():
+            recheck_all(bifurcations, False, options.jobs, display.advance, finished)
+    placing = Display({entry["id"]: 1.0 for entry in bifurcations}, options.quiet)
+    placed: list[str] = []
+
+    def examine(certificate: Certificate) -> Recheck:
+        # Called for one certificate after the other.
+        if placed:
+            placing.finish(placed[-1], "looked for on the curve")
+        placed.append(certificate["id"])
+        return checks[certificate["id"]]
+
+    with placing.shown():
+        conclusion = conclude(atlas, results, bifurcations, examine)
+        for name in placed[-1:]:
+            placing.finish(name, "looked for on the curve")
+    return conclusion.to_json()
+
+
+def _recheck(options: argparse.Namespace, work: Work) -> int:
+    """Whether the conclusion follows from the stored results, or from those of another integration."""
+    for name in ("output", "fresh"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: --recheck writes no file; leave it out")
+    stored = read_atlas_certificate(options.file)
+    atlas = stored.atlas
+    bifurcations = _bifurcations(options, atlas)
+    findings = differences(stored, _conclude(atlas, stored.results, bifurcations, options), bool(bifurcations))
+    try:
+        if options.integrate and not findings:
+            weights = {name_of(entry["piece"], entry["interval"]): 1.0 for entry in proved_of(stored)}
+            display = Display(weights, options.quiet)
+            with _engine(options) as engine, display.shown():
+                results, findings = proved_again(stored, engine, display, work, options.timeout)
+            if not findings and stored.is_proved:
+                conclusion = _conclude(atlas, results, [], options)
+                findings = [] if conclusion["verdict"] == "proved" else [f"not proved again: {conclusion['reason']}"]
+    except KeyboardInterrupt:
+        print("interrupted: nothing is known yet", file=sys.stderr)
+        return 1
+    for finding in findings:
+        print(f"FAILED {atlas.id}: {finding}", file=sys.stderr)
+    integrated = ", also with another integration" if options.integrate and not findings else ""
+    verdict = "DOES NOT STAND" if findings else "stands"
+    print(f"{atlas.id}: {stored.document['verdict']}: {verdict}{integrated}")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,180 @@
+"""Certificates of atlases: the claim, what is proved on each interval, what follows (docs/method.md, section 15)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from orbitproof.shared.formats import Atlas, InputError, atlas_from_json, read_document, validate_document, write_text
+from orbitproof.shared.systems import record
+from orbitproof.verify.atlas.splitting import NOT_FOR_SPLITTING, Settings, condition_of, interval_of, made_with
+from orbitproof.verify.certificate import digest
+from orbitproof.verify.evidence import software
+
+_SCHEMA = "atlas-certificate"
+
+Result = Mapping[str, Any]
+"""What was found on one interval of a piece; the definition ``result`` of the schema."""
+
+
+def statement_of(atlas: Atlas) -> dict[str, Any]:
+    """The claim in full: the atlas without provenance, and the system that it is about."""
+    system, symmetry = atlas.system, atlas.claim.symmetry
+    integral = system.first_integral_program
+    given = system.fixed_parameters
+    derived = {
+        name: record(parameter.equation, (name,), given).text() for name, parameter in system.derived_parameters.items()
+    }
+    return {
+        "atlas": atlas.to_json(provenance=False),
+        "vector_field": system.program.text(),
+        "first_integral": None if integral is None else integral.text(),
+        **({"derived_parameters": derived} if derived else {}),
+        "reversing_symmetry": list(system.reversing_symmetry),
+        "symmetry": None if symmetry is None else list(system.symmetries[symmetry]),
+        "section": system.section,
+    }
+
+
+def make_atlas_certificate(
+    atlas: Atlas, results: Sequence[Result], conclusion: Mapping[str, Any] | None
+) -> dict[str, Any]:
+    """The certificate of an atlas, with the results in order along the curve.
+
+    `conclusion` is what `verify.curve.theorem` makes of the results; `None` as long as intervals are missing.
+    """
+    place = {piece.id: number for number, piece in enumerate(atlas.pieces)}
+    ordered = sorted(results, key=lambda result: (place[result["piece"]], interval_of(result)))
+    statement = statement_of(atlas)
+    if conclusion is None:
+        verdict = "not proved"
+        message, remedy = "not all intervals were tried", "run the same command again; it goes on from here"
+        reason: Any = {"condition": "unfinished", "message": message, "remedy": remedy}
+    else:
+        verdict, reason = conclusion["verdict"], conclusion["reason"]
+        if verdict == "proved":
+            statement["theorem"] = conclusion["statement"]
+    certificate: dict[str, Any] = {
+        "format": "orbitproof-atlas-certificate",
+        "version": 1,
+        "id": atlas.id,
+        "verdict": verdict,
+        "reason": reason,
+        "statement": statement,
+        "results": ordered,
+        "conclusion": conclusion,
+        "computation": {
+            "intervals": sum(result["verdict"] == "proved" for result in ordered),
+            "seconds": round(sum(result["computation"]["seconds"] for result in ordered), 3),
+        },
+        "software": software(),
+    }
+    return {**certificate, "digest": digest(certificate)}
+
+
+@dataclass(frozen=True)
+class AtlasCertificate:
+    """A certificate as it was read: its atlas, and the document.
+
+    Attributes:
+        atlas: the claim.
+        document: fits the schema and its digest.
+    """
+
+    atlas: Atlas
+    document: Mapping[str, Any]
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether it says "proved"."""
+        return bool(self.document["verdict"] == "proved")
+
+    @property
+    def results(self) -> Sequence[Result]:
+        """What was found on the intervals, in order along the curve."""
+        results: Sequence[Result] = self.document["results"]
+        return results
+
+
+def read_atlas_certificate(path: Path) -> AtlasCertificate:
+    """Read a certificate. Raises `InputError` if it is not one, or was changed after it was written."""
+    document = read_document(path, _SCHEMA)
+    if document["digest"] != digest(document):
+        raise InputError(
+            f"{path}: field digest: does not fit the content, which was changed; write it again with --fresh"
+        )
+    stated = document["statement"]["atlas"]
+    where = f"{path}: field statement.atlas"
+    validate_document(stated, "atlas", where)
+    atlas = atlas_from_json(stated, where)
+    known = {piece.id for piece in atlas.pieces}
+    for index, result in enumerate(document["results"]):
+        if result["piece"] not in known:
+            raise InputError(
+                f"{path}: field results[{index}].piece: no such piece in the atlas; write it again with --fresh"
+            )
+    return AtlasCertificate(atlas, document)
+
+
+_texts: dict[int, tuple[Any, str]] = {}
+"""Texts of results that were validated and written before, by identity: a run writes its file for every interval."""
+
+
+def write_atlas_certificate(path: Path, certificate: Mapping[str, Any]) -> None:
+    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
+    fresh = [result for result in certificate["results"] if id(result) not in _texts]
+    validate_document({**certificate, "results": fresh}, _SCHEMA, f"{_SCHEMA} to be written")
+    for result in fresh:
+        # The result is kept with its text, so that its identity is not given to another one.
+        _texts[id(result)] = (result, json.dumps(result, allow_nan=False))
+    atlas = certificate["statement"]["atlas"]
+    pieces = [json.dumps(piece, allow_nan=False) for piece in atlas["pieces"]]
+    results = [_texts[id(result)][1] for result in certificate["results"]]
+    hollow = {
+        **certificate,
+        "statement": {**certificate["statement"], "atlas": {**atlas, "pieces": []}},
+        "results": [],
+    }
+    text = json.dumps(hollow, indent=1, allow_nan=False)
+    # One piece and one result a line; in this layout the keys at these depths occur once.
+    text = _filled(text, '\n   "pieces": []', pieces, "    ", "   ")
+    text = _filled(text, '\n "results": []', results, "  ", " ")
+    write_text(path, text + "\n")
+
+
+def _filled(text: str, empty: str, lines: Sequence[str], indent: str, outer: str) -> str:
+    if not lines:
+        return text
+    content = ",\n".join(indent + line for line in lines)
+    return text.replace(empty, f"{empty[:-1]}\n{content}\n{outer}]", 1)
+
+
+def reusable(certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Settings]) -> list[Result]:
+    """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
+
+    They must come from this software, and be about a piece that has not changed. What failed for want of time or
+    memory, or with other settings, is tried again.
+    """
+    before = certificate.atlas
+    same_claim = (
+        before.system == atlas.system
+        and before.parameters == atlas.parameters
+        and before.claim.symmetry == atlas.claim.symmetry
+    )
+    if not same_claim or certificate.document["software"] != software():
+        return []
+    unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
+    return [
+        result
+        for result in certificate.results
+        if result["piece"] in unchanged and (result["verdict"] == "proved" or _is_final(result, attempts))
+    ]
+
+
+def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
+    return condition_of(result) not in (*NOT_FOR_SPLITTING, "time") and any(
+        made_with(result, settings) for settings in attempts
+    )

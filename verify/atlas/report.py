@@ -1,0 +1,43 @@
+"""The table of a run over an atlas, and the theorem in words or why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from orbitproof.verify.atlas.run import AtlasRun
+from orbitproof.verify.engines import aligned
+
+_HEADERS = ("piece", "kind", "verdict", "intervals", "coordinates", "steps", "time")
+
+
+def piece_table(run: AtlasRun, kept: frozenset[str] = frozenset()) -> str:
+    """One row for each piece; `kept` names those that an earlier run had settled."""
+    rows = [_HEADERS]
+    for piece in run.atlas.pieces:
+        results = run.results_of(piece.id)
+        proved = [result["computation"] for result in results if result["verdict"] == "proved"]
+        state = run.plan_of(piece.id)
+        verdict = "proved" if state.is_proved else "not proved" if state.is_settled else "not finished"
+        coordinates = " ".join(sorted({str(entry.get("coordinates", "")) for entry in proved}))
+        steps = sum(int(entry.get("steps", 0)) for entry in proved)
+        seconds = sum(float(result["computation"]["seconds"]) for result in results)
+        rows.append(
+            (
+                piece.id, piece.kind.replace("_", " "), verdict, str(len(proved) or ""), coordinates, str(steps or ""),
+                "kept" if piece.id in kept else f"{seconds:.1f} s" if results else "",
+            )
+        )  # fmt: skip
+    total = sum(float(result["computation"]["seconds"]) for result in run.results)
+    number = sum(result["verdict"] == "proved" for result in run.results)
+    count = sum(run.plan_of(piece.id).is_proved for piece in run.atlas.pieces)
+    rows.append((f"{count} of {len(run.atlas.pieces)}", "", "proved", str(number), "", "", f"{total:.1f} s"))
+    return "\n".join(aligned(rows))
+
+
+def conclusion_text(certificate: Mapping[str, Any]) -> str:
+    """The theorem as the certificate proves it, or why it proves none."""
+    if certificate["verdict"] == "proved":
+        return f"PROVED\n\n{certificate['statement']['theorem']}"
+    reason = certificate["reason"]
+    return f"NOT PROVED: {reason['condition']}: {reason['message']}; {reason['remedy']}"

@@ -1,0 +1,133 @@
+"""Which intervals of the pieces of an atlas remain to be proved.
+
+What fails is tried again with more precision, and then split in two. Nothing here carries proof: what the proved
+intervals show together is decided by `verify.curve.theorem`, from the intervals themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from orbitproof.shared.formats import Piece, SurfacePiece
+from orbitproof.shared.numbers import parse_exact
+
+Interval = tuple[Fraction, Fraction]
+
+_OVERLAP = Fraction(1, 64)
+"""By this part of its length an interval that is split is exceeded by each half beyond the middle."""
+
+NOT_FOR_SPLITTING = ("process",)
+"""Conditions that a shorter interval does not mend."""
+
+FOR_SPLITTING = ("time", "collision", "section", "crossing count")
+"""Conditions that more precision does not mend: the interval takes too long, or its orbits differ too much."""
+
+Settings = Mapping[str, int]
+"""Of the integrator, by name, as they stand in a result's ``computation``."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the results so far leave to do for one piece.
+
+    Attributes:
+        proved: the intervals of the tree of halves that are covered by proved ones.
+        missing: what is to be tried next, from left to right: intervals, and which of the attempts.
+        failed: intervals that were not proved and may not be split again.
+    """
+
+    proved: tuple[Interval, ...]
+    missing: tuple[tuple[Interval, int], ...]
+    failed: tuple[Interval, ...]
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether the whole interval of the piece is proved."""
+        return not self.missing and not self.failed
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing more is to be tried: all is proved, or one part cannot be."""
+        return not self.missing or bool(self.failed)
+
+
+def whole(piece: Piece | SurfacePiece) -> Interval:
+    """The interval of s on which a piece has to be proved; its symmetry gives the other half of a symmetric one."""
+    return (Fraction(0), Fraction(1)) if piece.kind == "symmetric" else (Fraction(-1), Fraction(1))
+
+
+def halves(interval: Interval) -> tuple[Interval, Interval]:
+    """Two intervals of about half the length that overlap and cover the interval together."""
+    start, end = interval
+    middle, beyond = (start + end) / 2, (end - start) * _OVERLAP
+    return (start, middle + beyond), (middle - beyond, end)
+
+
+def plan(
+    piece: Piece | SurfacePiece, results: Sequence[Mapping[str, Any]], attempts: Sequence[Settings], max_splits: int
+) -> Plan:
+    """What is left to do for a piece, given the results of its intervals.
+
+    Each interval is tried with one of the `attempts` after the other, and then halved, at most `max_splits` times.
+    """
+    proved = [interval_of(result) for result in results if result["verdict"] == "proved"]
+    failures: dict[Interval, list[Mapping[str, Any]]] = {}
+    for result in results:
+        if result["verdict"] != "proved":
+            failures.setdefault(interval_of(result), []).append(result)
+    done: list[Interval] = []
+    missing: list[tuple[Interval, int]] = []
+    failed: list[Interval] = []
+
+    def walk(interval: Interval, splits: int) -> None:
+        if covers(proved, interval):
+            done.append(interval)
+            return
+        against = failures.get(interval, [])
+        if any(condition_of(result) in NOT_FOR_SPLITTING for result in against):
+            failed.append(interval)
+            return
+        wide = any(condition_of(result) in FOR_SPLITTING for result in against)
+        untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in against)]
+        if untried and not wide:
+            missing.append((interval, untried[0]))
+        elif splits == max_splits:
+            failed.append(interval)
+        else:
+            for half in halves(interval):
+                walk(half, splits + 1)
+
+    walk(whole(piece), 0)
+    return Plan(tuple(done), tuple(missing), tuple(failed))
+
+
+def made_with(result: Mapping[str, Any], settings: Settings) -> bool:
+    """Whether a result comes from these settings of the integrator."""
+    return all(result["computation"].get(name) == value for name, value in settings.items())
+
+
+def covers(intervals: Sequence[Interval], wanted: Interval) -> bool:
+    """Whether closed intervals cover another one."""
+    reached, end = wanted
+    for first, last in sorted(intervals):
+        if first > reached:
+            break
+        reached = max(reached, last)
+        if reached >= end:
+            return True
+    return False
+
+
+def interval_of(result: Mapping[str, Any]) -> Interval:
+    """The interval of s that a result is about."""
+    start, end = result["interval"]
+    return parse_exact(start), parse_exact(end)
+
+
+def condition_of(result: Mapping[str, Any]) -> str:
+    """What stopped a proof, in one word; empty if the result does not say."""
+    reason = result.get("reason")
+    return str(reason.get("condition", "")) if isinstance(reason, Mapping) else ""

@@ -1,0 +1,127 @@
+"""The proof of one interval of a piece as a task for an engine: JSON in, JSON out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from orbitproof.shared.formats import Atlas, Piece, SurfacePiece, piece_from_json
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems import BRANCH_SYSTEMS
+from orbitproof.verify.atlas.splitting import Interval, Settings
+from orbitproof.verify.curve import PieceLimits, prove_piece
+from orbitproof.verify.engines import Answer, Failure, Report, Task
+from orbitproof.verify.surface import SurfaceLimits, prove_surface_piece
+
+_MOST_SHOWN = 0.95
+"""The number of steps is not known before; progress stops here until the interval is done."""
+
+
+@dataclass(frozen=True)
+class RunLimits:
+    """How to prove pieces.
+
+    Attributes:
+        integrator: settings of `PieceLimits` or `SurfaceLimits` for the first attempt, by name, if not the default.
+        timeout: seconds for an interval, or `None`.
+        max_splits: how often an interval is halved at most.
+    """
+
+    integrator: Mapping[str, int]
+    timeout: float | None = None
+    max_splits: int = 6
+
+
+def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
+    """Settings of the integrator for the first attempt at an interval and for the next one.
+
+    Some orbits lose more digits than others, and no shorter interval makes up for them. Raises `ValueError` if a
+    setting is out of range.
+    """
+    kind = SurfaceLimits if atlas.is_surface else PieceLimits
+    first = asdict(kind(**limits.integrator))
+    more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
+    return first, {name: value + more.get(name, 0) for name, value in first.items()}
+
+
+_MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
+
+
+def task_of(
+    atlas: Atlas, piece: Piece | SurfacePiece, interval: Interval, settings: Settings, limits: RunLimits, steps: int
+) -> Task:
+    """The task of proving a piece on an interval; the expected number of `steps` is for progress only."""
+    return Task(
+        piece.id,
+        {
+            "system": atlas.system.name,
+            "parameters": {name: format_exact(value) for name, value in atlas.parameters.items()},
+            "symmetry": atlas.claim.symmetry,
+            "piece": piece.to_json(),
+            "interval": [format_exact(end) for end in interval],
+            "integrator": dict(settings),
+            "timeout": limits.timeout,
+            "expected_steps": steps,
+        },
+    )
+
+
+class _OutOfTimeError(Exception):
+    """Raised after a step at which the time is over."""
+
+
+def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
+    """What a process does: prove a piece on an interval; the JSON of the result."""
+    system = BRANCH_SYSTEMS[argument["system"]]
+    piece = piece_from_json(argument["piece"], system, "piece")
+    start, end = (parse_exact(text) for text in argument["interval"])
+    began = time.monotonic()
+    timeout = argument["timeout"]
+
+    def stepped(steps: float) -> None:
+        report(min(steps / argument["expected_steps"], _MOST_SHOWN), f"step {steps:.0f}")
+        if timeout is not None and time.monotonic() - began > timeout:
+            raise _OutOfTimeError
+
+    try:
+        if isinstance(piece, SurfacePiece):
+            limits = SurfaceLimits(**argument["integrator"])
+            return prove_surface_piece(system, piece, (start, end), limits, stepped, argument["symmetry"]).to_json()
+        parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
+        return prove_piece(
+            system, parameters, piece, (start, end), PieceLimits(**argument["integrator"]), stepped,
+            argument["symmetry"],
+        ).to_json()  # fmt: skip
+    except _OutOfTimeError:
+        condition, message = "time", f"the time limit of {timeout:g} s has passed"
+    except Exception as error:
+        # A defect costs one interval, not the run; it is retried by the next run.
+        condition, message = "process", " ".join(f"broke off: {type(error).__name__}: {error}".split())
+    return not_proved(argument, condition, message, time.monotonic() - began)
+
+
+_REMEDIES = {"process": "free memory, or give fewer --jobs", "time": "give --timeout more seconds"}
+
+
+def not_proved(argument: Mapping[str, Any], condition: str, message: str, seconds: float) -> dict[str, Any]:
+    """The result of a task that was not brought to an end."""
+    return {
+        "piece": argument["piece"]["id"],
+        "interval": list(argument["interval"]),
+        "verdict": "not proved",
+        "reason": {"condition": condition, "message": message, "remedy": _REMEDIES[condition]},
+        "computation": {**argument["integrator"], "seconds": round(seconds, 3)},
+    }
+
+
+def result_of(answer: Answer) -> dict[str, Any]:
+    """The result of a task, also if its process was lost."""
+    if isinstance(answer.result, Failure):
+        return not_proved(answer.task.argument, answer.result.kind, answer.result.message, answer.seconds)
+    return dict(answer.result)
+
+
+ProvePiece = Callable[[Mapping[str, Any], Report], Mapping[str, Any]]
+"""`prove_task`, or what takes its place."""

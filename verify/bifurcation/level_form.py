@@ -1,0 +1,194 @@
+"""A candidate in the coordinates of Fix(R), rewritten with the level of H as parameter (docs/method.md, section 12).
+
+The result is a claim of its own, checked like any other; that its box contains the old one is proved here.
+Let a_0, a_1, a_2 be the columns of the frame and c_i = dH a_i. With h the level, p = (p_0, p_1, p_2)
+satisfies h - h_c = c_0 p_0 + c_1 p_1 + c_2 p_2 to first order, and p_1, p_2 are kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+from flint import arb, ctx
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.shared.numbers import round_dyadic
+from orbitproof.verify.claim import determinant, quadratic_coefficient
+from orbitproof.verify.evidence import IntegrationFailure, dot, enclose, exact_value, is_inside, symmetric
+from orbitproof.verify.poincare import DerivativeTable, enclose_first_integral
+
+_SPARE_BITS = 64
+_MOST_BITS = 1 << 17
+"""Boxes that would need more are too small for any proof."""
+_MARGIN = Fraction(33, 32)
+_RADIUS_BITS = 12
+
+
+def level_form(candidate: Candidate) -> Candidate | None:
+    """The same bifurcation, with the level of the first integral as parameter, in a box that contains the old one.
+
+    `None` if there is no level coordinate, if the frame is singular, if the family does not cross the levels
+    at the centre, or if the new box was not shown to contain the old one.
+    """
+    system = candidate.system
+    if candidate.is_family_of_maps or system.level_coordinate is None or not quadratic_coefficient(system):
+        return None
+    if not determinant(candidate.frame):
+        return None
+    kept = [i for i, name in enumerate(candidate.coordinates) if name != system.level_coordinate]
+    dropped = candidate.coordinates.index(system.level_coordinate)
+    bits = _SPARE_BITS + 2 * max(_bits_below_one(radius) for radius in candidate.radii)
+    if bits > _MOST_BITS:
+        return None
+    try:
+        table = enclose_first_integral(candidate, bits)
+    except (IntegrationFailure, ArithmeticError, ValueError):
+        return None
+    if table is None or not _is_finite(table) or not candidate.centre[dropped]:
+        return None
+    size = len(candidate.radii)
+    slopes = [_derivative(table, size, i) for i in range(size)]
+    if not slopes[0] or not any(candidate.frame[i][0] for i in kept):
+        return None
+
+    along = [candidate.frame[i][0] / slopes[0] for i in kept]
+    across = [[candidate.frame[i][j] - slopes[j] * a for i, a in zip(kept, along, strict=True)] for j in range(1, size)]
+    columns = [[Fraction(1), *along], *([Fraction(0), *column] for column in across)]
+    frame = tuple(tuple(round_dyadic(columns[j][i], bits) for j in range(size)) for i in range(size))
+    if candidate.symmetry is not None:
+        signs = system.symmetries[candidate.symmetry]
+        odd = [False, *(signs[system.state.index(candidate.coordinates[i])] == -1 for i in kept)]
+        frame = tuple(
+            tuple(value if (j == 1) == is_odd else Fraction(0) for j, value in enumerate(row))
+            for row, is_odd in zip(frame, odd, strict=True)
+        )
+    tilt = _solve(across, along)
+    if tilt is None:
+        return None
+    level = round_dyadic(exact_value(table.centre[(0,) * size].mid()), 2 * bits)
+    form = replace(
+        candidate,
+        centre=(level, *(candidate.centre[i] for i in kept)),
+        frame=frame,
+        radii=_radii(candidate.radii, slopes, table, tilt),
+        level_sign=1 if candidate.centre[dropped] > 0 else -1,
+    )
+    with ctx.workprec(bits + _SPARE_BITS):
+        contained = _contains(form, candidate, table, kept) and _keeps_sign(candidate, dropped)
+    return form if contained else None
+
+
+def _keeps_sign(candidate: Candidate, dropped: int) -> bool:
+    """Whether the level coordinate has the sign of its centre on the whole box."""
+    widths = (abs(a) * radius for a, radius in zip(candidate.frame[dropped], candidate.radii, strict=True))
+    return sum(widths, Fraction(0)) < abs(candidate.centre[dropped])
+
+
+def level_spread(candidate: Candidate, form: Candidate) -> Fraction:
+    """How many times longer P_0 is in the level form than the old P_0, measured along the family.
+
+    Large where the family is nearly tangent to the levels of H compared with the box.
+    """
+    # Column 0 of the new frame is column 0 of the old one divided by dH a_0.
+    kept = [i for i, name in enumerate(candidate.coordinates) if name in form.coordinates]
+    old = sum((abs(candidate.frame[i][0]) for i in kept), Fraction(0)) * candidate.radii[0]
+    new = sum((abs(row[0]) for row in form.frame[1:]), Fraction(0)) * form.radii[0]
+    return new / old
+
+
+def _is_finite(table: DerivativeTable) -> bool:
+    return all(ball.is_finite() for part in (table.centre, table.box) for ball in part.values())
+
+
+def _bits_below_one(value: Fraction) -> int:
+    return max(0, value.denominator.bit_length() - value.numerator.bit_length())
+
+
+def _derivative(table: DerivativeTable, size: int, *positions: int) -> Fraction:
+    index = tuple(positions.count(i) for i in range(size))
+    return exact_value(table.centre[index].mid())
+
+
+def _radii(
+    radii: Sequence[Fraction], slopes: Sequence[Fraction], table: DerivativeTable, tilt: Sequence[Fraction]
+) -> tuple[Fraction, ...]:
+    """Half-widths that contain the old box to second order, and a little more.
+
+    p_1, p_2 change by `tilt` times what h differs from its linear part.
+    """
+    size = len(radii)
+    curved = sum(
+        (abs(_derivative(table, size, i, j)) * radii[i] * radii[j] / 2 for i in range(size) for j in range(size)),
+        Fraction(0),
+    )
+    linear = sum((abs(slope) * radius for slope, radius in zip(slopes, radii, strict=True)), Fraction(0))
+    wide = [linear + curved, *(radius + abs(t) * curved for radius, t in zip(radii[1:], tilt, strict=True))]
+    return tuple(round_dyadic(value * _MARGIN, _RADIUS_BITS) for value in wide)
+
+
+def _contains(form: Candidate, candidate: Candidate, table: DerivativeTable, kept: Sequence[int]) -> bool:
+    """Whether the box of `form` contains that of `candidate`; `table` are derivatives of H on the latter.
+
+    With h = H(0) + sum s_j p_j + Q, Q in the second-order remainder, and T the inverse of the new frame,
+    p_i' = T_i0 (H(0) - h_c + Q) + sum_j (T_i0 s_j + L_ij) p_j, where L is T times the kept rows of the old frame.
+    """
+    size = len(form.radii)
+    columns = [[row[j] for row in form.frame] for j in range(size)]
+    inverse = [_solve(columns, [Fraction(int(i == j)) for i in range(size)]) for j in range(size)]
+    sides = [symmetric(radius) for radius in candidate.radii]
+    remainder = arb(0)
+    for i in range(size):
+        for j in range(size):
+            index = tuple((i == n) + (j == n) for n in range(size))
+            remainder = remainder + table.box[index] * sides[i] * sides[j] / 2
+    offset = table.centre[(0,) * size] - enclose(form.centre[0]) + remainder
+    for i, radius in enumerate(form.radii):
+        rows = [column[i] if column is not None else None for column in inverse]
+        first, *others = rows
+        if first is None or any(value is None for value in others):
+            return False
+        value = enclose(first) * offset
+        for j, side in enumerate(sides):
+            direct = sum(
+                (t * candidate.frame[n][j] for t, n in zip(others, kept, strict=True) if t is not None), Fraction(0)
+            )
+            unit = tuple(int(j == n) for n in range(size))
+            value = value + (enclose(first) * table.centre[unit] + enclose(direct)) * side
+        if not is_inside(value, radius):
+            return False
+    return True
+
+
+def coordinates_in_box(candidate: Candidate, point: Mapping[str, arb]) -> list[arb]:
+    """Enclosures of the p of a point of Fix(R), given by its coordinates. The frame has to be regular."""
+    size = len(candidate.radii)
+    columns = [[row[j] for row in candidate.frame] for j in range(size)]
+    inverse = [_solve(columns, [Fraction(int(i == j)) for i in range(size)]) for j in range(size)]
+    distance = [point[name] - enclose(c) for name, c in zip(candidate.coordinates, candidate.centre, strict=True)]
+    rows = [[enclose(column[i]) for column in inverse if column is not None] for i in range(size)]
+    return [dot(row, distance) for row in rows]
+
+
+def in_box(candidate: Candidate, point: Mapping[str, arb]) -> bool:
+    """Whether a point of Fix(R), given by its coordinates, certainly lies inside the candidate's box."""
+    where = coordinates_in_box(candidate, point)
+    return all(is_inside(ball, radius) for ball, radius in zip(where, candidate.radii, strict=True))
+
+
+def _solve(columns: Sequence[Sequence[Fraction]], right: Sequence[Fraction]) -> list[Fraction] | None:
+    """x with sum_j x_j columns[j] = right; `None` if the columns are dependent."""
+    size = len(right)
+    rows = [[columns[j][i] for j in range(size)] + [right[i]] for i in range(size)]
+    for column in range(size):
+        pivot = next((i for i in range(column, size) if rows[i][column]), None)
+        if pivot is None:
+            return None
+        rows[column], rows[pivot] = rows[pivot], rows[column]
+        rows[column] = [value / rows[column][column] for value in rows[column]]
+        for i in range(size):
+            if i != column and rows[i][column]:
+                factor = rows[i][column]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
+    return [row[size] for row in rows]

@@ -1,0 +1,180 @@
+"""Theorems: which one a candidate claims, its hypotheses, and its conclusion (docs/method.md, section 9)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from flint import arb
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.bifurcation.conditions import (
+    Point,
+    Problem,
+    check_enclosures,
+    check_family,
+    check_no_other_orbit,
+    check_reduced_function,
+    check_reduction,
+    check_transversality,
+    locate,
+)
+from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
+from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
+from orbitproof.verify.claim import check_adapted_frames, check_frames, check_level, point_on_fixed_set
+from orbitproof.verify.evidence import (
+    BifurcationResults,
+    Checklist,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    Proved,
+    Reason,
+    Theorem,
+    dot,
+    enclose,
+)
+from orbitproof.verify.poincare import DerivativeTable
+
+
+def theorem_of(candidate: Candidate) -> Theorem | Reason:
+    """The theorem that a candidate claims, or why none of those that can be checked applies."""
+    kind, k = candidate.kind, candidate.k
+    if (kind == "symmetry_breaking") != (k == 1):
+        return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking has k = 1, the other kinds k > 1")
+    if kind == "touch_and_go" and k % 2 == 0:
+        return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
+    if k == 3 and kind == "period_tupling":
+        return Reason("theorem", "period tupling with k = 3 has no theorem here", "claim touch_and_go for k = 3")
+    if kind == "touch_and_go" and k > 3:
+        message = f"at odd k = {k} >= 5 the second derivative G_11 vanishes: touch-and-go cannot happen"
+        return Reason("theorem", message, "claim period_tupling for odd k >= 5 (docs/method.md, section 11)")
+    return Theorem(_statement(candidate), _hypotheses(candidate))
+
+
+def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
+    k, hamiltonian = candidate.k, not candidate.is_family_of_maps
+    prefix = "H" if hamiltonian else ""
+    names = ["symmetries", "frames"]
+    names += ["level"] if candidate.level_sign is not None else []
+    names += ["adapted-frames"] if k == 1 else []
+    names += ["poincare-map"]
+    names += ["family", *(f"regular-{i}" for i in range(1, k))] if k > 1 else []
+    names += [f"{prefix}C2", f"{prefix}C3", f"{prefix}C4", "point"]
+    if hamiltonian:
+        names += ["dH/dp_0", "h_fp'", "h_b'" if k == 3 else "h_b''"]
+    else:
+        names += ["G_11"] if k == 3 else ["G_01", "G_111"]
+    return tuple(names)
+
+
+def _statement(candidate: Candidate) -> str:
+    system, k = candidate.system, candidate.k
+    parameter = parameter_name(candidate)
+    fixed = ", ".join(candidate.parameters)
+    where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
+    origin = (
+        f"the R-symmetric period-two points of the Poincare map P of the {where} in the box are one regular curve"
+        if k > 1
+        else f"the R- and {candidate.symmetry}-symmetric period-two points of the Poincare map P of the {where} "
+        "in the box are one regular curve"
+    )
+    tupled = (
+        f"an R-symmetric orbit of period {k} of P^2 that meets Fix(R) twice near the point branches off"
+        if k % 2 == 0
+        else f"two R-symmetric orbits of period {k} of P^2, each of which meets Fix(R) once near the point, branch off"
+    )
+    branch = {
+        "symmetry_breaking": "a symmetry breaking bifurcation of P^2: a pair of R-symmetric period-two points, "
+        f"exchanged by {candidate.symmetry}, branches off",
+        "period_tupling": f"a period-{k}-tupling bifurcation of P^2: {tupled}",
+        "touch_and_go": f"a touch-and-go bifurcation of P^2 of order {k}: a curve of R-symmetric points of period "
+        f"{k} of P^2 crosses it",
+    }[candidate.kind]
+    others = f"In the box there is no further R-symmetric point x with P^{2 * k}(x) = x" + (
+        f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
+    )
+    if candidate.level_sign is not None:
+        sign = ">" if candidate.level_sign > 0 else "<"
+        names = ", ".join(candidate.coordinates)
+        others += f" The box is in the coordinates {names}, with {system.level_coordinate} {sign} 0."
+    return (
+        f"{origin}; at exactly one point of it, the bifurcation point, the parameter being the {parameter}, it "
+        f"undergoes {branch}. {others}"
+    )
+
+
+def parameter_name(candidate: Candidate) -> str:
+    """Name of the bifurcation parameter: the family parameter or the first integral."""
+    system = candidate.system
+    return system.family_parameter or system.first_integral_name or "H"
+
+
+def prove(
+    candidate: Candidate,
+    checklist: Checklist,
+    iterates: Sequence[Sequence[DerivativeTable]],
+    first_integral: DerivativeTable | None,
+    return_times: Sequence[arb] = (),
+) -> Outcome:
+    """Check the theorem that `candidate` claims, given enclosures of derivatives of P, .., P^k and H.
+
+    `checklist` already holds what was established before the integration (see `prepare`); the
+    current precision of Arb is used. Every failure is a `NotProved` that names the condition. The
+    times of the crossings, if given, go into the certificate.
+    """
+    theorem = theorem_of(candidate)
+    if isinstance(theorem, Reason):
+        return NotProved(theorem, tuple(checklist.hypotheses))
+    try:
+        problem = check_enclosures(checklist, candidate, iterates, first_integral, return_times)
+        results = _check(candidate, checklist, problem)
+    except NotEstablishedError as error:
+        return NotProved(error.reason, tuple(checklist.hypotheses))
+    except ArithmeticError as error:
+        pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
+        reason = Reason(pending, f"{pending} could not be evaluated: {error}", "more precision", needs_precision=True)
+        return NotProved(reason, tuple(checklist.hypotheses))
+    return Proved(theorem, results, tuple(checklist.hypotheses))
+
+
+def prepare(candidate: Candidate, checklist: Checklist) -> None:
+    """The exact hypotheses about coordinates, which need no integration."""
+    check_frames(checklist, candidate)
+    if candidate.level_sign is not None:
+        check_level(checklist, candidate)
+    if candidate.k == 1:
+        check_adapted_frames(checklist, candidate)
+
+
+def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
+    k = candidate.k
+    family: Family
+    if k > 1:
+        family = check_family(checklist, problem)
+        for i in range(1, k):
+            check_no_other_orbit(checklist, problem, i)
+        reduction = check_reduction(checklist, problem, family)
+    else:
+        reduction = check_reduction(checklist, problem, None)
+        family = DoublySymmetricFamily(reduction)
+    check_reduced_function(checklist, problem, family, reduction)
+    check_transversality(checklist, problem, family, reduction)
+    point = locate(checklist, problem, family, reduction)
+    if problem.first_integral is None:
+        conclusion = check_family_of_maps(checklist, problem, family, reduction, point)
+    else:
+        conclusion = check_hamiltonian(checklist, problem, family, reduction, point)
+    return _results(candidate, problem, point, conclusion)
+
+
+def _results(candidate: Candidate, problem: Problem, point: Point, conclusion: Nondegeneracy) -> BifurcationResults:
+    coordinates = [
+        enclose(origin) + dot([enclose(value) for value in row], point.where)
+        for origin, row in zip(candidate.centre, candidate.frame, strict=True)
+    ]
+    named = dict(zip(candidate.coordinates, coordinates, strict=True))
+    if candidate.level_sign is not None:
+        named = point_on_fixed_set(candidate, named)
+    parameter = coordinates[0] if problem.first_integral is None else problem.first_integral.value(point.where)
+    normal_form = {name: ball for name, ball in conclusion.normal_form.items() if ball.is_finite()}
+    return BifurcationResults(named, parameter_name(candidate), parameter, conclusion.side, normal_form)

@@ -1,0 +1,42 @@
+"""From a candidate to its certificate, and checking a certificate again (sections 10 and 13)."""
+
+from orbitproof.verify.certificate.certificate import (
+    Certificate,
+    digest,
+    is_proof_of,
+    read_certificates,
+    write_certificates,
+)
+from orbitproof.verify.certificate.certify import (
+    GREATEST_PRECISION,
+    GUARD_BITS,
+    LEAST_PRECISION,
+    LEVELS,
+    Limits,
+    check_exactly,
+)
+from orbitproof.verify.certificate.recheck import Recheck, recheck
+from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
+from orbitproof.verify.certificate.tables import tables_from_json
+from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table
+
+__all__ = [
+    "GREATEST_PRECISION",
+    "GUARD_BITS",
+    "LEAST_PRECISION",
+    "LEVELS",
+    "Certificate",
+    "Limits",
+    "Recheck",
+    "certify_all",
+    "check_exactly",
+    "digest",
+    "is_proof_of",
+    "read_certificates",
+    "recheck",
+    "recheck_all",
+    "recheck_table",
+    "tables_from_json",
+    "verdict_table",
+    "write_certificates",
+]

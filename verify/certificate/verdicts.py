@@ -1,0 +1,66 @@
+"""Tables of verdicts, for stdout."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate.recheck import Recheck
+from orbitproof.verify.engines import aligned
+from orbitproof.verify.evidence import ball_from_json, certain_digits
+
+_SHOWN_DIGITS = 34
+_HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
+
+
+def verdict_table(
+    candidates: Sequence[Candidate], certificates: Mapping[str, Certificate], kept: frozenset[str] = frozenset()
+) -> str:
+    """The verdicts in the order of the candidates, as plain text; then why what is not proved is not.
+
+    `kept` names the rows that an earlier run proved.
+    """
+    rows = [_HEADERS]
+    reasons = []
+    for candidate in candidates:
+        certificate = certificates.get(candidate.id)
+        if certificate is None:
+            rows.append((candidate.id, str(candidate.k), candidate.kind, "not finished", "", "", ""))
+            continue
+        results, seconds = certificate["results"], certificate["computation"]["seconds"]
+        side = results["side"] if results else ""
+        parameter = ""
+        if results:
+            ball = ball_from_json(results["parameter"])
+            parameter = f"{results['parameter_name']} = {certain_digits(ball, _SHOWN_DIGITS)}"
+        elapsed = "kept" if candidate.id in kept else f"{seconds:.1f} s"
+        verdict = certificate["verdict"]
+        rows.append((candidate.id, str(candidate.k), candidate.kind, verdict, side, parameter, elapsed))
+        if certificate["reason"]:
+            reason = certificate["reason"]
+            reasons.append(
+                f"{candidate.id}: not proved, {reason['condition']}: {reason['message']}; {reason['remedy']}"
+            )
+    return "\n".join([*aligned(rows), *([""] if reasons else []), *reasons])
+
+
+def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
+    """What checking certificates again has shown, as plain text; then every finding, or the first ones."""
+    rows = [("certificate", "verdict", "check", "hypotheses", "integrated again")]
+    findings = []
+    for name in names:
+        result = rechecks.get(name)
+        if result is None:
+            rows.append((name, "", "not finished", "", ""))
+            continue
+        integrated = f"{result.precision} bits" if result.precision else "no"
+        word = "stands" if result.stands else "DOES NOT STAND"
+        rows.append((name, result.verdict, word, str(result.hypotheses), integrated))
+        findings += [f"{name}: {entry.place}: {entry.message}" for entry in result.findings[:_SHOWN_FINDINGS]]
+        further = len(result.findings) - _SHOWN_FINDINGS
+        findings += [f"{name}: and {further} more"] if further > 0 else []
+    return "\n".join([*aligned(rows), *([""] if findings else []), *findings])
+
+
+_SHOWN_FINDINGS = 5

@@ -1,0 +1,16 @@
+"""What a candidate claims: symmetries, frames, the level of the first integral as parameter (sections 1, 12)."""
+
+from orbitproof.verify.claim.frames import check_adapted_frames, check_frames, determinant
+from orbitproof.verify.claim.level import check_level, level_program, point_on_fixed_set, quadratic_coefficient
+from orbitproof.verify.claim.symmetry import check_symmetries
+
+__all__ = [
+    "check_adapted_frames",
+    "check_frames",
+    "check_level",
+    "check_symmetries",
+    "determinant",
+    "level_program",
+    "point_on_fixed_set",
+    "quadratic_coefficient",
+]

@@ -1,0 +1,86 @@
+"""Exact checks of the coordinates of a candidate (docs/method.md, section 7.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.evidence import Checklist
+
+_ADAPT = "write the candidate with frames adapted to the symmetry (p_1 and q_1 odd, the others even)"
+
+
+def determinant(matrix: Sequence[Sequence[Fraction]]) -> Fraction:
+    """Exact determinant, by elimination."""
+    rows = [list(row) for row in matrix]
+    result = Fraction(1)
+    for column in range(len(rows)):
+        pivot = next((i for i in range(column, len(rows)) if rows[i][column]), None)
+        if pivot is None:
+            return Fraction(0)
+        if pivot != column:
+            rows[column], rows[pivot] = rows[pivot], rows[column]
+            result = -result
+        result *= rows[column][column]
+        for i in range(column + 1, len(rows)):
+            factor = rows[i][column] / rows[column][column]
+            rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
+    return result
+
+
+def check_frames(checklist: Checklist, candidate: Candidate) -> None:
+    """Both frames are regular; with a family parameter, p_0 is the parameter minus its centre."""
+    with checklist.hypothesis(
+        "frames", "7.1", "the frames of p and q are regular matrices", "choose linearly independent directions"
+    ) as evidence:
+        evidence.require(determinant(candidate.frame) != 0, "the determinant of frame is 0")
+        evidence.require(determinant(candidate.kernel_frame) != 0, "the determinant of kernel_frame is 0")
+        if candidate.is_family_of_maps:
+            row = candidate.frame[0]
+            evidence.require(
+                row[0] == 1 and not any(row[1:]),
+                f"row 0 of frame has to be (1, 0, .., 0), so that p_0 is {candidate.coordinates[0]}",
+            )
+
+
+def check_adapted_frames(checklist: Checklist, candidate: Candidate) -> None:
+    """For k = 1: S maps (p_0, p_1, p_2) to (p_0, -p_1, p_2) and (q_1, q_2) to (-q_1, q_2), exactly."""
+    statement = "a symmetry S is named, it fixes the centre, negates p_1 and q_1 and fixes the other coordinates"
+    with checklist.hypothesis("adapted-frames", "8.6", statement, _ADAPT) as evidence:
+        system = candidate.system
+        evidence.require(candidate.symmetry is not None, "the candidate names no symmetry")
+        if candidate.symmetry is None:
+            return
+        signs = system.symmetries[candidate.symmetry]
+        p_signs = tuple(
+            signs[system.state.index(name)] if name in system.state else 1 for name in candidate.coordinates
+        )
+        if candidate.level_sign is not None and system.level_coordinate is not None:
+            evidence.require(
+                signs[system.state.index(system.level_coordinate)] == 1,
+                f"S does not fix {system.level_coordinate}, the coordinate that follows from the first integral",
+            )
+        q_signs = tuple(signs[i] for i in system.kernel_coordinates)
+        evidence.require(
+            all(value == 0 for value, sign in zip(candidate.centre, p_signs, strict=True) if sign == -1),
+            "the centre is not fixed by S",
+        )
+        evidence.require(
+            all(
+                value == 0
+                for row, sign in zip(candidate.frame, p_signs, strict=True)
+                for column, value in enumerate(row)
+                if sign != (-1 if column == 1 else 1)
+            ),
+            "a column of frame is neither even nor odd as it should be",
+        )
+        evidence.require(
+            all(
+                value == 0
+                for number, row in enumerate(candidate.kernel_frame)
+                for value, sign in zip(row, q_signs, strict=True)
+                if sign != (-1 if number == 0 else 1)
+            ),
+            "a row of kernel_frame is neither even nor odd as it should be",
+        )

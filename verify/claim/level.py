@@ -1,0 +1,117 @@
+"""The level of the first integral as bifurcation parameter (docs/method.md, section 12).
+
+If H = A + b w^2 with A independent of the coordinate w and a constant b, then on Fix(R) w follows from
+the level h of H and the other coordinates: w = +-((h - A) / b)^(1/2). With w formed in this way the
+Poincare maps on the levels of H are a family of maps with the parameter h.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.shared.systems import Program, ReversibleSystem, record
+from orbitproof.verify.evidence import Checklist, enclose
+
+
+@dataclass(frozen=True)
+class _InW:
+    """A + a w + b w^2: A unknown but independent of w (known to be zero or not), a and b constants."""
+
+    free: bool
+    a: Fraction
+    b: Fraction
+    constant: Fraction | None = None
+
+    @property
+    def independent(self) -> bool:
+        return not self.a and not self.b
+
+
+def quadratic_coefficient(system: ReversibleSystem) -> Fraction | None:
+    """The constant b if the program of H shows H = A + b w^2, w the level coordinate; else `None`."""
+    program = system.first_integral_program
+    if program is None or system.level_coordinate is None:
+        return None
+    values: list[_InW | None] = []
+    for index, step in enumerate(program.instructions):
+        operands = [values[operand] for operand in step.operands]
+        if step.operation == "input":
+            is_w = program.inputs[index] == system.level_coordinate
+            values.append(_InW(not is_w, Fraction(int(is_w)), Fraction(0)))
+        elif step.operation == "constant":
+            values.append(_InW(True, Fraction(0), Fraction(0), step.value))
+        elif any(operand is None for operand in operands):
+            values.append(None)
+        else:
+            values.append(_combine(step.operation, [operand for operand in operands if operand is not None]))
+    (output,) = (values[index] for index in program.outputs)
+    return output.b if output is not None and not output.a else None
+
+
+def _combine(operation: str, operands: Sequence[_InW]) -> _InW | None:
+    first, last = operands[0], operands[-1]
+    if all(operand.independent for operand in operands):
+        return _InW(True, Fraction(0), Fraction(0))
+    if operation in ("add", "sub"):
+        sign = 1 if operation == "add" else -1
+        return _InW(first.free or last.free, first.a + sign * last.a, first.b + sign * last.b)
+    if operation == "mul":
+        for factor, other in ((first, last), (last, first)):
+            if factor.constant is not None:
+                return _InW(other.free, factor.constant * other.a, factor.constant * other.b)
+        if not first.free and not last.free and not first.b and not last.b:
+            return _InW(False, Fraction(0), first.a * last.a)
+    return None
+
+
+def level_program(system: ReversibleSystem, sign: int) -> Program:
+    """The level coordinate w; inputs: state (its own entry is not used), parameters, level of H.
+
+    Raises `ValueError` if H was not shown to be A + b w^2 with b != 0.
+    """
+    coefficient = quadratic_coefficient(system)
+    integral, name = system.first_integral, system.level_coordinate
+    if not coefficient or integral is None or name is None:
+        raise ValueError(f"the first integral of {system.name} was not shown to be quadratic in a coordinate")
+    position = system.state.index(name)
+
+    def coordinate(state: Sequence[Any], parameters: Sequence[Any], level: Sequence[Any]) -> Sequence[Any]:
+        (rest,) = integral([0 if i == position else value for i, value in enumerate(state)], parameters)
+        return (((level[0] - rest) * (1 / coefficient)) ** Fraction(1, 2) * sign,)
+
+    return record(coordinate, system.state, tuple(system.parameters), ("level",))
+
+
+def check_level(checklist: Checklist, candidate: Candidate) -> None:
+    """H = A + b w^2 with b != 0, from the program of H; S leaves the sign of w alone (`adapted-frames`)."""
+    statement = "the first integral is A + b w^2, w the level coordinate, A independent of w, b a constant other than 0"
+    with checklist.hypothesis(
+        "level", "12", statement, "give the candidate in the coordinates of Fix(R), without parameter"
+    ) as evidence:
+        coefficient = quadratic_coefficient(candidate.system)
+        evidence.require(bool(coefficient), "the program of the first integral does not show it")
+        if coefficient:
+            evidence.record("b", enclose(coefficient))
+
+
+def point_on_fixed_set(candidate: Candidate, where: Mapping[str, arb]) -> dict[str, arb]:
+    """Enclosures of all coordinates of Fix(R), from those of the level and the other coordinates."""
+    system, sign = candidate.system, candidate.level_sign
+    if sign is None:
+        raise ValueError("the candidate is given in the coordinates of Fix(R)")
+    program = level_program(system, sign)
+    arguments = [where.get(name, arb(0)) for name in system.state]
+    arguments += [enclose(candidate.parameters[name]) for name in system.parameters]
+    (value,) = program.evaluate([*arguments, where[candidate.coordinates[0]]], enclose, _power)
+    named = {**where, str(system.level_coordinate): value}
+    return {name: named[name] for name in system.centre_coordinates}
+
+
+def _power(base: arb, exponent: Fraction) -> arb:
+    return base ** enclose(exponent)

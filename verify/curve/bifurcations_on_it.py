@@ -1,0 +1,211 @@
+"""Which certified bifurcations lie on a proved curve (docs/method.md, section 15.8)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import Atlas, InputError, read_system
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.certificate import Certificate, Recheck, recheck
+from orbitproof.verify.curve.gluing import Chain, Stretch
+from orbitproof.verify.curve.libration import PLANAR, certified_system, in_units_of_orbit, point_name
+from orbitproof.verify.curve.other_point import other_point
+from orbitproof.verify.curve.tube import lower_end, upper_end
+from orbitproof.verify.evidence import all_finite, ball_from_json, ball_to_json, enclose, excludes_zero, is_below
+
+Examine = Callable[[Certificate], Recheck]
+Point = Mapping[str, arb]
+Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point], Point | None]
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point of the curve.
+
+    Attributes:
+        piece: id of the piece.
+        s: enclosure of its s.
+        mirrored: whether it is the mirror image that lies in the piece.
+        other_point: whether it is the other point of the orbit on Fix(R).
+    """
+
+    piece: str
+    s: arb
+    mirrored: bool
+    other_point: bool = False
+
+
+@dataclass(frozen=True)
+class Bifurcation:
+    """A certificate of a bifurcation, and whether the point lies on the curve.
+
+    Attributes:
+        id, kind, k: of the certificate.
+        place: where on the curve, or `None` if it is not shown to lie on it.
+        reason: why not; empty if it does.
+        point: enclosure of the bifurcation point, by coordinate name; empty if the certificate proves nothing.
+        parameter_name: name of the bifurcation parameter.
+        parameter: its enclosure, or `None`.
+        is_foreign: whether it is about another system or other parameters than the curve.
+    """
+
+    id: str
+    kind: str
+    k: int
+    place: Place | None
+    reason: str
+    point: Point
+    parameter_name: str = ""
+    parameter: arb | None = None
+    is_foreign: bool = False
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact balls with decimals beside them."""
+        return {
+            "id": self.id,
+            "kind": self.kind,
+            "k": self.k,
+            "on_curve": self.place is not None,
+            "piece": None if self.place is None else self.place.piece,
+            "s": None if self.place is None else ball_to_json(self.place.s),
+            "mirrored": self.place is not None and self.place.mirrored,
+            "other_point": self.place is not None and self.place.other_point,
+            "is_foreign": self.is_foreign,
+            "reason": self.reason,
+            "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
+            "parameter_name": self.parameter_name,
+            "parameter": None if self.parameter is None else ball_to_json(self.parameter),
+        }
+
+
+def place_bifurcation(
+    atlas: Atlas,
+    chain: Chain | None,
+    certificate: Certificate,
+    examine: Examine = recheck,
+    partner: Partner = other_point,
+) -> Bifurcation:
+    """Whether the bifurcation of a certificate that fits the schema lies on the curve.
+
+    `chain` is `None` if the curve itself is not proved. `examine` shows that the certificate's conclusion follows
+    from what it stores; `partner` encloses the other point of a symmetric orbit on Fix(R).
+    """
+    candidate = certificate["statement"]["candidate"]
+    entry = Bifurcation(str(certificate["id"]), str(candidate.get("kind")), int(candidate.get("k", 0)), None, "", {})
+    other = _other_system(atlas, certificate)
+    if other is not None:
+        return replace(entry, reason=other, is_foreign=True)
+    if certificate["verdict"] != "proved":
+        return replace(entry, reason=f"the certificate says {certificate['verdict']!r}")
+    examined = examine(certificate)
+    if not examined.stands:
+        found = examined.findings[0]
+        return replace(entry, reason=f"the certificate does not stand: {found.place}: {found.message}")
+    results = certificate["results"]
+    try:
+        names = certified_system(atlas.system).centre_coordinates
+        point = {key: ball_from_json(results["point"][key]) for key in names}
+        parameter = ball_from_json(results["parameter"])
+    except (KeyError, TypeError, ValueError) as error:
+        return replace(entry, reason=f"the certificate's results cannot be read: {error}")
+    breaks = entry.kind == "symmetry_breaking"
+    if point_name(atlas.system) is not None:
+        planar = breaks and candidate.get("symmetry") == PLANAR
+        carried = in_units_of_orbit(atlas.system, atlas.parameters, point) if planar else None
+        if carried is None:
+            return replace(entry, reason="it is not shown to be a planar orbit away from the libration point")
+        point = carried
+    entry = replace(entry, point=point, parameter_name=str(results["parameter_name"]), parameter=parameter)
+    if chain is None:
+        return replace(entry, reason="the curve itself is not proved")
+    doubly = breaks and candidate.get("symmetry") == atlas.claim.symmetry is not None
+    place = locate(atlas, chain, list(point.values()), doubly)
+    if isinstance(place, Place):
+        return replace(entry, place=place)
+    if point_name(atlas.system) is None:
+        second = partner(atlas.system, atlas.parameters, point)
+        found_there = None if second is None else locate(atlas, chain, list(second.values()), False)
+        if isinstance(found_there, Place):
+            return replace(entry, place=replace(found_there, other_point=True))
+    return replace(entry, reason=place)
+
+
+def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breaking: bool = False) -> Place | str:
+    """Where on the curve a symmetric orbit lies that is given by enclosures of its coordinates, or why nowhere.
+
+    The orbit has to be a zero of the curve's equations, which is what bifurcations of every kind are. If it
+    `is_symmetry_breaking`, for the symmetry of the atlas, the point is fixed by it and may be a symmetric point of
+    the curve.
+    """
+    if not all_finite(point):
+        return "its enclosure is not finite"
+    images = [(list(point), False)]
+    if atlas.claim.kind.startswith("symmetric"):
+        signs = signs_of(atlas, str(atlas.claim.symmetry))
+        images.append(([sign * ball for sign, ball in zip(signs, point, strict=True)], True))
+    misses: list[tuple[arb, str]] = []
+    for image, mirrored in images:
+        for stretch in chain.stretches:
+            found = _in_stretch(stretch, image, is_symmetry_breaking)
+            if isinstance(found, arb):
+                return Place(stretch.tube.piece.id, found, mirrored)
+            if found is not None:
+                misses.append(found)
+    if not misses:
+        return "it lies beyond the ends of all pieces"
+    return min(misses, key=lambda miss: upper_end(miss[0]))[1]
+
+
+def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bool) -> arb | tuple[arb, str] | None:
+    """s of the point if it certainly lies on the stretch; else how far off it is, and in words; `None` if far away."""
+    tube, name = stretch.tube, stretch.tube.piece.id
+    p = tube.to_local(point)
+    s = tube.parameter(p)
+    if not s.is_finite() or is_below(s, enclose(stretch.enters)) or is_below(enclose(stretch.leaves), s):
+        return None
+    if tube.is_symmetric and not excludes_zero(s):
+        if not is_symmetry_breaking:
+            return arb(0), f"it is not shown to lie off the points of {name} that are fixed by the symmetry"
+        s = arb(0)
+    widths = [enclose(width) for width in tube.piece.tube]
+    offsets = [ball / width for ball, width in zip(tube.offsets(s, p), widths, strict=True)]
+    if not all_finite(offsets):
+        return None
+    if tube.contains(s, p) and stretch.contains(s):
+        return s
+    most = max((abs(ball) for ball in offsets), key=upper_end)
+    if lower_end(most) >= 1:
+        return most, f"it lies outside the tubes, in {name} by {float(lower_end(most)):.3g} half-widths or more"
+    if any(upper_end(ball) - lower_end(ball) >= 1 for ball in offsets):
+        return most, f"its enclosure is too wide for the tube of {name}; certify it in a smaller box"
+    return most, f"it is not shown to lie on the part of {name} that is proved; more digits or a wider tube may decide"
+
+
+def signs_of(atlas: Atlas, symmetry: str) -> list[int]:
+    """The signs of a symmetry on the coordinates of the pieces; a family parameter is left alone."""
+    system = atlas.system
+    signs = system.symmetries[symmetry]
+    return [signs[system.state.index(name)] if name in system.state else 1 for name in system.centre_coordinates]
+
+
+def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
+    """Why a certificate is about another system than the atlas, if it is."""
+    statement = certificate["statement"]
+    try:
+        system, parameters = read_system(statement["candidate"], "statement.candidate")
+    except (InputError, KeyError, ValueError) as error:
+        return f"the certificate cannot be read: {error}"
+    wanted = certified_system(atlas.system)
+    if system.name != wanted.name:
+        return f"it is about another system, {system.name}"
+    for name, value in atlas.parameters.items():
+        if parameters.get(name) != value:
+            return f"it is about another value of {name}"
+    if statement["vector_field"] != wanted.program.text():
+        return f"it is about another vector field than that of {system.name} now"
+    return None

@@ -1,0 +1,187 @@
+"""The hypotheses of theorems about curves (docs/method.md, sections 15.3 to 15.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.claim import check_symmetries, determinant
+from orbitproof.verify.curve.bifurcations_on_it import signs_of
+from orbitproof.verify.curve.gluing import Chain, follow
+from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
+from orbitproof.verify.evidence import Checklist, Evidence, IntegrationFailure, all_finite, excludes_zero
+
+KINDS = ("arc", "symmetric-arc", "symmetric-loop", "loop")
+_REMEDY = "write the atlas again with more overlap, wider tubes, or narrower pieces where they are not proved"
+
+
+def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
+    """Names of the hypotheses that the claim takes, in the order of checking."""
+    claim = atlas.claim
+    return (
+        "symmetries",
+        "pieces",
+        "curve",
+        *(("plane",) if claim.kind in ("symmetric-arc", "symmetric-loop") else ()),
+        *(("two-points",) if claim.kind == "symmetric-loop" else ()),
+        *(f"increasing-{name}" for name in claim.increasing),
+        *(("covers",) if claim.covers is not None else ()),
+    )
+
+
+def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Chain:
+    """Check every hypothesis of the claim; raises `NotEstablishedError` at the first that is not shown.
+
+    `results`: one JSON object for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
+    """
+    claim = atlas.claim
+    with checklist.hypothesis(
+        "symmetries", "1.3", "R reverses the system, and the symmetry of the claim commutes with its flow", _REMEDY
+    ) as evidence:
+        evidence.require(_symmetries_hold(atlas), "the vector field was not shown to have the symmetries")
+    with checklist.hypothesis(
+        "pieces", "15.3", "the pieces are of the kinds that the claim takes, regular, and adapted to its symmetry",
+        "write the atlas again",
+    ) as evidence:  # fmt: skip
+        _check_pieces(evidence, atlas)
+    by_piece: dict[str, list[Mapping[str, Any]]] = {piece.id: [] for piece in atlas.curve_pieces()}
+    for result in results:
+        by_piece.setdefault(str(result.get("piece")), []).append(result)
+    tubes = [read_tube(piece, by_piece[piece.id]) for piece in atlas.curve_pieces()]
+    found: Chain | None = None
+    with checklist.hypothesis(
+        "curve", "15.5", "every piece is proved where the curve uses it and leads into the tube of the next one",
+        _REMEDY,
+    ) as evidence:  # fmt: skip
+        found = follow(evidence, claim.kind, tubes)
+    assert found is not None
+    if claim.kind in ("symmetric-arc", "symmetric-loop"):
+        _check_plane(checklist, atlas, found)
+    if claim.kind == "symmetric-loop":
+        check_two_points(checklist, atlas.system.centre_coordinates, *found.ends)
+    for name in claim.increasing:
+        _check_increasing(checklist, atlas, found, name)
+    if claim.covers is not None:
+        _check_covers(checklist, atlas, found)
+    return found
+
+
+def _symmetries_hold(atlas: Atlas) -> bool:
+    try:
+        check_symmetries(atlas.system, atlas.claim.symmetry)
+    except (IntegrationFailure, KeyError):
+        return False
+    return True
+
+
+def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
+    claim, pieces = atlas.claim, atlas.pieces
+    evidence.require(claim.kind in KINDS, f"{claim.kind} is not a claim about a curve")
+    evidence.require(
+        not claim.kind.startswith("symmetric") or claim.symmetry in atlas.system.symmetries,
+        f"a {claim.kind} needs a symmetry of the system",
+    )
+    evidence.require(len(pieces) > (1 if claim.kind in ("symmetric-loop", "loop") else 0), "there are too few pieces")
+    if not evidence.holds:
+        return
+    at_ends = {"symmetric-arc": (0,), "symmetric-loop": (0, len(pieces) - 1)}.get(claim.kind, ())
+    evidence.require(len({piece.id for piece in pieces}) == len(pieces), "two pieces have the same id")
+    for number, piece in enumerate(atlas.curve_pieces()):
+        wanted = "symmetric" if number in at_ends else "regular"
+        evidence.require(
+            piece.kind == wanted, f"piece {piece.id} is {piece.kind}, in a {claim.kind} it has to be {wanted}"
+        )
+        size = len(atlas.system.centre_coordinates)
+        shapes = {len(piece.centre), len(piece.frame), *map(len, piece.frame), len(piece.polynomial) + 1}
+        evidence.require(shapes | {len(piece.tube) + 1} == {size}, f"piece {piece.id} does not have {size} coordinates")
+        if not evidence.holds:
+            return
+        evidence.require(determinant(piece.frame) != 0, f"the frame of piece {piece.id} is singular")
+        evidence.require(
+            piece.half_width > 0 and min(piece.tube) > 0, f"half_width and tube of piece {piece.id} have to be positive"
+        )
+        if piece.kind != "symmetric" or claim.symmetry is None:
+            continue
+        signs = signs_of(atlas, claim.symmetry)
+        adapted = all(
+            (sign == 1 or middle == 0)
+            and all(value == 0 for column, value in enumerate(row) if sign != (-1 if column == 0 else 1))
+            for sign, middle, row in zip(signs, piece.centre, piece.frame, strict=True)
+        )
+        evidence.require(
+            adapted, f"{claim.symmetry} does not fix the centre of piece {piece.id} and negate column 0 only"
+        )
+        evidence.require(
+            not any(value for coefficients in piece.polynomial for value in coefficients[1::2]),
+            f"a polynomial of piece {piece.id} has an odd coefficient",
+        )
+
+
+def _negated(atlas: Atlas) -> int:
+    """Index of the coordinate that the symmetry negates: exactly one, since it negates one column of a frame."""
+    return signs_of(atlas, str(atlas.claim.symmetry)).index(-1)
+
+
+def _check_plane(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
+    index, symmetry = _negated(atlas), atlas.claim.symmetry
+    name = atlas.system.centre_coordinates[index]
+    with checklist.hypothesis(
+        "plane", "15.6", f"{name} has one sign on the curve except at s = 0 of symmetric pieces", _REMEDY
+    ) as evidence:
+        side = 1 if chain.stretches[0].tube.piece.frame[index][0] > 0 else -1
+        for stretch in chain.stretches:
+            tube = stretch.tube
+            if tube.is_symmetric:
+                # There the coordinate is frame[index][0] half_width s exactly, and s has the sign of the stretch.
+                sign = (1 if tube.piece.frame[index][0] > 0 else -1) * (1 if stretch.leaves > 0 else -1)
+                holds = sign == side
+            else:
+                holds = tube.coordinate_is_beyond_zero(index, side, stretch.run, stretch.enters, stretch.leaves)
+            evidence.require(
+                holds,
+                f"{name} is not shown to keep its sign on piece {tube.piece.id}, so the curve may meet Fix({symmetry})",
+            )
+
+
+def check_two_points(checklist: Checklist, names: Sequence[str], first: Sequence[arb], last: Sequence[arb]) -> None:
+    """The symmetric points at which a symmetric loop begins and ends are different."""
+    with checklist.hypothesis(
+        "two-points", "15.6", "the two symmetric points are different", "write the atlas again"
+    ) as evidence:
+        distances = [a - b for a, b in zip(first, last, strict=True)]
+        for name, distance in zip(names, distances, strict=True):
+            evidence.record(f"difference in {name}", distance)
+        evidence.require(any(excludes_zero(distance) for distance in distances), "they may be the same point")
+
+
+def _check_increasing(checklist: Checklist, atlas: Atlas, chain: Chain, name: str) -> None:
+    index = atlas.system.centre_coordinates.index(name)
+    with checklist.hypothesis(
+        f"increasing-{name}", "15.7", f"the derivative of {name} along the curve is positive", "leave out the claim"
+    ) as evidence:
+        for stretch in chain.stretches:
+            evidence.require(
+                stretch.tube.coordinate_increases(index, stretch.run, stretch.enters, stretch.leaves),
+                f"{name} is not shown to increase on piece {stretch.tube.piece.id}",
+            )
+
+
+def _check_covers(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
+    covers = atlas.claim.covers
+    assert covers is not None
+    index = atlas.system.centre_coordinates.index(covers.coordinate)
+    low, high = float(covers.start), float(covers.end)
+    statement = (
+        f"{covers.coordinate} is at most {low:.17g} where the curve begins and at least {high:.17g} where it ends"
+    )
+    with checklist.hypothesis("covers", "15.7", statement, "let the pieces reach further") as evidence:
+        first, last = (end[index] for end in chain.ends)
+        evidence.record("beginning", first)
+        evidence.record("end", last)
+        evidence.require(all_finite([first, last]), "the ends are not known")
+        if evidence.holds:
+            evidence.require(upper_end(first) <= covers.start, "it is not shown to begin so low")
+            evidence.require(covers.end <= lower_end(last), "it is not shown to end so high")

@@ -1,0 +1,85 @@
+"""The other point of a symmetric orbit on Fix(R) (docs/method.md, section 15.8).
+
+An R-symmetric orbit with P^2(x) = x meets Fix(R) in x and in P(x). A bifurcation that is certified at one of the
+two points may lie on a curve of initial values through the other one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from math import ceil, log2
+
+from flint import arb, ctx
+
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, float_above, inflate
+from orbitproof.verify.curve.libration_point import parameter_series
+from orbitproof.verify.evidence import IntegrationFailure, all_finite, exact_value, excludes_zero, total
+from orbitproof.verify.poincare import Returns, default_order, evaluate
+
+_LEAST_BITS = 96
+_SPARE_BITS = 16
+_MAX_STEPS = 1000
+
+
+def other_point(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
+) -> dict[str, arb] | None:
+    """Enclosures of the coordinates of P(x) for a symmetric orbit through x, or `None` if there are none.
+
+    Args:
+        parameters: exact values of the system's fixed parameters.
+        point: enclosures of the system's `centre_coordinates` at x, where P(x) is known to lie in Fix(R).
+    """
+    if not all_finite(point.values()):
+        return None
+    widest = max(float(ball.rad()) for ball in point.values())
+    bits = max(_LEAST_BITS, _SPARE_BITS + ceil(-log2(widest)) if widest else 0)
+    previous = ctx.prec
+    ctx.prec = bits + 64
+    try:
+        return _half_return(system, parameters, point, Arithmetic(Grading((1,), 0), bits, 0, default_order(bits)))
+    except (IntegrationFailure, ArithmeticError):
+        return None
+    finally:
+        ctx.prec = previous
+
+
+def _half_return(
+    system: ReversibleSystem, given: Mapping[str, Fraction], point: Mapping[str, arb], arithmetic: Arithmetic
+) -> dict[str, arb] | None:
+    known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
+    zero = arithmetic.constant(Fraction(0))
+    initial = [known.get(name, zero) for name in system.state]
+    others = parameter_series(arithmetic, system, given)
+    parameters = [known[name] if name in known else others[name] for name in system.parameters]
+    program = system.first_integral_program
+    level = None if program is None else evaluate(arithmetic, program, (*initial, *parameters))[0]
+    returns = Returns(system, arithmetic, initial, parameters, level)
+    while not returns.step():
+        if returns.steps >= _MAX_STEPS:
+            return None
+    state = [_ball(element) for element in returns.crossing(1)[0]]
+    if any(excludes_zero(state[index]) for index in system.kernel_coordinates):
+        # The orbit through x is not symmetric: what was said of x is wrong.
+        return None
+    at = dict(zip(system.state, state, strict=True))
+    result = {name: at.get(name, point.get(name, arb("nan"))) for name in system.centre_coordinates}
+    return result if all_finite(result.values()) else None
+
+
+def _constant(arithmetic: Arithmetic, ball: arb) -> Series:
+    """An element that contains every number of a ball."""
+    element = arithmetic.constant(exact_value(ball.mid()))
+    radius = exact_value(ball.rad())
+    errors = list(element.errors)
+    if radius:
+        errors[0] = inflate(errors[0] + float_above(-(-radius.numerator * 2**1000 // radius.denominator), -1000))
+    return element.with_errors(errors)
+
+
+def _ball(element: Series) -> arb:
+    """The values of an element without variables that does not depend on time."""
+    value = arb(element.coefs[0][0]) * arb(2) ** -element.arithmetic.scales[0]
+    return value + arb(0, 1) * total(arb(error) for error in element.errors)

@@ -1,0 +1,140 @@
+"""The theorem about a proved curve in words (docs/method.md, section 15.9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+from flint import arb
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, signs_of
+from orbitproof.verify.curve.libration import meaning
+from orbitproof.verify.evidence import decimal_interval
+
+Ends = Mapping[str, Mapping[str, arb]]
+"""Enclosures of the coordinates of the first point, "start", and of the last one, "end"."""
+
+_DIGITS = 18
+
+
+def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
+    """What is proved of the curve, without the bifurcations on it. `half_period` may be not finite: not known."""
+    paragraphs = [_setting(atlas), _curve(atlas, ends)]
+    claim = atlas.claim
+    if claim.increasing:
+        paragraphs.append(_increasing(atlas, ends))
+    if claim.covers is not None:
+        covers = claim.covers
+        paragraphs.append(
+            f"Along it {covers.coordinate} takes all values from {_number(covers.start)} to {_number(covers.end)}."
+        )
+    further = meaning(atlas)
+    if further:
+        paragraphs.append(further)
+    if half_period.is_finite():
+        paragraphs.append(f"All half periods lie in {decimal_interval(half_period, 6)}.")
+    return "\n".join(paragraphs)
+
+
+def bifurcation_statement(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
+    """Which of the certified bifurcations lie on the curve and which are not shown to; empty if there are none."""
+    lines = []
+    on = [entry for entry in bifurcations if entry.place is not None]
+    off = [entry for entry in bifurcations if entry.place is None and not entry.is_foreign]
+    foreign = sum(entry.is_foreign for entry in bifurcations)
+    if on:
+        lines.append("Of the certified bifurcations these lie on it:")
+        lines += [f"- {_bifurcation(entry)}" for entry in on]
+    if off:
+        lines.append("Of these it is not shown that they lie on it:")
+        lines += [f"- {entry.id} (k = {entry.k}): {entry.reason}" for entry in off]
+    if foreign:
+        were = "certificate is" if foreign == 1 else "certificates are"
+        lines.append(f"{foreign} further {were} about another system or other parameters.")
+    return "\n".join(lines)
+
+
+def _setting(atlas: Atlas) -> str:
+    system = atlas.system
+    values = ", ".join(f"{name} = {_number(value)}" for name, value in atlas.parameters.items())
+    with_values = f" with {values}" if values else ""
+    return (
+        f"Consider the {system.title}{with_values}, and the map P to the next crossing of the section "
+        f"{{{system.section} = 0}}."
+    )
+
+
+def _curve(atlas: Atlas, ends: Ends) -> str:
+    claim = atlas.claim
+    coordinates = ", ".join(atlas.system.centre_coordinates)
+    orbits = "each of its points is the initial condition of an R-symmetric periodic orbit, P^2(x) = x"
+    where = f"in the coordinates ({coordinates}) of Fix(R)"
+    first, last = _point(ends["start"]), _point(ends["end"])
+    fixed = f"Fix({claim.symmetry})"
+    if claim.kind == "arc":
+        simple = " without self-intersections" if claim.increasing else ""
+        return f"There is a smooth curve{simple} {where} from {first} to {last}; {orbits}."
+    if claim.kind == "loop":
+        return f"There is a smooth closed curve without self-intersections {where}, through {first}; {orbits}."
+    if claim.kind == "symmetric-arc":
+        return (
+            f"There is a smooth curve without self-intersections {where}, mapped to itself by {claim.symmetry}; "
+            f"{orbits}. It meets {fixed} in exactly one point, {first}, and leads from there to {last} and to the "
+            f"mirror image of this point."
+        )
+    return (
+        f"There is a smooth closed curve without self-intersections {where}, mapped to itself by {claim.symmetry}; "
+        f"{orbits}. It meets {fixed} in exactly two points, {first} and {last}."
+    )
+
+
+def _increasing(atlas: Atlas, ends: Ends) -> str:
+    claim = atlas.claim
+    if claim.kind == "symmetric-loop":
+        return f"From the first of these points to the second, along the half of the pieces: {_grow(claim.increasing)}."
+    if claim.kind != "symmetric-arc":
+        return f"Along it {_grow(claim.increasing)}."
+    signs = dict(zip(atlas.system.centre_coordinates, signs_of(atlas, str(claim.symmetry)), strict=True))
+    negated = [name for name in claim.increasing if signs[name] == -1]
+    fixed = [name for name in claim.increasing if signs[name] == 1]
+    sentences = [f"From end to end {_grow(negated)}."] if negated else []
+    if fixed:
+        minima = ", ".join(f"the minimum of {name}, in {_interval(ends['start'][name])}" for name in fixed)
+        sentences.append(f"From its symmetric point to either end {_grow(fixed)}; at that point is {minima}.")
+    return " ".join(sentences)
+
+
+def _grow(names: Sequence[str]) -> str:
+    return f"{' and '.join(names)} {'increases' if len(names) == 1 else 'increase'} strictly"
+
+
+def _bifurcation(entry: Bifurcation) -> str:
+    what = {
+        "symmetry_breaking": "symmetry breaking",
+        "period_tupling": f"period {entry.k}-tupling",
+        "touch_and_go": f"touch-and-go of order {entry.k}",
+    }.get(entry.kind, entry.kind)
+    assert entry.place is not None
+    value = "" if entry.parameter is None else f", {entry.parameter_name} in {_interval(entry.parameter)}"
+    where = "at the symmetric point of" if entry.place.s.is_zero() else "in"
+    which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
+    mirror = " (its mirror image)" if entry.place.mirrored else ""
+    return f"{entry.id}: {what}{value}, {which}{where} piece {entry.place.piece}{mirror}"
+
+
+def _point(coordinates: Mapping[str, arb]) -> str:
+    return "(" + ", ".join(_interval(ball) for ball in coordinates.values()) + ")"
+
+
+def _interval(ball: arb) -> str:
+    return "0" if ball.is_zero() else decimal_interval(ball, _DIGITS)
+
+
+def _number(value: Fraction) -> str:
+    """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
+    if value.denominator == 1:
+        return str(value.numerator)
+    exact = format_exact(value)
+    return str(float(value)) if Fraction(str(float(value))) == value else f"{float(value):.17g} (exactly {exact})"

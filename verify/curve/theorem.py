@@ -1,0 +1,88 @@
+"""The theorem about a curve of symmetric periodic orbits, from proved pieces (docs/method.md, section 15.9)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flint import arb, ctx
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.certificate import Certificate, recheck
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Examine, Partner, place_bifurcation
+from orbitproof.verify.curve.conclusion import Conclusion
+from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
+from orbitproof.verify.curve.gluing import Chain
+from orbitproof.verify.curve.other_point import other_point
+from orbitproof.verify.curve.statement import Ends, bifurcation_statement, curve_statement
+from orbitproof.verify.evidence import (
+    Checklist,
+    EmptyIntersectionError,
+    NotEstablishedError,
+    Reason,
+    all_finite,
+    hull,
+    meet,
+)
+
+PRECISION = 256
+"""Bits of the ball arithmetic: far more than double numbers in the pieces, and certificates, have."""
+
+
+def conclude(
+    atlas: Atlas,
+    results: Sequence[Mapping[str, Any]],
+    bifurcations: Sequence[Certificate] = (),
+    examine: Examine = recheck,
+    partner: Partner = other_point,
+) -> Conclusion:
+    """The theorem that proved pieces give, or the first hypothesis that is not shown.
+
+    Args:
+        atlas: the claim about a curve; that the results are about its pieces as they are is for the caller.
+        results: one JSON object for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
+        bifurcations: certificates that fit their schema, of points that may lie on the curve.
+        examine: shows that a certificate's conclusion follows from what it stores.
+        partner: encloses the other point of a symmetric orbit on Fix(R), by integration.
+    """
+    checklist = Checklist()
+    chain: Chain | None = None
+    ends: Ends = {}
+    reason, statement = None, ""
+    with ctx.workprec(PRECISION):
+        try:
+            chain = check_curve(checklist, atlas, results)
+        except NotEstablishedError as error:
+            reason = error.reason
+        placed = tuple(place_bifurcation(atlas, chain, entry, examine, partner) for entry in bifurcations)
+        if chain is not None:
+            try:
+                ends = _ends(atlas, chain, placed)
+                texts = (curve_statement(atlas, ends, _half_period(chain)), bifurcation_statement(atlas, placed))
+                statement = "\n".join(text for text in texts if text)
+            except EmptyIntersectionError as error:
+                reason = Reason("ends", f"curve and certificates contradict each other: {error}", "report this")
+    return Conclusion(
+        atlas.id, statement, reason, tuple(checklist.hypotheses), chain, ends, placed, hypotheses_of(atlas)
+    )
+
+
+def _ends(atlas: Atlas, chain: Chain, placed: Sequence[Bifurcation]) -> Ends:
+    """The coordinates of the ends; a symmetry breaking on the curve is its symmetric point, known from there too."""
+    names = atlas.system.centre_coordinates
+    result = {key: dict(zip(names, end, strict=True)) for key, end in zip(("start", "end"), chain.ends, strict=True)}
+    for entry in placed:
+        if entry.place is None or entry.place.other_point or not entry.place.s.is_zero():
+            continue
+        for key, stretch in (("start", chain.stretches[0]), ("end", chain.stretches[-1])):
+            if stretch.tube.is_symmetric and entry.place.piece == stretch.tube.piece.id:
+                result[key] = {name: meet(ball, entry.point[name]) for name, ball in result[key].items()}
+    return result
+
+
+def _half_period(chain: Chain) -> arb:
+    """A ball that contains the half periods of all orbits of the curve; not finite if they are not all known."""
+    times = [
+        part.time for stretch in chain.stretches for part, _, _ in stretch.run.between(stretch.enters, stretch.leaves)
+    ]
+    return hull(times[0], *times[1:]) if all_finite(times) else arb(float("nan"))

@@ -1,0 +1,34 @@
+"""Where tasks are done, side by side, and what people see of it."""
+
+from orbitproof.verify.engines.cluster import connected
+from orbitproof.verify.engines.options import ArgumentParser, positive_integer, positive_seconds
+from orbitproof.verify.engines.processes import (
+    GRACE_SECONDS,
+    Answer,
+    Engine,
+    Failure,
+    Processes,
+    Progress,
+    Report,
+    Task,
+    Work,
+)
+from orbitproof.verify.engines.progress import Display, aligned
+
+__all__ = [
+    "GRACE_SECONDS",
+    "Answer",
+    "ArgumentParser",
+    "Display",
+    "Engine",
+    "Failure",
+    "Processes",
+    "Progress",
+    "Report",
+    "Task",
+    "Work",
+    "aligned",
+    "connected",
+    "positive_integer",
+    "positive_seconds",
+]

@@ -1,0 +1,81 @@
+"""What people see of a run: progress with a time estimate on stderr, and aligned tables."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+
+class Display:
+    """Progress of a run, on stderr: a bar on a terminal, a line for each finished row elsewhere."""
+
+    def __init__(self, work: Mapping[str, float], quiet: bool) -> None:
+        """`work` is a measure of the work for each row, by its name."""
+        self._weights = dict(work)
+        self._fractions = dict.fromkeys(self._weights, 0.0)
+        self._done = 0
+        self._start = time.monotonic()
+        self._quiet = quiet
+        self._console = Console(stderr=True, quiet=quiet, highlight=False, soft_wrap=True)
+        self._bar: Progress | None = None
+
+    @contextmanager
+    def shown(self) -> Iterator[Display]:
+        """Show progress while the body runs."""
+        if self._quiet or not self._console.is_terminal or not self._weights:
+            yield self
+            return
+        columns = (
+            TextColumn("{task.description}", markup=False),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f}%"),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        with Progress(*columns, console=self._console, transient=True) as bar:
+            bar.add_task("verify", total=sum(self._weights.values()))
+            self._bar = bar
+            try:
+                yield self
+            finally:
+                self._bar = None
+
+    def advance(self, name: str, fraction: float, label: str) -> None:
+        """A row has come so far in its current attempt."""
+        self._fractions[name] = min(max(fraction, 0.0), 1.0)
+        self._refresh(f"{name} ({label})")
+
+    def finish(self, name: str, word: str) -> None:
+        """A row is finished, with this outcome."""
+        self._fractions[name] = 1.0
+        self._done += 1
+        line = f"[{self._done}/{len(self._weights)}] {name}: {word}"
+        if self._bar is None and self._done < len(self._weights):
+            line += f"; about {self._remaining():.0f} s left"
+        self._console.print(line, markup=False)
+        self._refresh(name)
+
+    def message(self, text: str) -> None:
+        """A message on stderr, unless quiet."""
+        self._console.print(text, markup=False)
+
+    def _work_done(self) -> float:
+        return sum(weight * self._fractions[name] for name, weight in self._weights.items())
+
+    def _remaining(self) -> float:
+        done = self._work_done()
+        return (time.monotonic() - self._start) * (sum(self._weights.values()) - done) / done if done else 0.0
+
+    def _refresh(self, description: str) -> None:
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], completed=self._work_done(), description=description)
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -1,0 +1,191 @@
+"""What a verification returns: `Proved` or `NotProved`, with every hypothesis and its enclosures.
+
+A `Proved` cannot be made unless the hypotheses are exactly those of the theorem, in order, and all
+of them hold; a check that was left out can therefore never lead to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from flint import arb
+
+from orbitproof.verify.evidence.balls_as_text import balls_to_json, decimal_interval
+from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """One hypothesis of a theorem and what was found.
+
+    Attributes:
+        name: short key, for example "HC3".
+        statement: the inequality or inclusion that was checked, in words.
+        section: section of docs/method.md that says why it is enough.
+        holds: whether it is shown.
+        enclosures: the balls that show it, by name.
+    """
+
+    name: str
+    statement: str
+    section: str
+    holds: bool
+    enclosures: Mapping[str, arb] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Theorem:
+    """What a verdict proves, and the names of the hypotheses that it takes, in the order of checking."""
+
+    statement: str
+    hypotheses: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a claim is not proved. Failure to verify is not a proof that the claim is false.
+
+    Attributes:
+        condition: name of the hypothesis, or short key of what stopped the verification.
+        message: what happened.
+        remedy: what to try.
+        needs_precision: whether more precision may mend it.
+        enough_precision: bits that are expected to be enough, where that is known.
+    """
+
+    condition: str
+    message: str
+    remedy: str
+    needs_precision: bool = False
+    enough_precision: int | None = None
+
+
+@dataclass(frozen=True)
+class BifurcationResults:
+    """What is known about a proved bifurcation.
+
+    Attributes:
+        point: enclosure of the bifurcation point, by coordinate name.
+        parameter_name: the bifurcation parameter, family parameter or first integral.
+        parameter: its enclosure.
+        side: "above", "below" or "both": parameter values at which the new orbits exist.
+        normal_form: enclosures of the coefficients alpha and beta, and of the derivatives behind them.
+    """
+
+    point: Mapping[str, arb]
+    parameter_name: str
+    parameter: arb
+    side: str
+    normal_form: Mapping[str, arb]
+
+
+@dataclass(frozen=True)
+class Proved:
+    """The theorem holds for the candidate. Raises `ValueError` if the hypotheses are not all there."""
+
+    theorem: Theorem
+    results: BifurcationResults
+    hypotheses: tuple[Hypothesis, ...]
+
+    def __post_init__(self) -> None:
+        names = tuple(hypothesis.name for hypothesis in self.hypotheses)
+        if not names or names != self.theorem.hypotheses:
+            raise ValueError(f"hypotheses {names} are not those of the theorem, {self.theorem.hypotheses}")
+        if not all(hypothesis.holds is True for hypothesis in self.hypotheses):
+            raise ValueError("a hypothesis that does not hold proves nothing")
+
+
+@dataclass(frozen=True)
+class NotProved:
+    """The theorem was not shown to hold; `hypotheses` are those that were looked at."""
+
+    reason: Reason
+    hypotheses: tuple[Hypothesis, ...] = ()
+
+
+Outcome = Proved | NotProved
+
+
+class NotEstablishedError(Exception):
+    """A hypothesis could not be shown; carries the `Reason`. Ends the check of one candidate."""
+
+    def __init__(self, reason: Reason) -> None:
+        super().__init__(reason.message)
+        self.reason = reason
+
+
+class Evidence:
+    """Collects the enclosures and requirements of one hypothesis."""
+
+    def __init__(self, remedy: str) -> None:
+        self.remedy = remedy
+        self.enclosures: dict[str, arb] = {}
+        self.requirements: list[bool] = []
+        self.failure: str | None = None
+        self.needs_precision = False
+
+    def record(self, name: str, ball: arb) -> arb:
+        """Keep an enclosure for the certificate and return it."""
+        self.enclosures[name] = ball
+        return ball
+
+    def require(self, holds: bool, failure: str, needs_precision: bool = False) -> None:
+        """Add a requirement; `failure` says in words what is wrong if it is not met."""
+        self.requirements.append(holds is True)
+        if holds is not True and self.failure is None:
+            self.failure = failure
+            self.needs_precision = needs_precision
+
+    @property
+    def holds(self) -> bool:
+        """Whether there is a requirement and all are met."""
+        return bool(self.requirements) and all(self.requirements)
+
+
+class Checklist:
+    """The hypotheses looked at so far, in order."""
+
+    def __init__(self) -> None:
+        self.hypotheses: list[Hypothesis] = []
+
+    @contextmanager
+    def hypothesis(self, name: str, section: str, statement: str, remedy: str) -> Iterator[Evidence]:
+        """Check one hypothesis in the body of a ``with`` statement.
+
+        The body records enclosures and requirements. If a requirement fails, or there is none, or the
+        arithmetic has no finite result, the hypothesis does not hold and `NotEstablishedError` is raised.
+        """
+        evidence = Evidence(remedy)
+        try:
+            yield evidence
+        except ZeroDivisionError:
+            evidence.require(False, "a divisor or a matrix may be singular", needs_precision=True)
+        except EmptyIntersectionError as error:
+            evidence.require(False, f"{error}; a bound is wrong", needs_precision=False)
+        except KeyError as error:
+            evidence.require(False, f"the derivative {error} is missing", needs_precision=False)
+        self.hypotheses.append(Hypothesis(name, statement, section, evidence.holds, dict(evidence.enclosures)))
+        if not evidence.holds:
+            message = evidence.failure or "nothing was checked"
+            raise NotEstablishedError(
+                Reason(name, f"{statement}: {message}", evidence.remedy, evidence.needs_precision)
+            )
+
+
+def show(ball: arb) -> str:
+    """A ball for a message: an interval with few digits, rounded outward."""
+    return decimal_interval(ball, 4)
+
+
+def hypothesis_to_json(hypothesis: Hypothesis) -> dict[str, Any]:
+    """The JSON object of a hypothesis and its enclosures."""
+    return {
+        "name": hypothesis.name,
+        "statement": hypothesis.statement,
+        "section": hypothesis.section,
+        "holds": hypothesis.holds,
+        "enclosures": balls_to_json(hypothesis.enclosures),
+    }

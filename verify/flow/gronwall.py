@@ -1,0 +1,237 @@
+"""Propagation of graded errors: a componentwise comparison system (docs/method.md, section 4).
+
+Errors of m components in grades 0 .. G and above form one vector of m (G + 2) non-negative numbers.
+Along the flow it satisfies E(t) <= E(0) + integral of (M E + delta), entrywise, where M collects bounds
+of the partial derivatives of the vector field by grade; hence E(h) <= exp(h M) (E(0) + h delta).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+from math import comb
+
+import numpy as np
+from flint import fmpz, fmpz_poly
+from numpy.typing import NDArray
+
+from orbitproof.verify.algebra import (
+    Arithmetic,
+    Grading,
+    PreparedProgram,
+    Series,
+    approximate_power,
+    correct_power,
+    float_above,
+    inflate,
+    wide_power,
+)
+from orbitproof.verify.evidence import IntegrationFailure
+
+_NORM_BITS = 96
+_NORM_DEGREE = 24
+_NORM_WIDTH = 8
+_RATIO = 2.0**-40
+
+PARTS = 8
+"""The number of equal parts of a step on each of which the derivatives are bounded anew."""
+_SLACK = 1.0 + 2.0**-30
+_FLOOR = 2.0**-960
+
+_MINUS_ONE = Fraction(-1)
+
+Floats = NDArray[np.float64]
+
+
+def norm_arithmetic(arithmetic: Arithmetic) -> Arithmetic:
+    """The format of the norm computation: only the centre is known, every grade is bounded."""
+    grading = Grading((), arithmetic.grading.top)
+    return Arithmetic(
+        grading, min(_NORM_BITS, arithmetic.bits), 0, min(_NORM_DEGREE, arithmetic.degree),
+        width=min(_NORM_WIDTH, arithmetic.width),
+    )  # fmt: skip
+
+
+def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float]) -> Series:
+    """`element` widened by `tube`, with everything but a coarse centre turned into error bounds."""
+    fine = element.arithmetic
+    drop = fine.bits - coarse.bits
+    centre = element.coefs[0]
+    errors = [inflate(e + t) for e, t in zip(element.errors, tube, strict=True)]
+    if fine.width:
+        centre, beyond = _coarsened(coarse, fine, centre)
+        errors[0] = inflate(errors[0] + float_above(beyond, -fine.bits))
+    elif centre.length() > coarse.degree + 1:
+        errors[0] = inflate(errors[0] + fine.size(centre.right_shift(coarse.degree + 1), fine.scales[0]))
+        centre = centre.truncate(coarse.degree + 1)
+    if drop and centre.length():
+        centre = centre // (1 << drop)
+        errors[0] = inflate(errors[0] + coarse.rounding[0])
+    for polynomial, grade, scale in zip(element.coefs[1:], fine.grading.grades[1:], fine.scales[1:], strict=True):
+        if polynomial.length():
+            errors[grade] = inflate(errors[grade] + fine.size(polynomial, scale))
+    return Series(coarse, [centre], errors)
+
+
+def _coarsened(coarse: Arithmetic, fine: Arithmetic, packed: fmpz_poly) -> tuple[fmpz_poly, int]:
+    """What the coarse format keeps of a packed polynomial, and the l1 norm of the rest."""
+    kept = [fmpz(0)] * coarse.length
+    beyond = fmpz(0)
+    for index, value in enumerate(packed.coeffs()):
+        row, power = divmod(index, fine.stride)
+        if row <= coarse.degree and power <= coarse.width:
+            kept[row * coarse.stride + power] = value
+        else:
+            beyond += abs(value)
+    return fmpz_poly(kept), int(beyond)
+
+
+def derivative_bounds(
+    program: PreparedProgram, size: int, inputs: Sequence[Series]
+) -> tuple[list[dict[int, Series]], list[Series]]:
+    """Enclosures of all partial derivatives of the vector field on a tube, and of its values there.
+
+    Args:
+        size: number of state components; derivatives are taken with respect to these inputs.
+        inputs: state and parameters over the tube, in the norm arithmetic.
+
+    Returns:
+        for each output, a map from component to derivative (absent: zero), and the outputs.
+    """
+    coarse = inputs[0].arithmetic
+    zero = coarse.zero_errors()
+    values: list[Series] = []
+    slopes: list[dict[int, Series]] = []
+    for node in program.nodes:
+        slope: dict[int, Series] = {}
+        match node.operation:
+            case "input":
+                value = inputs[node.left]
+                if node.left < size:
+                    slope = {node.left: Series(coarse, [fmpz_poly([coarse.one])], zero)}
+            case "constant":
+                value = coarse.constant(node.value)
+            case "add":
+                value = values[node.left] + values[node.right]
+                slope = dict(slopes[node.left])
+                for j, other in slopes[node.right].items():
+                    slope[j] = slope[j] + other if j in slope else other
+            case "sub":
+                value = values[node.left] - values[node.right]
+                slope = dict(slopes[node.left])
+                for j, other in slopes[node.right].items():
+                    other = other.scaled(_MINUS_ONE)
+                    slope[j] = slope[j] + other if j in slope else other
+            case "scale":
+                value = values[node.left].scaled(node.value)
+                slope = {j: other.scaled(node.value) for j, other in slopes[node.left].items()}
+            case "mul":
+                value = values[node.left] * values[node.right]
+                for side, factor in ((node.left, node.right), (node.right, node.left)):
+                    for j, other in slopes[side].items():
+                        term = other * values[factor]
+                        slope[j] = slope[j] + term if j in slope else term
+            case "pow":
+                base = values[node.left]
+                value = _power(base, node.value)
+                if slopes[node.left]:
+                    outer = (value * _power(base, _MINUS_ONE)).scaled(node.value)
+                    slope = {j: outer * other for j, other in slopes[node.left].items()}
+        values.append(value)
+        slopes.append(slope)
+    return [slopes[output] for output in program.outputs], [values[output] for output in program.outputs]
+
+
+def _power(base: Series, exponent: Fraction) -> Series:
+    power_of = wide_power if base.arithmetic.width else approximate_power
+    approximate, _ = power_of(base.arithmetic, base.coefs[0], exponent)
+    result = correct_power(Series(base.arithmetic, [approximate], base.arithmetic.zero_errors()), base, exponent)
+    if result is None:
+        raise IntegrationFailure(
+            "tube",
+            "the tube around the approximate solution reaches a singularity of the vector field",
+            "give smaller radii, or more precision",
+            needs_precision=True,
+        )
+    return result
+
+
+def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) -> list[Floats]:
+    """The matrix M of the comparison system on each part of the step, shape (m * slots, m * slots).
+
+    slots = G + 2. The grade 0 of a derivative is bounded on each part by the sum of the coefficients
+    of its polynomial recentred there, the other grades on the whole step.
+    """
+    size = len(derivatives)
+    matrices = np.zeros((PARTS, size, slots, size, slots))
+    for i, row in enumerate(derivatives):
+        for j, derivative in row.items():
+            errors = derivative.errors
+            bounds = np.empty((PARTS, slots))
+            bounds[:, 0] = _bounds_on_parts(derivative) + errors[0]
+            bounds[:, 1:] = errors[1:]
+            for source in range(slots):
+                for grade in range(slots):
+                    matrices[:, i, min(source + grade, slots - 1), j, source] += bounds[:, grade]
+    return [matrix.reshape(size * slots, size * slots) * _SLACK + _FLOOR for matrix in matrices]
+
+
+def _bounds_on_parts(derivative: Series) -> Floats:
+    """Bounds of the known part, of grade 0, on each of `PARTS` equal parts of [0, 1].
+
+    With c the coefficients (of one power of the wide variable), those of p(middle + half t) are S c for S of
+    non-negative entries whose columns sum to at most 1, and |p| <= sum |S c| for |t| <= 1. Rounding is below
+    10^-13 sum |c|.
+    """
+    arithmetic = derivative.arithmetic
+    integers = derivative.coefs[0].coeffs()
+    if not integers:
+        return np.zeros(PARTS)
+    scale = 2.0**-arithmetic.bits
+    stride = arithmetic.stride
+    length = -(-len(integers) // stride)
+    padded = np.zeros(length * stride)
+    try:
+        padded[: len(integers)] = [float(int(value)) * scale for value in integers]
+    except OverflowError:
+        return np.full(PARTS, np.inf)
+    coefficients = padded.reshape(length, stride)
+    recentred = np.abs(_recentring(length) @ coefficients).sum(axis=(1, 2))
+    return np.asarray((recentred + 1e-13 * np.abs(coefficients).sum()) * _SLACK)
+
+
+@cache
+def _recentring(length: int) -> Floats:
+    """The matrices S, shape (PARTS, length, length)."""
+    half = 1.0 / (2 * PARTS)
+    matrices = np.zeros((PARTS, length, length))
+    for part in range(PARTS):
+        middle = (2 * part + 1) * half
+        for n in range(length):
+            for j in range(n + 1):
+                matrices[part, j, n] = comb(n, j) * middle ** (n - j) * half**j
+    return matrices
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def exponential_bound(matrix: Floats, start: Floats) -> Floats:
+    """An upper bound, entrywise, of ``exp(matrix) @ start`` for non-negative entries.
+
+    The series is summed until the next term is below 2^-40 of `start`, entrywise; then so is the
+    whole remainder relative to the result. Entries of `start` that are too small for this are
+    enlarged, which only weakens the bound. Infinite entries where no bound is found.
+    """
+    vector = start + _FLOOR
+    for _ in range(4):
+        term = vector
+        result = vector.copy()
+        for n in range(1, 80):
+            term = (matrix @ term) * (_SLACK / n)
+            if n > 4 and bool(np.all(term <= _RATIO * vector)):
+                return np.asarray(result * _SLACK / (1.0 - 2.0 * _RATIO) + _FLOOR)
+            result = result + term
+        if not bool(np.all(np.isfinite(term))):
+            break
+        vector = np.maximum(vector, term / _RATIO)
+    return np.full_like(start, np.inf)

@@ -1,0 +1,184 @@
+"""Approximate solution of x' = f(x) in the graded algebra over one step (docs/method.md, section 3.2).
+
+The centre is solved by the classical recurrences; a monomial of higher grade solves the linear
+equation of the first variation along the centre, forced by products of lower monomials. Nothing here
+carries proof: `verify.flow.step` bounds the defect of the result, whatever it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from operator import mul
+
+from flint import fmpz, fmpz_poly
+
+from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram
+
+_ZERO = fmpz_poly([])
+_BLOCK = 12
+Jacobian = list[dict[int, list[int]]]
+
+
+def solve(
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    centre: Sequence[Sequence[int]],
+    initial: Sequence[Sequence[fmpz_poly]],
+    parameters: Sequence[Sequence[fmpz_poly]],
+    step: Fraction,
+) -> tuple[list[list[fmpz_poly]], Evaluation]:
+    """Time polynomials of all state components, and the vector field evaluated on them.
+
+    Args:
+        centre: coefficients in theta of the centre's orbit, per component.
+        initial: known parts of the initial value (constant in theta), per component and monomial.
+        parameters: the same for the parameters.
+        step: the time that theta = 1 stands for.
+
+    Returns:
+        known parts per component and monomial, and the filled evaluation of the program.
+    """
+    evaluation = Evaluation(program, arithmetic)
+    size = len(initial)
+    monomials = range(len(arithmetic.grading.monomials))
+    solution: list[list[fmpz_poly]] = [[_ZERO for _ in monomials] for _ in range(size)]
+    for component in range(size):
+        solution[component][0] = fmpz_poly(list(centre[component]))
+    evaluation.fill(0, [row[0] for row in (*solution, *parameters)])
+    jacobian = centre_jacobian(evaluation, size)
+    rounded: dict[int, Jacobian] = {}
+    for position in monomials[1:]:
+        constants = [row[position] for row in parameters]
+        factors = arithmetic.grading.factors[position]
+        forced = any(p.length() for p in constants) or any(i and j for i, j in factors)
+        if forced:
+            evaluation.fill(position, [_ZERO] * size + constants, record=False)
+            forcing = [evaluation.coefs[output][position] for output in program.outputs]
+        else:
+            forcing = [_ZERO] * size
+        start = [row[position] for row in initial]
+        if forced or any(p.length() for p in start):
+            grade = arithmetic.grading.grades[position]
+            if grade not in rounded:
+                rounded[grade] = _rounded(jacobian, arithmetic.spare_bits(grade))
+            columns = linear_solution(arithmetic, rounded[grade], forcing, start, step, arithmetic.spare_bits(grade))
+            for component in range(size):
+                solution[component][position] = columns[component]
+        evaluation.fill(position, [row[position] for row in solution] + constants)
+    return solution, evaluation
+
+
+def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
+    """Approximate partial derivatives of the vector field along the centre, as coefficient lists.
+
+    Row i maps j to the coefficients in theta of d f_i / d x_j; entries that vanish are absent.
+    """
+    arithmetic = evaluation.arithmetic
+    length = arithmetic.degree + 1
+    one = arithmetic.one
+    centre = [row[0] for row in evaluation.coefs]
+    slopes: list[dict[int, fmpz_poly]] = []
+    for index, node in enumerate(evaluation.program.nodes):
+        slope: dict[int, fmpz_poly] = {}
+        match node.operation:
+            case "input":
+                if node.left < size:
+                    slope = {node.left: fmpz_poly([one])}
+            case "add" | "sub":
+                slope = dict(slopes[node.left])
+                for j, value in slopes[node.right].items():
+                    other = value if node.operation == "add" else -value
+                    slope[j] = slope[j] + other if j in slope else other
+            case "scale":
+                factor = fmpz(node.value.numerator)
+                slope = {j: value * factor // fmpz(node.value.denominator) for j, value in slopes[node.left].items()}
+            case "mul":
+                for side, factor_node in ((node.left, node.right), (node.right, node.left)):
+                    for j, value in slopes[side].items():
+                        term = value * centre[factor_node]
+                        slope[j] = slope[j] + term if j in slope else term
+                slope = {j: value.truncate(length) // one for j, value in slope.items()}
+            case "pow":
+                if slopes[node.left]:
+                    outer = (centre[index] * evaluation.reciprocal(index)).truncate(length) // one
+                    outer = outer * fmpz(node.value.numerator) // fmpz(node.value.denominator)
+                    slope = {j: (outer * value).truncate(length) // one for j, value in slopes[node.left].items()}
+        slopes.append(slope)
+    return [
+        {j: [int(c) for c in value.coeffs()] for j, value in slopes[output].items() if value.length()}
+        for output in evaluation.program.outputs
+    ]
+
+
+def _rounded(jacobian: Jacobian, bits: int) -> Jacobian:
+    return [{j: [entry >> bits for entry in entries] for j, entries in row.items()} for row in jacobian]
+
+
+def linear_solution(
+    arithmetic: Arithmetic,
+    jacobian: Jacobian,
+    forcing: Sequence[fmpz_poly],
+    start: Sequence[fmpz_poly],
+    step: Fraction,
+    spare: int = 0,
+) -> list[fmpz_poly]:
+    """Coefficients in theta of the solution of v' = step * (J v + forcing), v(0) = start.
+
+    `jacobian` has `spare` fractional bits less than the format.
+
+    Coefficients are found in blocks. Inside a block the convolutions with J are sums term by term;
+    what a finished block contributes to later ones is one polynomial product, of blocks that double
+    as often as the position allows (relaxed multiplication). Components on which no slope depends are
+    integrated at the end.
+    """
+    bits = arithmetic.bits - spare
+    degree = arithmetic.degree
+    numerator, denominator = step.numerator, step.denominator
+    solution: list[list[int]] = [[int(p[0])] if p.length() else [0] for p in start]
+    forces = [[int(c) << bits for c in p.coeffs()] + [0] * (degree + 1 - p.length()) for p in forcing]
+    coupled = sorted({j for row in jacobian for j in row})
+    varying = [
+        [(j, entries) for j, entries in row.items() if len(entries) > 1] if i in coupled else []
+        for i, row in enumerate(jacobian)
+    ]
+    factors = [[(j, fmpz_poly(entries)) for j, entries in row] for row in varying]
+    for first in range(0, degree, _BLOCK):
+        if first:
+            width = _BLOCK * (first // _BLOCK & -(first // _BLOCK))
+            blocks = [fmpz_poly(values[first - width : first]) for values in solution]
+            for force, row in zip(forces, factors, strict=True):
+                if row:
+                    terms = (entries.truncate(2 * width).mul_low(blocks[j], 2 * width) for j, entries in row)
+                    exact = sum(terms, _ZERO)
+                    for n in range(first, min(first + width, degree)):
+                        force[n] += int(exact[n - first + width])
+        # The block's coefficients so far, latest first, as the convolutions need them.
+        latest: list[list[int]] = [[values[-1]] for values in solution]
+        rows = [
+            (
+                forces[i],
+                [(entries[0], latest[j]) for j, entries in jacobian[i].items() if len(entries) == 1],
+                [(entries, latest[j]) for j, entries in varying[i]],
+            )
+            for i in coupled
+        ]
+        for n in range(first, min(first + _BLOCK, degree)):
+            divisor = denominator * (n + 1)
+            slopes = []
+            for force, constants, convolutions in rows:
+                slope = force[n]
+                for entry, values in constants:
+                    slope += entry * values[0]
+                for entries, values in convolutions:
+                    slope += sum(map(mul, entries, values))
+                slopes.append((slope >> bits) * numerator // divisor)
+            for component, slope in zip(coupled, slopes, strict=True):
+                solution[component].append(slope)
+                latest[component].insert(0, slope)
+    for component in set(range(len(solution))).difference(coupled):
+        terms = (fmpz_poly(e).mul_low(fmpz_poly(solution[j]), degree) for j, e in jacobian[component].items())
+        exact = sum(terms, _ZERO)
+        slopes = [(int(exact[n]) + forces[component][n] >> bits) * numerator for n in range(degree)]
+        solution[component] += [slope // (denominator * (n + 1)) for n, slope in enumerate(slopes)]
+    return [fmpz_poly(values) for values in solution]

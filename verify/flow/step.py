@@ -1,0 +1,154 @@
+"""One rigorous step of the flow in the graded algebra (docs/method.md, sections 3 and 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpz, fmpz_poly
+
+from orbitproof.verify.algebra import Arithmetic, Evaluation, GradedNorm, PreparedProgram, Series, inflate
+from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow.gronwall import (
+    PARTS,
+    centre_and_norms,
+    comparison_matrices,
+    derivative_bounds,
+    exponential_bound,
+    norm_arithmetic,
+)
+from orbitproof.verify.flow.solution import solve
+
+_ATTEMPTS = 6
+
+
+@dataclass(frozen=True)
+class FlowStep:
+    """An enclosure of the flow over one step.
+
+    Attributes:
+        solution: known parts over theta in [0, 1], one series per state component, errors included
+            that hold on the whole step.
+        slopes: the vector field over the step's tube, in the norm arithmetic.
+        end: the state at theta = 1, constant in theta.
+    """
+
+    solution: tuple[Series, ...]
+    slopes: tuple[Series, ...]
+    end: tuple[Series, ...]
+
+
+def advance(
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    centre: Sequence[Sequence[int]],
+    state: Sequence[Series],
+    parameters: Sequence[Series],
+    step: Fraction,
+) -> FlowStep:
+    """Enclose the solutions of x' = f(x, parameters), x(0) in `state`, over time `step` > 0.
+
+    Args:
+        centre: approximate coefficients in theta of the centre's orbit, from `verify.flow.centre`.
+        state: initial values, constant in theta.
+        parameters: constants of motion that the program takes after the state.
+
+    Raises:
+        IntegrationFailure: no tube was found in which the solution provably stays.
+    """
+    approximate = solve(program, arithmetic, centre, [x.coefs for x in state], [p.coefs for p in parameters], step)
+    return enclose_step(program, arithmetic, approximate, state, parameters, step)
+
+
+def enclose_step(
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    approximate: tuple[Sequence[Sequence[fmpz_poly]], Evaluation],
+    state: Sequence[Series],
+    parameters: Sequence[Series],
+    step: Fraction,
+) -> FlowStep:
+    """Enclose the solutions around an approximate one, whatever it is (as `advance`).
+
+    Args:
+        approximate: known parts of a solution that starts at those of `state`, per component and monomial, and
+            the vector field evaluated on them.
+    """
+    coefs, evaluation = approximate
+    size = len(state)
+    _check_start(arithmetic, coefs, state)
+    exact = [Series(arithmetic, row, arithmetic.zero_errors()) for row in coefs]
+    field = evaluation.enclose([*exact, *parameters])
+    sources = [
+        [inflate(e + d) for e, d in zip(state[i].errors, _defect(exact[i], field[i], step), strict=True)]
+        for i in range(size)
+    ]
+    bound, slopes = _tube(program, arithmetic, exact, parameters, sources, step)
+    solution = tuple(x.with_errors(errors) for x, errors in zip(exact, bound, strict=True))
+    return FlowStep(solution, tuple(slopes), tuple(x.at_end() for x in solution))
+
+
+def _check_start(arithmetic: Arithmetic, coefs: Sequence[Sequence[fmpz_poly]], state: Sequence[Series]) -> None:
+    powers = arithmetic.width + 1
+    for row, x in zip(coefs, state, strict=True):
+        for solved, given in zip(row, x.coefs, strict=True):
+            if given.length() > powers or any(solved[power] != given[power] for power in range(powers)):
+                raise ValueError("the approximate solution does not start at the known part of the state")
+
+
+def _defect(solution: Series, field: Series, step: Fraction) -> GradedNorm:
+    """Graded norm of ``step * f(x) - dx/dtheta``."""
+    arithmetic = solution.arithmetic
+    numerator, denominator = fmpz(step.numerator), fmpz(step.denominator)
+    shift = step.denominator.bit_length() - 1
+    result = arithmetic.zero_errors()
+    for position, (f, x) in enumerate(zip(field.coefs, solution.coefs, strict=True)):
+        difference = f * numerator - arithmetic.derivative(x) * denominator
+        if difference.length():
+            result[arithmetic.grading.grades[position]] += arithmetic.size(
+                difference, arithmetic.scales[position] + shift
+            )
+    length = _above(step)
+    return [inflate(known + length * error) for known, error in zip(result, field.errors, strict=True)]
+
+
+def _above(step: Fraction) -> float:
+    return float(np.nextafter(float(step), np.inf))
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def _tube(
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    solution: Sequence[Series],
+    parameters: Sequence[Series],
+    sources: Sequence[GradedNorm],
+    step: Fraction,
+) -> tuple[list[GradedNorm], list[Series]]:
+    """Errors that hold on the whole step, and the vector field on the tube (section 4.3)."""
+    coarse = norm_arithmetic(arithmetic)
+    slots = arithmetic.grading.top + 2
+    size = len(solution)
+    start = np.array(sources)
+    constants = [centre_and_norms(coarse, p, arithmetic.zero_errors()) for p in parameters]
+    tube = 16.0 * start + 2.0**-950
+    for _ in range(_ATTEMPTS):
+        inputs = [centre_and_norms(coarse, x, [float(t) for t in row]) for x, row in zip(solution, tube, strict=True)]
+        derivatives, slopes = derivative_bounds(program, size, [*inputs, *constants])
+        bound = start.reshape(-1)
+        for matrix in comparison_matrices(derivatives, slots):
+            bound = exponential_bound(matrix * (_above(step) / PARTS), bound)
+        errors = bound.reshape(size, slots)
+        if bool(np.all(errors < tube)) and bool(np.all(np.isfinite(tube))):
+            return [[float(value) for value in row] for row in errors], slopes
+        tube = 4.0 * errors
+        if not bool(np.all(np.isfinite(tube))):
+            break
+    raise IntegrationFailure(
+        "tube",
+        "no tube around the approximate solution holds the box over one step",
+        "the box is too large for its orbit: give smaller radii, or more precision",
+        needs_precision=True,
+    )

@@ -1,0 +1,184 @@
+"""Approximate solutions of x' = f(x) with a wide variable (docs/method.md, section 15.1).
+
+The Taylor recurrences run in float64 at points on the unit circle of s; the part of grade 0 is then improved
+by the solution of the linearised equation with its exact defect as forcing. Higher grades stay at float64.
+Nothing here carries proof: `verify.flow.step` bounds the defect of the result, whatever it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpz, fmpz_poly
+
+from orbitproof.verify.algebra import (
+    Arithmetic,
+    Evaluation,
+    Factors,
+    Floats,
+    Grading,
+    Points,
+    PreparedProgram,
+    Series,
+    from_points,
+    graded_power,
+    pack,
+    to_points,
+    unpack,
+)
+from orbitproof.verify.flow.centre import step_size
+
+_MINUS_ONE = Fraction(-1)
+_VARIATION = Grading((1,), 1)
+
+
+def element_at_points(element: Series) -> Points:
+    """The known part of an element that does not depend on theta, shape (monomials, points)."""
+    arithmetic = element.arithmetic
+    rows = [unpack(arithmetic, p, scale, 1)[0] for p, scale in zip(element.coefs, arithmetic.scales, strict=True)]
+    return to_points(np.array(rows))
+
+
+def taylor_at_points(
+    program: PreparedProgram,
+    grading: Grading,
+    state: Points,
+    parameters: Points,
+    degree: int,
+    step: float = 1.0,
+    forcing: Points | None = None,
+) -> Points:
+    """Taylor coefficients of the solution of dx/dtheta = step * f(x) + forcing at every point.
+
+    Args:
+        state: initial values, shape (components, monomials, points).
+        parameters: constants, shape (number, monomials, points).
+        forcing: coefficients in theta, shape (degree, components, points), added to the last monomial.
+
+    Returns:
+        shape (components, degree + 1, monomials, points).
+    """
+    factors, grades = grading.factors, grading.grades
+    size = len(state)
+    shape = (degree + 1, *state.shape[1:])
+    nodes = program.nodes
+    series = [np.zeros(shape, complex) for _ in nodes]
+    inverses: dict[int, Points] = {}
+    solution = np.zeros((size, *shape), complex)
+    solution[:, 0] = state
+    with np.errstate(all="ignore"):
+        for n in range(degree + 1):
+            for index, node in enumerate(nodes):
+                own = series[index]
+                match node.operation:
+                    case "input":
+                        if node.left < size:
+                            own[n] = solution[node.left, n]
+                        elif n == 0:
+                            own[0] = parameters[node.left - size]
+                    case "constant":
+                        if n == 0:
+                            own[0, 0] = float(node.value)
+                    case "add":
+                        own[n] = series[node.left][n] + series[node.right][n]
+                    case "sub":
+                        own[n] = series[node.left][n] - series[node.right][n]
+                    case "scale":
+                        own[n] = series[node.left][n] * float(node.value)
+                    case "mul":
+                        own[n] = _product(factors, series[node.left][: n + 1], series[node.right][n::-1])
+                    case "pow":
+                        base = series[node.left]
+                        if n == 0:
+                            own[0] = graded_power(base[0], node.value, factors, grades)
+                            inverses[index] = graded_power(base[0], _MINUS_ONE, factors, grades)
+                        else:
+                            p, q = node.value.numerator, node.value.denominator
+                            weights = (((p + q) * np.arange(1, n + 1) - q * n) / (q * n)).astype(complex)[:, None, None]
+                            mixed = _product(factors, weights * base[1 : n + 1], own[n - 1 :: -1][:n])
+                            own[n] = _product(factors, mixed[None], inverses[index][None])
+            if n < degree:
+                for component, output in enumerate(program.outputs):
+                    solution[component, n + 1] = series[output][n] * (step / (n + 1))
+                if forcing is not None:
+                    solution[:, n + 1, -1] += forcing[n] / (n + 1)
+    return solution
+
+
+def wide_step_size(arithmetic: Arithmetic, taylor: Points) -> float:
+    """A step for which the last Taylor coefficient of grade 0 falls below the unit of the format, for all |s| <= 1."""
+    sizes = np.abs(from_points(taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
+    return step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree)
+
+
+def _product(factors: Factors, left: Points, right: Points) -> Points:
+    """The sum over the first axis of products of graded elements, shape (monomials, points)."""
+    result = np.zeros(left.shape[1:], complex)
+    # By symmetries, half of the monomials are often zero.
+    some_left, some_right = np.any(left, axis=(0, 2)), np.any(right, axis=(0, 2))
+    for position, pairs in enumerate(factors):
+        for i, j in pairs:
+            if some_left[i] and some_right[j]:
+                result[position] += np.einsum("np,np->p", left[:, i], right[:, j])
+    return result
+
+
+def solve_wide(
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    taylor: Points,
+    state: Sequence[Series],
+    parameters: Sequence[Series],
+    step: Fraction,
+) -> tuple[list[list[fmpz_poly]], Evaluation]:
+    """Packed polynomials of all state components, and the vector field evaluated on them.
+
+    Args:
+        taylor: from `taylor_at_points` with step 1, from the known parts of `state`.
+    """
+    degree, width, bits = arithmetic.degree, arithmetic.width, arithmetic.bits
+    size = len(state)
+    powers = float(step) ** np.arange(degree + 1)
+    floats = from_points(taylor, width) * powers[None, :, None, None]
+    solution = [
+        [_starting_at(arithmetic, given, floats[component, :, position], scale)
+         for position, (given, scale) in enumerate(zip(x.coefs, arithmetic.scales, strict=True))]
+        for component, x in enumerate(state)
+    ]  # fmt: skip
+    constants = [p.coefs for p in parameters]
+    trial = Evaluation(program, arithmetic)
+    trial.fill(0, [row[0] for row in (*solution, *constants)], record=False)
+    forcing = _defects(arithmetic, trial, [row[0] for row in solution], step)
+    start = np.zeros((size, 2, taylor.shape[-1]), complex)
+    start[:, 0] = taylor[:, 0, 0]
+    fixed = np.zeros((len(parameters), 2, taylor.shape[-1]), complex)
+    for index, parameter in enumerate(parameters):
+        fixed[index, 0] = element_at_points(parameter)[0]
+    variation = taylor_at_points(program, _VARIATION, start, fixed, degree, float(step), to_points(forcing))
+    corrections = from_points(variation[:, :, 1], width)
+    for component in range(size):
+        solution[component][0] = solution[component][0] + pack(arithmetic, corrections[component], bits)
+    evaluation = Evaluation(program, arithmetic)
+    for position in range(len(arithmetic.grading.monomials)):
+        evaluation.fill(position, [row[position] for row in (*solution, *constants)])
+    return solution, evaluation
+
+
+def _starting_at(arithmetic: Arithmetic, given: fmpz_poly, coefficients: Floats, scale: int) -> fmpz_poly:
+    """The packed polynomial with these coefficients, except that its value at theta = 0 is `given`."""
+    later = coefficients.copy()
+    later[0] = 0.0
+    return pack(arithmetic, later, scale) + given
+
+
+def _defects(arithmetic: Arithmetic, evaluation: Evaluation, solution: Sequence[fmpz_poly], step: Fraction) -> Floats:
+    """step * f(x) - dx/dtheta at grade 0, shape (degree, components, width + 1)."""
+    numerator, denominator = fmpz(step.numerator), fmpz(step.denominator)
+    shift = step.denominator.bit_length() - 1
+    rows = []
+    for x, output in zip(solution, evaluation.program.outputs, strict=True):
+        difference = evaluation.coefs[output][0] * numerator - arithmetic.derivative(x) * denominator
+        rows.append(unpack(arithmetic, difference, arithmetic.bits + shift, arithmetic.degree))
+    return np.array(rows).transpose(1, 0, 2)

@@ -1,0 +1,196 @@
+"""Counting the crossings of the section along a box of orbits (docs/method.md, section 5.2).
+
+The time axis is covered by closed intervals on each of which either the section coordinate y keeps
+one sign, or its velocity y' does, for all real points of the box. Between two intervals where y has
+opposite signs, joined by intervals where y' has one sign, there is exactly one crossing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from flint import arb, arb_poly, ctx
+
+from orbitproof.verify.algebra import Series, total
+from orbitproof.verify.evidence import IntegrationFailure
+
+_DEPTH = 14
+_BITS = 96
+
+
+def wide_parts(number: int) -> list[arb]:
+    """Balls that cover the interval [-1, 1] of the wide variable."""
+    return [(arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
+
+
+def stays_positive(series: Series, wide: arb | None = None) -> bool:
+    """Whether a function is positive on [0, 1] for all real points of the box, for certain.
+
+    `wide`: the part of the wide variable's interval, if there is one.
+    """
+    previous = ctx.prec
+    ctx.prec = _BITS
+    try:
+        return _stays_positive(_Enclosure(series, wide), arb(0), arb(1), 0)
+    finally:
+        ctx.prec = previous
+
+
+def _stays_positive(function: _Enclosure, left: arb, right: arb, depth: int) -> bool:
+    sign = function.sign(left, right)
+    if sign or depth == _DEPTH:
+        return sign > 0
+    middle = (left + right) / 2
+    return _stays_positive(function, left, middle, depth + 1) and _stays_positive(function, middle, right, depth + 1)
+
+
+def range_of(series: Series, wide: arb | None = None) -> arb:
+    """A ball that contains the values of an element without theta at all real points of the box."""
+    previous = ctx.prec
+    ctx.prec = _BITS
+    try:
+        enclosure = _Enclosure(series, wide)
+        return enclosure.polynomial(arb(0)) + enclosure.deviation
+    finally:
+        ctx.prec = previous
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """A box that is close to a crossing, before or after it.
+
+    Attributes:
+        since: after this time there is no zero of the section coordinate but that crossing, as far as the box has come.
+        behind: the crossing lies behind the box, but the velocity there is not known: a zero that is found from
+            here is the crossing only if it lies behind, too.
+    """
+
+    since: arb
+    behind: bool = False
+
+
+class CrossingCounter:
+    """Number of proven crossings after the start.
+
+    The caller guarantees that y = 0 exactly at the start for the whole box, as on Fix(R). With a wide variable
+    the orbits that are counted are those of a part of its interval.
+    """
+
+    def __init__(self, wide: arb | None = None) -> None:
+        self.wide = wide
+        self.crossings = 0
+        self.clear_time: arb | None = None
+        self.previous_clear_time: arb | None = None
+        self.velocity_sign = 0
+        self._side = 0
+        self._start = True
+
+    def cover(self, position: Series, velocity: Series, time: arb, step: arb) -> None:
+        """Cover one step: y over theta in [0, 1], y' there, from `time` on over `step` > 0.
+
+        Raises `IntegrationFailure` if some part of the step cannot be classified.
+        """
+        previous = ctx.prec
+        ctx.prec = _BITS
+        try:
+            y = _Enclosure(position, self.wide)
+            dy = _Enclosure(velocity, self.wide)
+            self._cover(y, dy, arb(0), arb(1), 0, time, step)
+        finally:
+            ctx.prec = previous
+
+    def _cover(self, y: _Enclosure, dy: _Enclosure, left: arb, right: arb, depth: int, time: arb, step: arb) -> None:
+        sign = y.sign(left, right)
+        if sign:
+            self._keeps_side(sign, time + step * right)
+            return
+        sign = dy.sign(left, right)
+        if sign:
+            self._moves(sign)
+            return
+        if depth == _DEPTH:
+            raise IntegrationFailure(
+                "crossing count",
+                "the section coordinate and its velocity cannot be separated from zero along the orbit",
+                "the orbit may touch the section: give smaller radii or another centre",
+                needs_precision=True,
+            )
+        middle = (left + right) / 2
+        self._cover(y, dy, left, middle, depth + 1, time, step)
+        self._cover(y, dy, middle, right, depth + 1, time, step)
+
+    def _moves(self, sign: int) -> None:
+        if self._start:
+            self._side, self._start = sign, False
+        if self.velocity_sign not in (0, sign):
+            raise IntegrationFailure(
+                "crossing count",
+                "the velocity of the section coordinate changes sign next to the section",
+                "the orbit may touch the section: give smaller radii or another centre",
+                needs_precision=True,
+            )
+        self.velocity_sign = sign
+
+    def _keeps_side(self, sign: int, until: arb) -> None:
+        if self._start:
+            raise IntegrationFailure(
+                "crossing count", "the orbit does not start on the section", "give a centre on Fix(R)"
+            )
+        if sign != self._side:
+            if self.velocity_sign != sign:
+                raise IntegrationFailure(
+                    "crossing count",
+                    "a crossing against the velocity: the enclosures contradict each other",
+                    "this is an error of the integrator; please report it",
+                )
+            self.crossings += 1
+            self._side = sign
+            self.previous_clear_time = self.clear_time
+        self.velocity_sign = 0
+        self.clear_time = until
+
+    def arrival(self, number: int) -> Arrival | None:
+        """What is known about crossing `number` if the box is close to it; `None` if too little is (section 5.2)."""
+        if self.crossings == number - 1 and self.velocity_sign in (0, -self._side) and self.clear_time is not None:
+            return Arrival(self.clear_time)
+        if self.crossings == number and self.velocity_sign in (0, self._side) and self.previous_clear_time is not None:
+            return Arrival(self.previous_clear_time, behind=self.velocity_sign == 0)
+        return None
+
+
+def _over(coefficients: list[arb], part: arb) -> arb:
+    """Values of a polynomial on a ball, by the mean value form."""
+    polynomial = arb_poly(coefficients)
+    middle = part.mid()
+    return polynomial(middle) + polynomial.derivative()(part) * (part - middle)
+
+
+class _Enclosure:
+    """Values of a real function on subintervals of [0, 1], for all real points of the box."""
+
+    def __init__(self, series: Series, wide: arb | None) -> None:
+        arithmetic = series.arithmetic
+        scale = arb(2) ** -arithmetic.bits
+        coefficients = [arb(c) * scale for c in series.coefs[0].coeffs()]
+        if arithmetic.width:
+            # Without a part, the wide variable ranges over [-1, 1].
+            part = arb(0, 1) if wide is None else wide
+            stride = arithmetic.stride
+            rows = range(0, len(coefficients), stride)
+            coefficients = [_over(coefficients[row : row + arithmetic.width + 1], part) for row in rows]
+        self.polynomial = arb_poly(coefficients)
+        self.derivative = self.polynomial.derivative()
+        away = list(series.known)
+        away[0] = 0.0
+        self.deviation = arb(0, total([total(away), total(series.errors)]))
+
+    def sign(self, left: arb, right: arb) -> int:
+        """1 or -1 if the function has that sign on [left, right] for certain, else 0."""
+        middle = (left + right) / 2
+        interval = left.union(right)
+        value = self.polynomial(middle) + self.derivative(interval) * (interval - middle) + self.deviation
+        if not value.is_finite():
+            return 0
+        if (value > 0) is True:
+            return 1
+        return -1 if (value < 0) is True else 0

@@ -1,0 +1,82 @@
+"""Derivatives on a box from one graded Taylor model (docs/method.md, section 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from math import factorial, prod
+
+from flint import arb
+
+from orbitproof.verify.algebra import GradedNorm, Grading, Series
+from orbitproof.verify.evidence import enclose
+
+MAX_ORDER = 3
+MultiIndex = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class DerivativeTable:
+    """Partial derivatives up to order 3 of a scalar function of p = (p_0, .., p_n).
+
+    Attributes:
+        box: for each multi-index a ball that contains the derivative at every point of the box
+            |p_i| <= R_i.
+        centre: the same at p = 0.
+    """
+
+    box: Mapping[MultiIndex, arb]
+    centre: Mapping[MultiIndex, arb]
+
+
+def multi_indices(dimension: int, order: int = MAX_ORDER) -> list[MultiIndex]:
+    """All multi-indices of a dimension up to an order."""
+    return [alpha for alpha in product(range(order + 1), repeat=dimension) if sum(alpha) <= order]
+
+
+def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fraction) -> DerivativeTable:
+    """Derivatives with respect to p_i = scales_i xi_i on the box |xi_i| <= ratio < 1."""
+    arithmetic = element.arithmetic
+    coefficients = [
+        arb(polynomial[0]) * arb(2) ** -scale
+        for polynomial, scale in zip(element.coefs, arithmetic.scales, strict=True)
+    ]
+    return table_of(arithmetic.grading, coefficients, element.errors, scales, ratio)
+
+
+def table_of(
+    grading: Grading, coefficients: Sequence[arb], errors: GradedNorm, scales: Sequence[Fraction], ratio: Fraction
+) -> DerivativeTable:
+    """The same from the coefficients of the kept monomials and the errors by grade.
+
+    The unknown part of grade g is a power series with l1 norm at most e_g on the closed unit
+    polydisc, so by Cauchy's estimate its derivative d^alpha on the smaller polydisc is at most
+    alpha! (1 - ratio)^-|alpha| e_g, and 0 if g is below the grade of alpha.
+    """
+    known = dict(zip(grading.monomials, coefficients, strict=True))
+    bounds = [arb(e) for e in errors]
+    inside = enclose(ratio)
+    unit = arb(0, 1)
+    box: dict[MultiIndex, arb] = {}
+    centre: dict[MultiIndex, arb] = {}
+    for alpha in multi_indices(len(scales)):
+        grade = grading.grade(alpha)
+        factor = arb(prod(factorial(a) for a in alpha))
+        scale = prod((s**a for s, a in zip(scales, alpha, strict=True)), start=Fraction(1))
+        value = arb(0)
+        for exponents, coefficient in known.items():
+            if all(n >= a for n, a in zip(exponents, alpha, strict=True)):
+                falling = prod(factorial(n) // factorial(n - a) for n, a in zip(exponents, alpha, strict=True))
+                term = coefficient * falling
+                for n, a in zip(exponents, alpha, strict=True):
+                    for _ in range(n - a):
+                        term = term * (inside * unit)
+                value = value + term
+        unknown = sum((e for g, e in enumerate(bounds) if g >= min(grade, grading.top + 1)), arb(0))
+        spread = factor * unknown / (1 - inside) ** sum(alpha)
+        box[alpha] = (value + unit * spread) / enclose(scale)
+        own = bounds[min(grade, grading.top + 1)]
+        centre[alpha] = (known.get(alpha, arb(0)) * factor + unit * factor * own) / enclose(scale)
+    return DerivativeTable(box, centre)

@@ -1,0 +1,285 @@
+"""Successive returns to the section of a set of orbits (docs/method.md, sections 3 to 5, 14 and 15).
+
+`Returns` follows the orbits of elements of the algebra, given as initial values on Fix(R), from one crossing of
+the section to the next, with the proof that it is that crossing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+from flint import arb
+
+from orbitproof.shared.systems import Program, ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Evaluation, Points, Series, from_points, prepare
+from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
+from orbitproof.verify.flow import (
+    FlowStep,
+    advance,
+    dyadic_below,
+    element_at_points,
+    enclose_step,
+    fixed_coefficients,
+    float_coefficients,
+    next_crossing,
+    rough,
+    solve_wide,
+    step_size,
+    taylor_at_points,
+    wide_step_size,
+)
+from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, choose, physical, regularised
+from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive, wide_parts
+from orbitproof.verify.poincare.rate import relative_return_times
+from orbitproof.verify.poincare.section import onto_section
+
+AUTO, REGULARISED = "auto", "regularised"
+
+_LEAST_STEP = 1e-8
+_LEAST_SHARE = 1 / 8
+_ROUGH_DEGREE = 24
+_CENTRE_BITS = 60
+_NEGLIGIBLE_CHANGE = 2.0**-6
+WIDE_PARTS = 8
+"""With a wide variable, crossings are counted separately on so many parts of its interval."""
+
+
+class Returns:
+    """The orbits of a set of points of Fix(R), and their crossings of the section so far.
+
+    Attributes:
+        state: the orbits now, in the coordinates that are integrated.
+        constants: the constants of motion.
+        rate: with a wide variable, what the vector field is multiplied by; `None` for 1.
+        coordinates: which coordinates these are.
+        steps: number of integration steps so far.
+    """
+
+    def __init__(
+        self,
+        system: ReversibleSystem,
+        arithmetic: Arithmetic,
+        initial: Sequence[Series],
+        parameters: Sequence[Series],
+        level: Series | None = None,
+        coordinates: str = AUTO,
+    ) -> None:
+        """Start from initial values, one for each state coordinate, on Fix(R).
+
+        Args:
+            parameters: constant in time, in the order of the system.
+            level: the first integral of the initial values, if the system has one.
+            coordinates: "physical", "regularised" or "auto".
+        """
+        self.system = system
+        self.arithmetic = arithmetic
+        self.parameters = list(parameters)
+        self.coordinates = self._choose(coordinates, initial, level)
+        self.state, self.constants = self._enter(list(initial), level)
+        self.counters = [CrossingCounter(part) for part in wide_parts(WIDE_PARTS)] if arithmetic.width else []
+        self.counters = self.counters or [CrossingCounter()]
+        self.rate = self._rate()
+        self.program, self.fixed = self.coordinates.program, self.constants
+        if self.rate is not None:
+            self.program = prepare(at_rate(self.coordinates.field))
+            self.fixed = [*self.constants, self.rate]
+        self.time = arb(0)
+        self.steps = 0
+        self.share = 1.0
+        self.at_section = True
+
+    def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
+        bits, degree = self.arithmetic.bits, self.arithmetic.degree
+        if wanted == PHYSICAL or level is None:
+            return physical(self.system)
+        state, parameters, (value,) = (
+            rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
+        )
+        if wanted == REGULARISED:
+            return regularised(self.system, state, parameters) or physical(self.system)
+        return choose(self.system, state, parameters, value, bits, degree)
+
+    def _enter(self, initial: list[Series], level: Series | None) -> tuple[list[Series], list[Series]]:
+        """The initial state in the coordinates that are integrated, and the constants of motion."""
+        embedding = self.coordinates.embedding
+        if embedding is None or level is None:
+            return initial, self.parameters
+        return evaluate(self.arithmetic, embedding, (*initial, *self.parameters)), [*self.parameters, level]
+
+    def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
+        """The system's own state."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return image
+        return evaluate(self.arithmetic, regularisation.projection_program, (*image, *self.parameters))
+
+    def _rate(self) -> Series | None:
+        """A positive element by which the vector field is multiplied so that wide orbits return about together."""
+        if not self.arithmetic.width:
+            return None
+        coordinates = self.coordinates
+        powers = relative_return_times(coordinates.program, coordinates.section, self.state, self.constants)
+        if powers is None or sum(map(abs, powers[1:])) < _NEGLIGIBLE_CHANGE:
+            return None
+        rate = self.arithmetic.polynomial({self.arithmetic.grading.monomials[0]: powers})
+        if not all(is_positive(range_of(rate, counter.wide)) for counter in self.counters):
+            return None
+        return rate
+
+    def step(self) -> bool:
+        """Advance by one step; true if it ends, at the centre, at the next crossing."""
+        section = self.coordinates.section
+        while True:
+            step, root, flow = self._try_wide() if self.arithmetic.width else self._try_narrow()
+            if flow is not None:
+                break
+            self.share /= 2
+        self._check_time(flow)
+        for counter in self.counters:
+            counter.cover(flow.solution[section], flow.slopes[section], self.time, enclose(step))
+        self.state = list(flow.end)
+        self.time = self.time + enclose(step)
+        self.steps += 1
+        self.at_section = root is not None
+        return self.at_section
+
+    def _try_narrow(self) -> tuple[Fraction, Fraction | None, FlowStep | None]:
+        """A step, or to the next crossing if that comes first.
+
+        Returns its length, the crossing as a fraction of the length that was planned, and the flow; no flow if it
+        was not enclosed and a shorter step may do.
+        """
+        program, arithmetic = self.program, self.arithmetic
+        bits, degree = arithmetic.bits, arithmetic.degree
+        centre = [int(x.coefs[0][0]) for x in self.state]
+        constants = [int(p.coefs[0][0]) for p in self.constants]
+        series = float_coefficients(program, rough(centre, bits), rough(constants, bits), _ROUGH_DEGREE)
+        step = self._planned(step_size(series, float(-bits), degree))
+        coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        root = next_crossing(coefficients[self.coordinates.section], bits, self.at_section)
+        if root is not None:
+            step = step * root
+            coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
+        try:
+            return step, root, advance(program, arithmetic, coefficients, self.state, self.constants, step)
+        except IntegrationFailure:
+            if self.share <= _LEAST_SHARE:
+                raise
+            return step, root, None
+
+    def _try_wide(self) -> tuple[Fraction, Fraction | None, FlowStep | None]:
+        """The same with a wide variable; the step suits all of its values on the unit circle."""
+        program, arithmetic = self.program, self.arithmetic
+        taylor = taylor_at_points(program, arithmetic.grading, *self._at_points(), arithmetic.degree)
+        step = self._planned(wide_step_size(arithmetic, taylor))
+        section = from_points(taylor[self.coordinates.section, :, 0], arithmetic.width)[:, 0]
+        scaled = section * float(step) ** np.arange(arithmetic.degree + 1)
+        root = next_crossing(
+            [int(value) for value in np.ldexp(scaled, _CENTRE_BITS)], _CENTRE_BITS, self.at_section
+        )  # fmt: skip
+        if root is not None:
+            step = step * root
+        try:
+            approximate = solve_wide(program, arithmetic, taylor, self.state, self.fixed, step)
+            return step, root, enclose_step(program, arithmetic, approximate, self.state, self.fixed, step)
+        except IntegrationFailure:
+            if self.share <= _LEAST_SHARE:
+                raise
+            return step, root, None
+
+    def _planned(self, size: float) -> Fraction:
+        if size < _LEAST_STEP:
+            raise IntegrationFailure(
+                "singularity",
+                f"at time {self._clock():.9g} the Taylor expansions allow only a step of {size:.1e}",
+                "the orbit comes too close to a singularity of the vector field: give another centre",
+            )
+        return dyadic_below(size * self.share)
+
+    def _at_points(self) -> tuple[Points, Points]:
+        constants = [element_at_points(p) for p in self.fixed]
+        return np.array([element_at_points(x) for x in self.state]), np.array(constants)
+
+    def crossing(self, number: int) -> tuple[Sequence[Series], arb]:
+        """The system's own state at crossing `number`, and its time, with the proof that it is that crossing."""
+        arrivals = [counter.arrival(number) for counter in self.counters]
+        if any(arrival is None for arrival in arrivals):
+            raise IntegrationFailure(
+                "crossing count",
+                f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}",
+                "the orbit may touch the section: give smaller radii or another centre",
+                needs_precision=True,
+            )
+        coordinates = self.coordinates
+        image, elapsed = onto_section(
+            coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
+        )
+        for counter, arrival in zip(self.counters, arrivals, strict=True):
+            # In the system's own time, of which the integration's is the part `rate`.
+            rate = arb(1) if self.rate is None else range_of(self.rate, counter.wide)
+            delay = range_of(elapsed, counter.wide)
+            if (
+                arrival is None
+                or not is_positive(rate * (self.time - arrival.since) + delay)
+                or (arrival.behind and not is_positive(-delay))
+            ):
+                raise IntegrationFailure(
+                    "crossing count",
+                    f"the time of crossing {number} is not separated from the crossing before it",
+                    "the box is too large: give smaller radii",
+                )
+        if coordinates.regularisation is None:
+            rate = arb(1) if self.rate is None else range_of(self.rate)
+            time = rate * self.time + range_of(elapsed)
+        else:
+            time = range_of(image[coordinates.regularisation.time_index])
+        return self._leave(image), time
+
+    def _check_time(self, flow: FlowStep) -> None:
+        """Regularised coordinates describe an orbit as long as their time runs forwards (section 14)."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return
+        rate = flow.slopes[regularisation.time_index]
+        if self.arithmetic.width:
+            # Over a wide piece the coarse bounds of the tube are too coarse for a passage close to the primary.
+            rate = self._clock_rate(flow)
+        if not all(stays_positive(rate, counter.wide) for counter in self.counters):
+            raise IntegrationFailure(
+                "collision",
+                f"the orbits of the box are not separated from a collision at time {self._clock():.6g}",
+                "give smaller radii or another centre",
+                needs_precision=True,
+            )
+
+    def _clock_rate(self, flow: FlowStep) -> Series:
+        """The derivative of the system's time over a step, for all orbits."""
+        regularisation = self.coordinates.regularisation
+        assert regularisation is not None
+        field = self.coordinates.field
+        only = prepare(replace(field, outputs=(field.outputs[regularisation.time_index],)))
+        evaluation = Evaluation(only, self.arithmetic)
+        inputs = [*flow.solution, *self.constants]
+        for position in range(len(self.arithmetic.grading.monomials)):
+            evaluation.fill(position, [x.coefs[position] for x in inputs])
+        return evaluation.enclose(inputs)[0]
+
+    def _clock(self) -> float:
+        """About the system's time, for messages."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return float(self.time)
+        return rough([int(self.state[regularisation.time_index].coefs[0][0])], self.arithmetic.bits)[0]
+
+
+def evaluate(arithmetic: Arithmetic, program: Program, arguments: Sequence[Series]) -> list[Series]:
+    """Values of a program at elements that do not depend on time, so that degree 0 does."""
+    flat = Arithmetic(arithmetic.grading, arithmetic.bits, arithmetic.grade_bits, 0, width=arithmetic.width)
+    inputs = [Series(flat, x.coefs, x.errors) for x in arguments]
+    evaluation = Evaluation(prepare(program), flat)
+    for position in range(len(flat.grading.monomials)):
+        evaluation.fill(position, [x.coefs[position] for x in inputs])
+    return [Series(arithmetic, x.coefs, x.errors) for x in evaluation.enclose(inputs)]

@@ -1,0 +1,11 @@
+"""Halo orbits over ranges of the mass parameter (section 17)."""
+
+from orbitproof.verify.surface.half_return import SurfaceLimits
+from orbitproof.verify.surface.piece import prove_surface_piece
+from orbitproof.verify.surface.theorem import conclude_surface
+
+__all__ = [
+    "SurfaceLimits",
+    "conclude_surface",
+    "prove_surface_piece",
+]

@@ -1,0 +1,130 @@
+"""The theorem about a surface of halo orbits in words (docs/method.md, section 17.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from itertools import groupby
+from math import ceil, floor
+
+from flint import arb
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.systems import HILL
+from orbitproof.verify.evidence import decimal_interval
+
+Ends = Mapping[str, Mapping[str, arb]]
+"""Enclosures of the parameter and of the bifurcation point at the first and the last parameter, "start" and "end"."""
+
+_DIGITS = 12
+_SIDES = {"below": "less than at it", "above": "greater than at it"}
+_HILL_LEVEL = HILL.first_integral_name
+
+
+@dataclass(frozen=True)
+class Height:
+    """The z up to which the halo orbits reach over a range [start, end] of the parameter."""
+
+    start: Fraction
+    end: Fraction
+    z: Fraction
+
+
+def surface_statement(atlas: Atlas, ends: Ends, heights: Sequence[Height], sides: set[str], half_period: arb) -> str:
+    """What is proved. `sides`: of the levels of the first integral at which the new orbits live, from all pieces."""
+    height = min(entry.z for entry in heights)
+    system, claim = atlas.system, atlas.claim
+    parameter = system.fixed_parameters[0]
+    symmetry = claim.symmetry
+    signs = system.symmetries[symmetry or ""]
+    names = system.centre_coordinates
+    odd = next(name for name in names if signs[system.state.index(name)] < 0)
+    even = [name for name in names if name != odd]
+    if claim.covers is None:
+        reach = f"[{_rough(ends['start'][parameter])}, {_rough(ends['end'][parameter])}]"
+    else:
+        reach = f"[{_number(claim.covers.start)}, {_number(claim.covers.end)}]"
+    point = ", ".join(f"{name}({parameter}, {odd})" if name != odd else odd for name in names)
+    level = f"the value of the {system.first_integral_name}" if system is not HILL else f"the value of {_HILL_LEVEL}"
+    paragraphs = [
+        f"Consider the {system.title} and the map P to the next crossing of the section {{{system.section} = 0}}.",
+        f"There are smooth functions {' and '.join(even)} of {parameter} in {reach} and |{odd}| <= {_number(height)}, "
+        f"even in {odd}, such that X({parameter}, {odd}) = ({point}) in Fix(R), in the coordinates "
+        f"({', '.join(names)}), has these properties.",
+        f"1. X({parameter}, 0) is a symmetry breaking bifurcation of P^2, with {level} as parameter: a pair of "
+        f"R-symmetric periodic orbits, exchanged by {symmetry}, branches off from the family of R- and "
+        f"{symmetry}-symmetric ones.",
+        f"2. X({parameter}, {odd}) is the initial condition of an R-symmetric periodic orbit, P^2(X) = X; if {odd} is "
+        f"not 0, it is none of the orbits that {symmetry} fixes point by point.",
+    ]
+    if len(sides) == 1 and (side := _SIDES.get(next(iter(sides)))) is not None:
+        paragraphs.append(f"Near the bifurcation point {level} on them is {side}.")
+    for key, text in (("start", "first"), ("end", "last")):
+        values = ", ".join(f"{name} in {_interval(ends[key][name])}" for name in even)
+        paragraphs.append(
+            f"At the {text} {parameter}, {_rough(ends[key][parameter])}, the bifurcation point has {values}."
+        )
+    paragraphs += [
+        f"Over {parameter} in [{_digits(run.start, ceil)}, {_digits(run.end, floor)}] all this holds up to "
+        f"|{odd}| <= {_number(run.z)}."
+        for run in _higher(heights, height)
+    ]
+    if half_period.is_finite():
+        paragraphs.append(f"All half periods lie in {decimal_interval(half_period, 6)}.")
+    further = _meaning(atlas, height)
+    return "\n".join([*paragraphs, *([further] if further else [])])
+
+
+def _higher(heights: Sequence[Height], least: Fraction) -> list[Height]:
+    """Runs of neighbours over which the orbits reach higher than the least height, with what they have in common."""
+    runs: list[Height] = []
+    for reaches, group in groupby(heights, key=lambda entry: entry.z > least):
+        if reaches:
+            entries = list(group)
+            runs.append(Height(entries[0].start, entries[-1].end, min(entry.z for entry in entries)))
+    return runs
+
+
+def _meaning(atlas: Atlas, height: Fraction) -> str:
+    """What a surface in Hill's units says about the CR3BP (section 17.1)."""
+    covers = atlas.claim.covers
+    if atlas.system is not HILL or covers is None or covers.end <= 0 or covers.start < 0:
+        return ""
+    lowest = "(0" if covers.start == 0 else f"[{_decimal(covers.start**3, ceil)}"
+    masses = f"{lowest}, {_decimal(covers.end**3, floor)}]"
+    return (
+        f"In the circular restricted three-body problem with mass parameter mu = h^3 this is the point (x, z, vy) = "
+        f"(1 - mu + h xi, h zeta, h veta): for all mu in {masses} there is a symmetry breaking, and there are halo "
+        f"orbits for |z| <= {_number(height)} mu^(1/3)."
+        + (" At h = 0 the equations are those of Hill's lunar problem." if covers.start == 0 else "")
+    )
+
+
+def _decimal(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
+    """A number in (0, 1] with nine decimals, rounded to one side."""
+    return f"{Decimal(rounded(value * 10**9)).scaleb(-9):f}"
+
+
+def _digits(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
+    """A number with twelve decimals, rounded to one side."""
+    return f"{Decimal(rounded(value * 10**12)).scaleb(-12).normalize():f}"
+
+
+def _interval(ball: arb) -> str:
+    return "0" if ball.is_zero() else decimal_interval(ball, _DIGITS)
+
+
+def _rough(ball: arb) -> str:
+    """About the value of a parameter that the pieces give exactly."""
+    return f"{float(ball.mid()):.9g}"
+
+
+def _number(value: Fraction) -> str:
+    """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
+    if value.denominator == 1:
+        return str(value.numerator)
+    exact = format_exact(value)
+    return str(float(value)) if Fraction(str(float(value))) == value else f"{float(value):.17g} (exactly {exact})"
