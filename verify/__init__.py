@@ -1,8 +1,6 @@
-"""Rigorous verification of bifurcations of symmetric periodic orbits (docs/method.md).
+"""Rigorous verification of bifurcations of symmetric periodic orbits.
 
-The modules read in this order: `norms`, `grading`, `algebra`, `centre`, `solution`, `evaluation`,
-`gronwall`, `step`, `section`, `crossing`, `derivatives`, `poincare`, `symmetry` (the Poincare map and its
-derivatives); `balls`, `ball_text`, `frames`, `expansion`, `jets`, `interval_newton`, `reduction`,
-`conditions`, `nondegeneracy`, `theorems`, `outcome` (what follows from them); `certify`, `certificate`,
-`workers`, `report` (the command line ``orbitproof verify``).
+Each room is a chapter of the method, its README.md: what is shown, its proof, and the module that computes it. They
+read from `evidence` to `atlas`, as imports run. "Section 8.4" here and in certificates is found through the table of
+docs/method.md.
 """

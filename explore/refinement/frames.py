@@ -1,4 +1,4 @@
-"""Frames of a candidate's box (section 5 of the method).
+"""Frames of a candidate's box (sections 1.2 and 8 of the method).
 
 Near a bifurcation point the symmetric orbits are the zeros of pi_q P^k on Fix(R). The frame turns its
 coordinates into p_0 along the family of period-2 orbits, p_1 along the kernel of D pi_q P^k beside

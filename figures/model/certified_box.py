@@ -1,7 +1,7 @@
 """The two certified curves of a certificate, family and branch, as thin boxes over their whole interval.
 
 Evaluated in balls from the tables of derivatives that the certificate carries, by the functions of the verifier:
-over each part of P_0 an enclosure of p_1(p_0), over each part of P_1 one of p_0(p_1) (docs/method.md, 8.1 and 8.4).
+over each part of P_0 an enclosure of p_1(p_0), over each part of P_1 one of p_0(p_1) (sections 8.1 and 8.4).
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ With h = mu^(1/3), positions are counted from the smaller mass in units of h, ti
     (x, y, z) = (1 - mu + h xi, h eta, h zeta).
 
 Nothing cancels or becomes large as h tends to 0, where the equations are those of Hill's lunar problem. See
-docs/method.md, section 17.1; `shared.systems.system` makes a `ReversibleSystem` of these functions.
+section 17.1; `shared.systems.system` makes a `ReversibleSystem` of these functions.
 """
 
 from __future__ import annotations

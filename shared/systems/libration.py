@@ -3,7 +3,7 @@
 With x_l the libration point, X = x_l + eps x and Y = eps y, the equations of (x, y) are analytic in eps
 through eps = 0, where they are the linearisation at the libration point. An orbit that starts on the axis at
 X is measured in the unit eps = X - x_l, so that it starts at x = 1; eps is negative on the left of the
-libration point. docs/method.md, section 16, proves what this says about the CR3BP.
+libration point. section 16, proves what this says about the CR3BP.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 With rho = r - (1 - mu, 0, 0) and r_2 = |rho|, put (rho, 0) = L(u) u, |u|^2 = r_2, and take the time s with
 dt = r_2 ds. The equations of u and w = du/ds have no singularity at the smaller primary, and orbits that
 pass close to it are expanded in long steps. They are a way to compute the Poincare map of the CR3BP,
-not another statement: docs/method.md, section 14, proves that the orbits are the same.
+not another statement: section 14, proves that the orbits are the same.
 """
 
 from __future__ import annotations

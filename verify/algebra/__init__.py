@@ -1,4 +1,4 @@
-"""Power series on the polydisc with one error bound per grade (docs/method.md, section 2)."""
+"""Power series on the polydisc with one error bound per grade (section 2)."""
 
 from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded_power, pack, to_points, unpack
 from orbitproof.verify.algebra.grading import Factors, Grading

@@ -1,4 +1,4 @@
-"""Functions of time and of the wide variable s in float64 (docs/method.md, section 15.1).
+"""Functions of time and of the wide variable s in float64 (section 15.1).
 
 Approximations only: nothing here carries proof. A polynomial in s of degree d is represented by its values at
 2 (d + 1) roots of unity, so that products and powers are taken point by point; as it is real, half of them do.

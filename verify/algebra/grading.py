@@ -1,4 +1,4 @@
-"""Which monomials are kept: weights, grades and the product table (docs/method.md, section 2.1)."""
+"""Which monomials are kept: weights, grades and the product table (section 2.1)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Upper bounds in float64: graded norms and their convolution (docs/method.md, section 2.3).
+"""Upper bounds in float64: graded norms and their convolution (section 2.3).
 
 A graded norm is a list of G + 2 non-negative floats: bounds for the grades 0 .. G and, last, one for
 everything above G. Every function returns upper bounds: the terms are non-negative, so float

@@ -1,4 +1,4 @@
-"""Straight-line programs on graded Taylor models, one monomial at a time (docs/method.md, section 3).
+"""Straight-line programs on graded Taylor models, one monomial at a time (section 3).
 
 `prepare` rewrites a program so that only additions, products, scalings by constants and negative
 powers are left. `Evaluation` computes the known parts of all nodes monomial by monomial, because the

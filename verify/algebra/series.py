@@ -1,4 +1,4 @@
-"""Graded Taylor models in fixed point (docs/method.md, section 2).
+"""Graded Taylor models in fixed point (section 2).
 
 A `Series` encloses a function of time theta in [0, 1] with values in the algebra A of power series in
 xi that are absolutely summable on the closed unit polydisc. For every kept monomial it holds a
@@ -294,7 +294,7 @@ def correct_power(approximate: Series, base: Series, exponent: Fraction) -> Seri
     """Turn an approximation of ``base ** exponent``, exponent < 0, into an enclosure.
 
     With exponent = -p/q, all of E = 1 - approximate^q base^p is bounded; then base^exponent equals
-    approximate * (1 - E)^(-1/q) (docs/method.md, section 3.3). `None` if the bound of E is not below
+    approximate * (1 - E)^(-1/q) (section 2.4). `None` if the bound of E is not below
     1/2, or if q is even and the approximation is not positive at the centre at theta = 0.
     """
     p, q = -exponent.numerator, exponent.denominator

@@ -1,4 +1,4 @@
-"""Approximate powers of functions of time and the wide variable (docs/method.md, section 15.1).
+"""Approximate powers of functions of time and the wide variable (section 15.1).
 
 Nothing here carries proof: `verify.algebra.series.correct_power` bounds how far the result is from the power.
 """

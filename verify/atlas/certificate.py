@@ -1,4 +1,4 @@
-"""Certificates of atlases: the claim, what is proved on each interval, what follows (docs/method.md, section 15)."""
+"""Certificates of atlases: the claim, what is proved on each interval, what follows (section 15)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Conditions C2-C4 and HC2-HC4: two regular curves that cross at one point (docs/method.md, section 8).
+"""Conditions C2-C4 and HC2-HC4: two regular curves that cross at one point (section 8).
 
 Each check adds one hypothesis to the checklist and returns what the next ones build on; it raises
 `NotEstablishedError` if the hypothesis is not shown.

@@ -1,4 +1,4 @@
-"""A candidate in the coordinates of Fix(R), rewritten with the level of H as parameter (docs/method.md, section 12).
+"""A candidate in the coordinates of Fix(R), rewritten with the level of H as parameter (section 12).
 
 The result is a claim of its own, checked like any other; that its box contains the old one is proved here.
 Let a_0, a_1, a_2 be the columns of the frame and c_i = dH a_i. With h the level, p = (p_0, p_1, p_2)

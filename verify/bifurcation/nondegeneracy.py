@@ -1,4 +1,4 @@
-"""Conditions at the bifurcation point: its type, the side, the normal form (docs/method.md, sections 9 and 11)."""
+"""Conditions at the bifurcation point: its type, the side, the normal form (sections 9 and 11)."""
 
 from __future__ import annotations
 

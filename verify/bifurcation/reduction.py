@@ -1,4 +1,4 @@
-"""Lyapunov-Schmidt reduction: symmetric orbits, p_2^H, bifurcation function (docs/method.md, section 8).
+"""Lyapunov-Schmidt reduction: symmetric orbits, p_2^H, bifurcation function (section 8).
 
 Coordinates p = (p_0, p_1, p_2) on the box, p_2 with n - 1 components; subscripts 0 and 1 are
 derivatives in p_0 and p_1.

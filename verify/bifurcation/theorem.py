@@ -1,4 +1,4 @@
-"""Theorems: which one a candidate claims, its hypotheses, and its conclusion (docs/method.md, section 9)."""
+"""Theorems: which one a candidate claims, its hypotheses, and its conclusion (section 9)."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def theorem_of(candidate: Candidate) -> Theorem | Reason:
         return Reason("theorem", "period tupling with k = 3 has no theorem here", "claim touch_and_go for k = 3")
     if kind == "touch_and_go" and k > 3:
         message = f"at odd k = {k} >= 5 the second derivative G_11 vanishes: touch-and-go cannot happen"
-        return Reason("theorem", message, "claim period_tupling for odd k >= 5 (docs/method.md, section 11)")
+        return Reason("theorem", message, "claim period_tupling for odd k >= 5 (section 11)")
     return Theorem(_statement(candidate), _hypotheses(candidate))
 
 

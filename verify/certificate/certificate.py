@@ -1,4 +1,4 @@
-"""Certificates: statement, hypotheses, verdict and computation, as JSON (docs/method.md, section 10)."""
+"""Certificates: statement, hypotheses, verdict and computation, as JSON (section 10)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Certificates checked again (docs/method.md, section 13): from what they carry, or by another integration.
+"""Certificates checked again (section 13): from what they carry, or by another integration.
 
 The first level integrates nothing. It evaluates every hypothesis again from the stored tables of
 derivatives, by the functions that made the certificate, and compares all that is stored with what

@@ -1,4 +1,4 @@
-"""Exact checks of the coordinates of a candidate (docs/method.md, section 7.1)."""
+"""Exact checks of the coordinates of a candidate (section 7.1)."""
 
 from __future__ import annotations
 

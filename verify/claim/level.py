@@ -1,4 +1,4 @@
-"""The level of the first integral as bifurcation parameter (docs/method.md, section 12).
+"""The level of the first integral as bifurcation parameter (section 12).
 
 If H = A + b w^2 with A independent of the coordinate w and a constant b, then on Fix(R) w follows from
 the level h of H and the other coordinates: w = +-((h - A) / b)^(1/2). With w formed in this way the

@@ -1,4 +1,4 @@
-"""Parity analysis of straight-line programs (docs/method.md, section 1.3).
+"""Parity analysis of straight-line programs (section 1.3).
 
 Under a diagonal sign change of the state every node of a program is even (unchanged), odd (negated)
 or neither. Sums of two even nodes are even, of two odd nodes odd; parities multiply in products and

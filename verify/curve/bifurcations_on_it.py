@@ -1,4 +1,4 @@
-"""Which certified bifurcations lie on a proved curve (docs/method.md, section 15.8)."""
+"""Which certified bifurcations lie on a proved curve (section 15.8)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a proved curve is known to be: hypotheses, enclosures, ends, bifurcations (docs/method.md, section 15.9)."""
+"""What a proved curve is known to be: hypotheses, enclosures, ends, bifurcations (section 15.9)."""
 
 from __future__ import annotations
 

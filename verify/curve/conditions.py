@@ -1,4 +1,4 @@
-"""The hypotheses of theorems about curves (docs/method.md, sections 15.3 to 15.7)."""
+"""The hypotheses of theorems about curves (sections 15.3 to 15.7)."""
 
 from __future__ import annotations
 

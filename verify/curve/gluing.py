@@ -1,4 +1,4 @@
-"""Pieces in order become one smooth curve (docs/method.md, sections 15.5, 15.6)."""
+"""Pieces in order become one smooth curve (sections 15.5, 15.6)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameters that follow from the given ones: the libration points (docs/method.md, section 16.3).
+"""Parameters that follow from the given ones: the libration points (section 16.3).
 
 A derived parameter is the zero of an increasing function (`shared.systems.system.DerivedParameter`). Bisection brings
 it between two dyadic numbers; that the function is finite between them, hence continuous, and has certain signs

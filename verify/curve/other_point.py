@@ -1,4 +1,4 @@
-"""The other point of a symmetric orbit on Fix(R) (docs/method.md, section 15.8).
+"""The other point of a symmetric orbit on Fix(R) (section 15.8).
 
 An R-symmetric orbit with P^2(x) = x meets Fix(R) in x and in P(x). A bifurcation that is certified at one of the
 two points may lie on a curve of initial values through the other one.

@@ -1,4 +1,4 @@
-"""How to integrate a piece of a curve, and what is then known of it (docs/method.md, sections 15.2, 15.3)."""
+"""How to integrate a piece of a curve, and what is then known of it (sections 15.2, 15.3)."""
 
 from __future__ import annotations
 

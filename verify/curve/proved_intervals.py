@@ -1,4 +1,4 @@
-"""Results of the intervals of a piece, as far as they count (docs/method.md, section 15.3)."""
+"""Results of the intervals of a piece, as far as they count (section 15.3)."""
 
 from __future__ import annotations
 

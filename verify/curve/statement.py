@@ -1,4 +1,4 @@
-"""The theorem about a proved curve in words (docs/method.md, section 15.9)."""
+"""The theorem about a proved curve in words (section 15.9)."""
 
 from __future__ import annotations
 

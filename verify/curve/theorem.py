@@ -1,4 +1,4 @@
-"""The theorem about a curve of symmetric periodic orbits, from proved pieces (docs/method.md, section 15.9)."""
+"""The theorem about a curve of symmetric periodic orbits, from proved pieces (section 15.9)."""
 
 from __future__ import annotations
 

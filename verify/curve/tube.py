@@ -1,4 +1,4 @@
-"""Enclosures of a curve on the proved parts of a piece (docs/method.md, section 15.4).
+"""Enclosures of a curve on the proved parts of a piece (section 15.4).
 
 On every proved interval of s the tube of the piece contains exactly one symmetric orbit, which is known up to a
 bound of its distance from the piece's polynomial. Everything is exact until it becomes a ball.

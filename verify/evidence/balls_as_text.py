@@ -1,4 +1,4 @@
-"""Balls as text: exact for certificates, decimals rounded outward for people (docs/method.md, section 10)."""
+"""Balls as text: exact for certificates, decimals rounded outward for people (section 10)."""
 
 from __future__ import annotations
 

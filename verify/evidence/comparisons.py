@@ -1,4 +1,4 @@
-"""Certain comparisons of balls (docs/method.md, section 7.1).
+"""Certain comparisons of balls (section 7.1).
 
 A ball `arb` stands for every real number of a closed interval. A comparison here is True only if it
 holds for all of them and the balls are finite; NaN, infinities and undecided cases are False, which

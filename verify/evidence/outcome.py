@@ -24,7 +24,7 @@ class Hypothesis:
     Attributes:
         name: short key, for example "HC3".
         statement: the inequality or inclusion that was checked, in words.
-        section: section of docs/method.md that says why it is enough.
+        section: section of the method (docs/method.md leads to it) that says why it is enough.
         holds: whether it is shown.
         enclosures: the balls that show it, by name.
     """

@@ -1,4 +1,4 @@
-"""What computes: names, versions and a digest of all sources (docs/method.md, section 10.2)."""
+"""What computes: names, versions and a digest of all sources (section 10.2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Taylor coefficients of the orbit of the box's centre (docs/method.md, section 3.1).
+"""Taylor coefficients of the orbit of the box's centre (section 3.1).
 
 The classical recurrences, term by term, on floats (to choose the step) or on fixed-point integers
 (to have the coefficients). Nothing here carries proof: the defect of whatever comes out is bounded

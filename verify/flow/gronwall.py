@@ -1,4 +1,4 @@
-"""Propagation of graded errors: a componentwise comparison system (docs/method.md, section 4).
+"""Propagation of graded errors: a componentwise comparison system (section 4).
 
 Errors of m components in grades 0 .. G and above form one vector of m (G + 2) non-negative numbers.
 Along the flow it satisfies E(t) <= E(0) + integral of (M E + delta), entrywise, where M collects bounds

@@ -1,4 +1,4 @@
-"""Approximate solution of x' = f(x) in the graded algebra over one step (docs/method.md, section 3.2).
+"""Approximate solution of x' = f(x) in the graded algebra over one step (section 3.2).
 
 The centre is solved by the classical recurrences; a monomial of higher grade solves the linear
 equation of the first variation along the centre, forced by products of lower monomials. Nothing here

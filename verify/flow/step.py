@@ -1,4 +1,4 @@
-"""One rigorous step of the flow in the graded algebra (docs/method.md, sections 3 and 4)."""
+"""One rigorous step of the flow in the graded algebra (sections 3 and 4)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Approximate solutions of x' = f(x) with a wide variable (docs/method.md, section 15.1).
+"""Approximate solutions of x' = f(x) with a wide variable (section 3.4).
 
 The Taylor recurrences run in float64 at points on the unit circle of s; the part of grade 0 is then improved
 by the solution of the linearised equation with its exact defect as forcing. Higher grades stay at float64.

@@ -1,4 +1,4 @@
-"""Interval Newton for implicit equations (docs/method.md, section 7.4; Appendix A of the paper).
+"""Interval Newton for implicit equations (section 7.4; Appendix A of the paper).
 
 For f(x, y) with values in R^m, y in R^m: if every matrix in an interval matrix A that contains D_y f
 on X x Y is regular, and -A^-1 f(X, 0) lies in the interior of the box Y (0 in Y), then for each x in X

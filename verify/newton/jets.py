@@ -1,4 +1,4 @@
-"""Truncated Taylor polynomials in few variables with balls as coefficients (docs/method.md, section 7.3).
+"""Truncated Taylor polynomials in few variables with balls as coefficients (section 7.3).
 
 A `Jet` holds enclosures of the Taylor coefficients d^alpha f / alpha! of a function at a point, for
 |alpha| up to its order. If all inputs enclose the coefficients at some point, so do sums, products,

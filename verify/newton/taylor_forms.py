@@ -1,4 +1,4 @@
-"""Tight enclosures of derivatives on parts of the box (docs/method.md, section 7.2)."""
+"""Tight enclosures of derivatives on parts of the box (section 7.2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Counting the crossings of the section along a box of orbits (docs/method.md, section 5.2).
+"""Counting the crossings of the section along a box of orbits (section 5.2).
 
 The time axis is covered by closed intervals on each of which either the section coordinate y keeps
 one sign, or its velocity y' does, for all real points of the box. Between two intervals where y has

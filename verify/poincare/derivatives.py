@@ -1,4 +1,4 @@
-"""Derivatives on a box from one graded Taylor model (docs/method.md, section 6)."""
+"""Derivatives on a box from one graded Taylor model (section 6)."""
 
 from __future__ import annotations
 

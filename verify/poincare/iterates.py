@@ -1,4 +1,4 @@
-"""Iterates of the Poincare map on a box of Fix(R), with derivatives (docs/method.md, sections 5 and 6).
+"""Iterates of the Poincare map on a box of Fix(R), with derivatives (sections 5 and 6).
 
 `enclose_iterates` takes a candidate's box to its first k crossings of the section and returns, for
 each, enclosures of the derivatives up to order 3 of the coordinates that vanish on Fix(R).
@@ -80,7 +80,7 @@ class Enclosures:
 
 
 def grading_for(kind: str, k: int, dimension: int) -> Grading:
-    """The weights of method.md, section 2.2: along the bifurcating branch p_0 and p_2 vary like p_1^2.
+    """The weights of section 2.1: along the bifurcating branch p_0 and p_2 vary like p_1^2.
 
     For a touch-and-go bifurcation the branch has a slope in p_0, and grade 2 is enough.
     """

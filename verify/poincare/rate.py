@@ -1,4 +1,4 @@
-"""About when the orbits of a piece return to the section, in float64 (docs/method.md, section 15.1).
+"""About when the orbits of a piece return to the section, in float64 (section 5.3).
 
 Nothing here carries proof. The orbits of a wide piece are followed in a time of their own, in which they return
 almost together; any positive function of s would do.

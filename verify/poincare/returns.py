@@ -1,4 +1,4 @@
-"""Successive returns to the section of a set of orbits (docs/method.md, sections 3 to 5, 14 and 15).
+"""Successive returns to the section of a set of orbits (sections 3 to 5, 14 and 15).
 
 `Returns` follows the orbits of elements of the algebra, given as initial values on Fix(R), from one crossing of
 the section to the next, with the proof that it is that crossing.

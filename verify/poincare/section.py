@@ -1,4 +1,4 @@
-"""Onto the section: the section coordinate as the independent variable (docs/method.md, section 5.1).
+"""Onto the section: the section coordinate as the independent variable (section 5.1).
 
 From a state near the section, with section coordinate y_0, the flow is followed with
 y = (1 - lambda) y_0, lambda in [0, 1]: dX/dlambda = -y_0 f(X) / f_y(X). The elapsed time is one more

@@ -1,4 +1,4 @@
-"""Neighbouring pieces of a symmetry-breaking surface describe the same points (docs/method.md, section 17.3).
+"""Neighbouring pieces of a symmetry-breaking surface describe the same points (section 17.3).
 
 At one parameter value that both pieces cover, the bifurcation point of the first lies in the box of the second. There
 the second has exactly one, so they agree, and with them the surfaces over all common parameters.

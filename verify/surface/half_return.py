@@ -1,6 +1,6 @@
 """The half return over a piece of a symmetry-breaking surface, and its derivatives for ranges of the mass.
 
-A piece is a symmetry-breaking claim whose parameters and centre are polynomials in s (docs/method.md, section 17).
+A piece is a symmetry-breaking claim whose parameters and centre are polynomials in s (section 17).
 One integration, with s as the wide variable, encloses pi_q P for all s of an interval; evaluated on a part of it this
 gives tables of derivatives that are valid for every s there, and the hypotheses of section 8 and 9 apply to them.
 """

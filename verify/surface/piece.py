@@ -1,4 +1,4 @@
-"""One piece of a symmetry-breaking surface, proved over an interval of s (docs/method.md, section 17.2).
+"""One piece of a symmetry-breaking surface, proved over an interval of s (section 17.2).
 
 The hypotheses of the theorem on symmetry breaking are checked, for every s of a part of the interval at once, with
 tables of derivatives that hold on all of the part. A part on which they do not hold is halved: the integration, which

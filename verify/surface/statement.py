@@ -1,4 +1,4 @@
-"""The theorem about a surface of halo orbits in words (docs/method.md, section 17.4)."""
+"""The theorem about a surface of halo orbits in words (section 17.4)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The theorem about halo orbits over a range of the mass parameter, from proved pieces (docs/method.md, section 17)."""
+"""The theorem about halo orbits over a range of the mass parameter, from proved pieces (section 17)."""
 
 from __future__ import annotations
 
