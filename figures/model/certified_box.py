@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.figures.model.family import Array
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
@@ -27,8 +27,8 @@ from orbitproof.verify.bifurcation import (
     level_form,
     locate,
 )
-from orbitproof.verify.certificate import GUARD_BITS, tables_from_json
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, meet, up_to
+from orbitproof.verify.certificate import tables_from_json
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, guarded, meet, up_to
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def certified_curves(certificate: Mapping[str, Any], where: str, parts: int = 40
         if claim is None:
             raise ValueError("there is no such level form")
         stored = tables_from_json(entry, len(claim.radii), computation)
-        with ctx.workprec(computation["precision"] + GUARD_BITS):
+        with guarded(computation["precision"]):
             checklist = Checklist()
             problem = check_enclosures(checklist, claim, stored.iterates, stored.first_integral, stored.return_times)
             start = check_family(checklist, problem) if claim.k > 1 else None

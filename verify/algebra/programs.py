@@ -18,7 +18,7 @@ from flint import arb, arb_series, ctx, fmpz, fmpz_poly
 from orbitproof.shared.systems import Program
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power, product_errors
 from orbitproof.verify.algebra.wide_power import wide_power
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.evidence import IntegrationFailure, guarded
 
 _ZERO = fmpz_poly([])
 
@@ -225,26 +225,26 @@ def approximate_power(arithmetic: Arithmetic, base: fmpz_poly, exponent: Fractio
     """Approximations of ``base ** exponent`` and ``1 / base`` as time polynomials of grade 0."""
     length = arithmetic.degree + 1
     scale = arb(2) ** arithmetic.bits
-    previous, cap = ctx.prec, ctx.cap
-    ctx.prec, ctx.cap = arithmetic.bits + 64, length
+    cap, ctx.cap = ctx.cap, length
     try:
-        series = arb_series([arb(c) / scale for c in base.coeffs()], prec=length)
-        inverse = arb_series([1], prec=length) / series
-        p, q = -exponent.numerator, exponent.denominator
-        if q == 1:
-            root = inverse
-        elif q == 2:
-            root = series.rsqrt()
-        else:
-            root = (series.log() / arb(-q)).exp()
-        power = root
-        for _ in range(p - 1):
-            power = power * root
-        return _fixed(power, scale, length), _fixed(inverse, scale, length)
+        with guarded(arithmetic.bits):
+            series = arb_series([arb(c) / scale for c in base.coeffs()], prec=length)
+            inverse = arb_series([1], prec=length) / series
+            p, q = -exponent.numerator, exponent.denominator
+            if q == 1:
+                root = inverse
+            elif q == 2:
+                root = series.rsqrt()
+            else:
+                root = (series.log() / arb(-q)).exp()
+            power = root
+            for _ in range(p - 1):
+                power = power * root
+            return _fixed(power, scale, length), _fixed(inverse, scale, length)
     except ZeroDivisionError:
         raise _no_expansion() from None
     finally:
-        ctx.prec, ctx.cap = previous, cap
+        ctx.cap = cap
 
 
 def _fixed(series: arb_series, scale: arb, length: int) -> fmpz_poly:

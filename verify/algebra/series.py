@@ -21,6 +21,7 @@ from flint import fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, geometric, inflate
+from orbitproof.verify.evidence import GUARD_BITS
 
 _ZERO = fmpz_poly([])
 _HEAD = 8
@@ -74,7 +75,7 @@ class Arithmetic:
 
     def spare_bits(self, grade: int) -> int:
         """Bits by which the significant part of a coefficient of this grade is shorter than grade 0."""
-        return min(max(0, self.bits - 64), grade * self.grade_loss)
+        return min(max(0, self.bits - GUARD_BITS), grade * self.grade_loss)
 
     def zero_errors(self) -> GradedNorm:
         """Errors of an exact element."""

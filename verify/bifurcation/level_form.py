@@ -11,15 +11,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.claim import determinant, quadratic_coefficient
-from orbitproof.verify.evidence import IntegrationFailure, dot, enclose, exact_value, is_inside, symmetric
+from orbitproof.verify.evidence import (
+    GUARD_BITS,
+    IntegrationFailure,
+    dot,
+    enclose,
+    exact_value,
+    guarded,
+    is_inside,
+    symmetric,
+)
 from orbitproof.verify.poincare import DerivativeTable, enclose_first_integral
 
-_SPARE_BITS = 64
 _MOST_BITS = 1 << 17
 """Boxes that would need more are too small for any proof."""
 _MARGIN = Fraction(33, 32)
@@ -39,7 +47,7 @@ def level_form(candidate: Candidate) -> Candidate | None:
         return None
     kept = [i for i, name in enumerate(candidate.coordinates) if name != system.level_coordinate]
     dropped = candidate.coordinates.index(system.level_coordinate)
-    bits = _SPARE_BITS + 2 * max(_bits_below_one(radius) for radius in candidate.radii)
+    bits = GUARD_BITS + 2 * max(_bits_below_one(radius) for radius in candidate.radii)
     if bits > _MOST_BITS:
         return None
     try:
@@ -75,7 +83,7 @@ def level_form(candidate: Candidate) -> Candidate | None:
         radii=_radii(candidate.radii, slopes, table, tilt),
         level_sign=1 if candidate.centre[dropped] > 0 else -1,
     )
-    with ctx.workprec(bits + _SPARE_BITS):
+    with guarded(bits):
         contained = _contains(form, candidate, table, kept) and _keeps_sign(candidate, dropped)
     return form if contained else None
 

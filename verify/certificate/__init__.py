@@ -9,7 +9,6 @@ from orbitproof.verify.certificate.certificate import (
 )
 from orbitproof.verify.certificate.certify import (
     GREATEST_PRECISION,
-    GUARD_BITS,
     LEAST_PRECISION,
     LEVELS,
     Limits,
@@ -22,7 +21,6 @@ from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table
 
 __all__ = [
     "GREATEST_PRECISION",
-    "GUARD_BITS",
     "LEAST_PRECISION",
     "LEVELS",
     "Certificate",

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from math import ceil, isfinite
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import (
@@ -36,6 +36,7 @@ from orbitproof.verify.evidence import (
     Reason,
     count_certain_digits,
     enclose,
+    guarded,
     is_below,
     is_outside,
 )
@@ -47,8 +48,6 @@ Progress = Callable[[float, str], None]
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
 LEVELS = ("auto", "integral", "coordinates")
-GUARD_BITS = 64
-"""Bits that the conditions are evaluated with beyond those of the integration."""
 
 _SPARE = 8
 _RESERVE = 32
@@ -356,7 +355,7 @@ def _attempt(
     if isinstance(theorem, Reason):
         return refused(theorem)
     stage = "exact checks"
-    with ctx.workprec(precision + GUARD_BITS):
+    with guarded(precision):
         try:
             check_exactly(checklist, candidate)
             stage = "integration"
@@ -384,7 +383,7 @@ def for_origin(origin: Candidate, outcome: Outcome, precision: int) -> Outcome:
     """The outcome for a candidate whose level form was checked: the point has to lie in its own box too."""
     if isinstance(outcome, NotProved):
         return outcome
-    with ctx.workprec(precision + GUARD_BITS):
+    with guarded(precision):
         if in_box(origin, outcome.results.point):
             return outcome
         missing = _missing_bits(origin, outcome.results.point)

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
 from orbitproof.verify.bifurcation import level_form, prove
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certify import (
     GREATEST_PRECISION,
-    GUARD_BITS,
     LEAST_PRECISION,
     broken_off,
     check_exactly,
@@ -36,6 +35,7 @@ from orbitproof.verify.evidence import (
     Proved,
     ball_from_json,
     decimal_interval,
+    guarded,
     software,
 )
 from orbitproof.verify.poincare import DerivativeTable, Enclosures, IntegratorSettings, enclose_iterates
@@ -153,7 +153,7 @@ def _stored_enclosures(certificate: Certificate, candidate: Candidate) -> Enclos
 def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | None) -> Outcome:
     """What follows from `enclosures`; without them, from what needs none."""
     checklist = Checklist()
-    with ctx.workprec(precision + GUARD_BITS):
+    with guarded(precision):
         try:
             check_exactly(checklist, candidate)
         except NotEstablishedError as error:

@@ -11,14 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import DerivedParameter, Program, ReversibleSystem, record
 from orbitproof.verify.algebra import Arithmetic, Series, float_above, inflate
-from orbitproof.verify.evidence import IntegrationFailure, enclose, hull, sign
+from orbitproof.verify.evidence import GUARD_BITS, IntegrationFailure, enclose, guarded, hull, sign
 
-_GUARD_BITS = 64
 _HALVINGS = 200
 
 
@@ -51,12 +50,8 @@ def derived_parameter(system: ReversibleSystem, name: str, parameters: Mapping[s
     Raises `IntegrationFailure` if none was found.
     """
     given = [parameters[key] for key in system.fixed_parameters]
-    previous = ctx.prec
-    ctx.prec = bits + _GUARD_BITS
-    try:
+    with guarded(bits):
         return _Search(system.derived_parameters[name], name, system.fixed_parameters, given).root(bits)
-    finally:
-        ctx.prec = previous
 
 
 def parameter_series(
@@ -108,7 +103,7 @@ class _Search:
     def _halve(self, low: Fraction, high: Fraction, bits: int) -> tuple[Fraction, Fraction]:
         # Where the zero is the very middle, its sign cannot be told, but that of another point can.
         for share in (Fraction(1, 2), Fraction(3, 8)):
-            place = round_dyadic(low + share * (high - low), bits + _GUARD_BITS)
+            place = round_dyadic(low + share * (high - low), bits + GUARD_BITS)
             side = self.sign(place) if low < place < high else 0
             if side:
                 return (place, high) if side < 0 else (low, place)
@@ -124,7 +119,7 @@ class _Search:
                 place = near - wanted * reach / 2**count
             else:
                 place = (Fraction(0) if far is None else far) + wanted * Fraction(2) ** (count - 1)
-            place = round_dyadic(place, bits + _GUARD_BITS)
+            place = round_dyadic(place, bits + GUARD_BITS)
             if self.sign(place) == wanted:
                 return place
         raise self._failure()

@@ -10,12 +10,12 @@ from collections.abc import Mapping
 from fractions import Fraction
 from math import ceil, log2
 
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, float_above, inflate
 from orbitproof.verify.curve.libration_point import parameter_series
-from orbitproof.verify.evidence import IntegrationFailure, all_finite, exact_value, excludes_zero, total
+from orbitproof.verify.evidence import IntegrationFailure, all_finite, exact_value, excludes_zero, guarded, total
 from orbitproof.verify.poincare import Returns, default_order, evaluate
 
 _LEAST_BITS = 96
@@ -36,14 +36,11 @@ def other_point(
         return None
     widest = max(float(ball.rad()) for ball in point.values())
     bits = max(_LEAST_BITS, _SPARE_BITS + ceil(-log2(widest)) if widest else 0)
-    previous = ctx.prec
-    ctx.prec = bits + 64
-    try:
-        return _half_return(system, parameters, point, Arithmetic(Grading((1,), 0), bits, 0, default_order(bits)))
-    except (IntegrationFailure, ArithmeticError):
-        return None
-    finally:
-        ctx.prec = previous
+    with guarded(bits):
+        try:
+            return _half_return(system, parameters, point, Arithmetic(Grading((1,), 0), bits, 0, default_order(bits)))
+        except (IntegrationFailure, ArithmeticError):
+            return None
 
 
 def _half_return(

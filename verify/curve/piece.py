@@ -14,7 +14,7 @@ from functools import cached_property
 from math import comb, floor, log2
 
 import numpy as np
-from flint import arb, arb_poly, ctx
+from flint import arb, arb_poly
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.formats import is_regular as is_regular_frame
@@ -22,7 +22,7 @@ from orbitproof.shared.systems import REGULARISATIONS, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.curve.piece_result import PieceLimits, PieceResult
-from orbitproof.verify.evidence import IntegrationFailure, all_finite, enclose, hull, is_inside
+from orbitproof.verify.evidence import IntegrationFailure, all_finite, enclose, guarded, hull, is_inside
 from orbitproof.verify.newton import is_regular, newton_image
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, evaluate
 
@@ -87,11 +87,9 @@ def _prove(
     symmetry: str | None,
 ) -> PieceResult:
     start = time.monotonic()
-    previous = ctx.prec
-    ctx.prec = limits.precision + 64
     proof = _Proof(system, parameters, piece, interval, limits, symmetry)
     try:
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), guarded(limits.precision):
             found = proof.run(progress)
     except IntegrationFailure as error:
         found = PieceResult(
@@ -100,8 +98,6 @@ def _prove(
     except (ArithmeticError, ValueError) as error:
         reason = " ".join(f"the verification broke off: {type(error).__name__}: {error}".split())
         found = PieceResult(piece.id, interval, reason=reason, remedy="give a narrower piece")
-    finally:
-        ctx.prec = previous
     computation: dict[str, float | int | str] = {
         "precision": limits.precision, "order": limits.order, "width": limits.width, "steps": proof.steps,
         "coordinates": proof.coordinates, "seconds": round(time.monotonic() - start, 3),

@@ -42,9 +42,11 @@ from orbitproof.verify.evidence.outcome import (
     hypothesis_to_json,
     show,
 )
+from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
 from orbitproof.verify.evidence.software import software
 
 __all__ = [
+    "GUARD_BITS",
     "BifurcationResults",
     "Checklist",
     "EmptyIntersectionError",
@@ -69,6 +71,7 @@ __all__ = [
     "enclose",
     "exact_value",
     "excludes_zero",
+    "guarded",
     "hull",
     "hypothesis_to_json",
     "is_below",

@@ -13,10 +13,10 @@ from math import ceil, floor, inf, isfinite, log2
 from operator import mul
 from typing import Any
 
-from flint import arb, arb_poly, ctx
+from flint import arb, arb_poly
 
 from orbitproof.verify.algebra import PreparedProgram, integer_part
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.evidence import IntegrationFailure, guarded
 
 _STEP_BITS = 12
 
@@ -46,16 +46,12 @@ def fixed_coefficients(
     """Taylor coefficients in theta = t / step of the orbit, integers times 2^-bits."""
 
     def power(base: int, exponent: Fraction) -> int:
-        previous = ctx.prec
-        ctx.prec = bits + 64
-        try:
+        with guarded(bits):
             scale = arb(2) ** bits
             value = integer_part((arb(base) / scale) ** (arb(exponent.numerator) / exponent.denominator) * scale)
-            if value is None:
-                raise _singular()
-            return int(value)
-        finally:
-            ctx.prec = previous
+        if value is None:
+            raise _singular()
+        return int(value)
 
     try:
         return _coefficients(program, list(state), list(parameters), degree, bits, step, power)

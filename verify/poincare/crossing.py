@@ -28,12 +28,8 @@ def stays_positive(series: Series, wide: arb | None = None) -> bool:
 
     `wide`: the part of the wide variable's interval, if there is one.
     """
-    previous = ctx.prec
-    ctx.prec = _BITS
-    try:
+    with ctx.workprec(_BITS):
         return _stays_positive(_Enclosure(series, wide), arb(0), arb(1), 0)
-    finally:
-        ctx.prec = previous
 
 
 def _stays_positive(function: _Enclosure, left: arb, right: arb, depth: int) -> bool:
@@ -46,13 +42,9 @@ def _stays_positive(function: _Enclosure, left: arb, right: arb, depth: int) -> 
 
 def range_of(series: Series, wide: arb | None = None) -> arb:
     """A ball that contains the values of an element without theta at all real points of the box."""
-    previous = ctx.prec
-    ctx.prec = _BITS
-    try:
+    with ctx.workprec(_BITS):
         enclosure = _Enclosure(series, wide)
         return enclosure.polynomial(arb(0)) + enclosure.deviation
-    finally:
-        ctx.prec = previous
 
 
 @dataclass(frozen=True)
@@ -90,14 +82,10 @@ class CrossingCounter:
 
         Raises `IntegrationFailure` if some part of the step cannot be classified.
         """
-        previous = ctx.prec
-        ctx.prec = _BITS
-        try:
+        with ctx.workprec(_BITS):
             y = _Enclosure(position, self.wide)
             dy = _Enclosure(velocity, self.wide)
             self._cover(y, dy, arb(0), arb(1), 0, time, step)
-        finally:
-            ctx.prec = previous
 
     def _cover(self, y: _Enclosure, dy: _Enclosure, left: arb, right: arb, depth: int, time: arb, step: arb) -> None:
         sign = y.sign(left, right)

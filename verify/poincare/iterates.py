@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor, log2
 
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import level_program, quadratic_coefficient
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.evidence import IntegrationFailure, guarded
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.derivatives import DerivativeTable, derivative_table
 from orbitproof.verify.poincare.returns import AUTO, REGULARISED, Returns, evaluate
@@ -98,22 +98,14 @@ def enclose_iterates(
     `progress` is called after every step with a rough fraction of the work done; what it raises
     passes through. Raises `IntegrationFailure` if something could not be enclosed.
     """
-    previous = ctx.prec
-    ctx.prec = settings.precision + 64
-    try:
+    with guarded(settings.precision):
         return _Integration(candidate, settings, progress).run()
-    finally:
-        ctx.prec = previous
 
 
 def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
     """Derivatives of the first integral on the candidate's box in Fix(R), without integrating."""
-    previous = ctx.prec
-    ctx.prec = precision + 64
-    try:
+    with guarded(precision):
         return _Integration(candidate, IntegratorSettings(precision, 1, coordinates=PHYSICAL), None).first_integral
-    finally:
-        ctx.prec = previous
 
 
 class _Integration:

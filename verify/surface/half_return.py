@@ -13,16 +13,14 @@ from fractions import Fraction
 from itertools import zip_longest
 from math import floor, log2, prod
 
-from flint import arb, arb_poly, ctx
+from flint import arb, arb_poly
 
 from orbitproof.shared.formats import SurfacePiece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.curve import recentred
-from orbitproof.verify.evidence import IntegrationFailure, enclose
+from orbitproof.verify.evidence import IntegrationFailure, enclose, guarded
 from orbitproof.verify.poincare import DerivativeTable, Returns, evaluate, table_of
-
-GUARD_BITS = 64
 
 _RATIO = Fraction(1, 2)
 """The box is this fraction of the polydisc on which the orbits are enclosed: large boxes ask for a large one."""
@@ -113,12 +111,8 @@ def enclose_surface(
 
     `progress` is called after every step with the number of steps; what it raises passes through.
     """
-    previous = ctx.prec
-    ctx.prec = limits.precision + GUARD_BITS
-    try:
+    with guarded(limits.precision):
         return _enclose(system, piece, interval, limits, progress)
-    finally:
-        ctx.prec = previous
 
 
 def _enclose(

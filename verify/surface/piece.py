@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb
 
 from orbitproof.shared.formats import Candidate, SurfacePiece, evaluate
 from orbitproof.shared.numbers import format_exact
@@ -29,8 +29,9 @@ from orbitproof.verify.evidence import (
     Proved,
     Reason,
     ball_to_json,
+    guarded,
 )
-from orbitproof.verify.surface.half_return import GUARD_BITS, Interval, SurfaceLimits, SurfaceReturn, enclose_surface
+from orbitproof.verify.surface.half_return import Interval, SurfaceLimits, SurfaceReturn, enclose_surface
 
 __all__ = ["SurfaceLimits", "SurfacePart", "SurfaceResult", "candidate_at", "check_exact_claim", "prove_surface_piece"]
 
@@ -151,7 +152,7 @@ def prove_surface_piece(
         with np.errstate(all="ignore"):
             returned = enclose_surface(system, piece, interval, limits, progress)
         steps, coordinates = returned.steps, returned.coordinates
-        with ctx.workprec(limits.precision + GUARD_BITS):
+        with guarded(limits.precision):
             parts = tuple(
                 part
                 for first in _sections(interval)
