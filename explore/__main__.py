@@ -22,9 +22,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if hasattr(options, "run"):
             return int(options.run(options))
         request = check(options)
-        from orbitproof.explore.search import run
+        from orbitproof.explore.search import search
 
-        return run(request)
+        return search(request)
     except InputError as error:
         print(f"orbitproof explore {options.command}: {error}", file=sys.stderr)
         return 2

@@ -3,6 +3,6 @@ from .file import BranchOrbit as BranchOrbit
 from .file import BranchRecord as BranchRecord
 from .file import read_branches as read_branches
 from .file import write_branches as write_branches
-from .follow import follow as follow
+from .following import follow as follow
 from .start import NoBranch as NoBranch
 from .start import branch_point as branch_point

@@ -1,2 +1,2 @@
 from .request import check as check
-from .run import run as run
+from .run import search as search

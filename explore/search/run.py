@@ -41,7 +41,7 @@ class Row:
     level: float | str
 
 
-def run(request: Request) -> int:
+def search(request: Request) -> int:
     """Do what a checked command line asks for; returns the exit code. Raises `InputError`."""
     options = request.options
     kept: list[Candidate] = []

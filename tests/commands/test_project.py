@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import ast
 import importlib
 import re
 import shlex
@@ -135,3 +136,16 @@ def test_modules_stay_one_idea_long() -> None:
     for package in ROOMS:
         for module in sorted((ROOT / package).rglob("*.py")):
             assert len(module.read_text("utf-8").splitlines()) <= 450, module.name
+
+
+def names_in(face: Path) -> set[str]:
+    """The names that a room's `__init__` hands on."""
+    imports = [node for node in ast.walk(ast.parse(face.read_text("utf-8"))) if isinstance(node, ast.ImportFrom)]
+    return {alias.asname or alias.name for node in imports for alias in node.names}
+
+
+def test_no_room_hands_on_a_name_that_is_one_of_its_modules() -> None:
+    faces = [face for room in ROOMS for face in (ROOT / room).rglob("__init__.py*")]
+    assert any(names_in(face) for face in faces)
+    for face in faces:
+        assert not names_in(face) & {module.stem for module in face.parent.glob("*.py")}, face

@@ -14,7 +14,7 @@ from numpy.polynomial import chebyshev
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches.file import BranchRecord, read_branches, write_branches
-from orbitproof.explore.branches.follow import Branch, follow
+from orbitproof.explore.branches.following import Branch, follow
 from orbitproof.explore.branches.start import BranchPoint, branch_point
 from orbitproof.explore.flow.flow import flow_of
 from orbitproof.explore.orbits.multiple_shooting import MultipleShooting, SegmentedOrbit

@@ -32,7 +32,7 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETER
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.certificate.certify import Limits, certify
-from orbitproof.verify.certificate.recheck import recheck
+from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import point_on_fixed_set
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.flow.step import FlowStep, advance

@@ -29,7 +29,7 @@ from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, certify
-from orbitproof.verify.certificate.recheck import recheck
+from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.evidence.balls_as_text import ball_from_json, exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
 

@@ -17,7 +17,7 @@ import orbitproof.verify.certificate.certify
 import orbitproof.verify.certificate.side_by_side
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, certify
-from orbitproof.verify.certificate.recheck import recheck
+from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.engines.processes import GRACE_SECONDS
 from orbitproof.verify.poincare.iterates import enclose_iterates
@@ -137,7 +137,7 @@ def test_what_cannot_be_checked_again_does_not_stand(monkeypatch: pytest.MonkeyP
     assert recheck(certificate).stands
     for name in ("level_form", "prove", "enclose_iterates"):
         with monkeypatch.context() as patch:
-            patch.setattr(f"orbitproof.verify.certificate.recheck.{name}", raising(MemoryError))
+            patch.setattr(f"orbitproof.verify.certificate.rechecking.{name}", raising(MemoryError))
             result = recheck(certificate, integrate=True)
         # There is no level form in this certificate.
         assert result.stands == (name == "level_form")

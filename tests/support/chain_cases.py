@@ -17,7 +17,7 @@ from flint import arb
 from orbitproof.shared.formats.atlas import Atlas, Claim, Covers, Piece
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
-from orbitproof.verify.certificate.recheck import Finding, Recheck
+from orbitproof.verify.certificate.rechecking import Finding, Recheck
 from orbitproof.verify.curve.conclusion import Conclusion
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.balls_as_text import ball_to_json

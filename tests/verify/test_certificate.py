@@ -33,7 +33,7 @@ from orbitproof.verify.evidence.balls_as_text import (
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import NotProved, Reason
-from orbitproof.verify.evidence.software import software
+from orbitproof.verify.evidence.sources import software
 from orbitproof.verify.poincare.derivatives import DerivativeTable
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings
 

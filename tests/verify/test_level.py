@@ -26,10 +26,10 @@ from orbitproof.shared.formats.candidates import (
 )
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.bifurcation.level_form import in_box, level_form
+from orbitproof.verify.bifurcation.level_forms import in_box, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, is_proof_of
 from orbitproof.verify.certificate.certify import Limits, _forms, _missing_bits, certify
-from orbitproof.verify.certificate.recheck import recheck
+from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import level_program, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.evidence.balls_as_text import ball_from_json, bounds
 from orbitproof.verify.evidence.comparisons import enclose

@@ -14,13 +14,13 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-import orbitproof.verify.certificate.recheck
+import orbitproof.verify.certificate.rechecking
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate, digest, write_certificates
 from orbitproof.verify.certificate.certify import Limits, certify
-from orbitproof.verify.certificate.recheck import Recheck, recheck
+from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
@@ -98,7 +98,7 @@ def no_integration(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: Any) -> Enclosures:
         raise AssertionError("an integration was started")
 
-    monkeypatch.setattr(orbitproof.verify.certificate.recheck, "enclose_iterates", refuse)
+    monkeypatch.setattr(orbitproof.verify.certificate.rechecking, "enclose_iterates", refuse)
 
 
 @pytest.mark.usefixtures("no_integration")
@@ -233,10 +233,10 @@ def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> 
     entry = copy.deepcopy(proved)
     entry["statement"]["candidate"]["centre"][0] = "453.4425868"
     candidate = candidate_from_json(entry["statement"]["candidate"], "test")
-    stored = orbitproof.verify.certificate.recheck._stored_enclosures(entry, candidate)
+    stored = orbitproof.verify.certificate.rechecking._stored_enclosures(entry, candidate)
     assert stored is not None
-    outcome = orbitproof.verify.certificate.recheck._conclude(candidate, entry["computation"]["precision"], stored)
-    consistent = orbitproof.verify.certificate.recheck.make_certificate(
+    outcome = orbitproof.verify.certificate.rechecking._conclude(candidate, entry["computation"]["precision"], stored)
+    consistent = orbitproof.verify.certificate.rechecking.make_certificate(
         candidate, outcome, entry["computation"], stored
     )
     assert recheck(consistent).stands
@@ -253,7 +253,7 @@ def test_a_second_integration_that_is_off_is_found(proved: Certificate, monkeypa
         iterates = (found.iterates[0], (type(table)(table.box, changed),), *found.iterates[2:])
         return Enclosures(iterates, None, found.return_times, found.order, found.precision, found.steps)
 
-    monkeypatch.setattr(orbitproof.verify.certificate.recheck, "enclose_iterates", moved)
+    monkeypatch.setattr(orbitproof.verify.certificate.rechecking, "enclose_iterates", moved)
     result = recheck(proved, integrate=True)
     assert "d^(1,1) of q_1(P^2), centre" in places(result)
 

@@ -34,7 +34,7 @@ from orbitproof.verify.algebra.circle import pack, unpack
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import Evaluation, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
-from orbitproof.verify.algebra.wide_power import wide_power
+from orbitproof.verify.algebra.wide_powers import wide_power
 from orbitproof.verify.flow.gronwall import (
     PARTS,
     centre_and_norms,

@@ -5,7 +5,7 @@ from orbitproof.verify.algebra.grading import Factors, Grading
 from orbitproof.verify.algebra.norms import GradedNorm, float_above, inflate, total
 from orbitproof.verify.algebra.programs import Evaluation, PreparedProgram, approximate_power, integer_part, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
-from orbitproof.verify.algebra.wide_power import wide_power
+from orbitproof.verify.algebra.wide_powers import wide_power
 
 __all__ = [
     "Arithmetic",

@@ -17,7 +17,7 @@ from flint import arb, arb_series, ctx, fmpz, fmpz_poly
 
 from orbitproof.shared.systems import Program
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power, product_errors
-from orbitproof.verify.algebra.wide_power import wide_power
+from orbitproof.verify.algebra.wide_powers import wide_power
 from orbitproof.verify.evidence import IntegrationFailure, guarded
 
 _ZERO = fmpz_poly([])

@@ -1,7 +1,7 @@
 """Lyapunov-Schmidt reduction, conditions and theorems (sections 8, 9, 11)."""
 
 from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
-from orbitproof.verify.bifurcation.level_form import coordinates_in_box, in_box, level_form, level_spread
+from orbitproof.verify.bifurcation.level_forms import coordinates_in_box, in_box, level_form, level_spread
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family
 from orbitproof.verify.bifurcation.theorem import prepare, prove, theorem_of
 

@@ -14,7 +14,7 @@ from orbitproof.verify.certificate.certify import (
     Limits,
     check_exactly,
 )
-from orbitproof.verify.certificate.recheck import Recheck, recheck
+from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
 from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table

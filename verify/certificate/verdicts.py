@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.recheck import Recheck
+from orbitproof.verify.certificate.rechecking import Recheck
 from orbitproof.verify.engines import aligned
 from orbitproof.verify.evidence import ball_from_json, certain_digits
 

@@ -43,7 +43,7 @@ from orbitproof.verify.evidence.outcome import (
     show,
 )
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
-from orbitproof.verify.evidence.software import software
+from orbitproof.verify.evidence.sources import software
 
 __all__ = [
     "GUARD_BITS",
