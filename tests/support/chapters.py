@@ -1,0 +1,280 @@
+"""The chapters of the method as a reader meets them: what they define, what is cited, and what does not fit together.
+
+Chapters are docs/method.md, the cover, and the README.md files of shared/ and verify/. Every check returns what it
+finds wrong, as lines of text that name the file.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import tokenize
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import StringIO
+from itertools import pairwise
+from pathlib import Path
+
+NUMBER = r"\d{1,2}(?:\.\d{1,2})?"
+_LIST = rf"{NUMBER}(?:(?:,? and |,? or | to |, |,\n){NUMBER}(?!\.?\d))*"
+_SECTIONS = re.compile(rf"\b[Ss]ections? ({_LIST})")
+_BRACKETS = re.compile(r"\((\d{1,2}\.\d(?:(?:,? and | to |, )\d{1,2}\.\d)*)\)")
+_RESULTS = re.compile(rf"\b(?:Lemma|Theorem)s? ({_LIST})")
+_FOREIGN = re.compile(r"\[WW[^\]]*\]|crosses the section \d+ times|https?://\S+|`[^`\n]*`")
+_SECTION_HEADING = re.compile(rf"^#{{2,3}} ({NUMBER})\.? \S.*$", re.MULTILINE)
+_RESULT_HEADING = re.compile(rf"^\*\*(Lemma|Theorem) ({NUMBER})(?: \([^)]*\))?\.\*\*", re.MULTILINE)
+_FORMULA = re.compile(r"^ .*\s{2,}\((\d{1,2}\.\d)\)$", re.MULTILINE)
+_LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+_COVER_ROW = re.compile(r"^\| [^|]+ \| \[[^\]]+\]\(\.\./([^)]+)/README\.md\) \| ([^|]*)\|", re.MULTILINE)
+_ROOMS = ("shared", "verify")
+
+
+@dataclass(frozen=True)
+class Citation:
+    """A number that some text cites, and where."""
+
+    kind: str
+    number: str
+    path: Path
+
+
+def chapters(root: Path) -> dict[Path, str]:
+    """Text of each chapter by path; the cover comes first."""
+    paths = [root / "docs" / "method.md", *sorted(p for room in _ROOMS for p in (root / room).rglob("README.md"))]
+    return {path: path.read_text("utf-8") for path in paths}
+
+
+def sections(root: Path) -> Counter[str]:
+    """How often each section is there."""
+    return Counter(number for text in chapters(root).values() for number in _SECTION_HEADING.findall(_prose(text)))
+
+
+def results(root: Path) -> Counter[str]:
+    """How often each number of a lemma or theorem is given."""
+    found = (match for text in chapters(root).values() for match in _RESULT_HEADING.finditer(text))
+    return Counter(match[2] for match in found)
+
+
+def formulas(root: Path) -> Counter[str]:
+    """How often each number of a formula is given."""
+    return Counter(number for text in chapters(root).values() for number in _FORMULA.findall(text))
+
+
+def citations(root: Path) -> Iterator[Citation]:
+    """Everything that code, certificates and documents cite."""
+    documents = [*chapters(root), root / "README.md", *(root / "docs").glob("*.md")]
+    for path in documents:
+        yield from _in_text(path.read_text("utf-8"), path, brackets=path in chapters(root))
+    for folder in ("shared", "verify", "explore", "figures"):
+        for path in sorted((root / folder).rglob("*.py")):
+            source = path.read_text("utf-8")
+            for text in (*_strings(source), *_comments(source)):
+                yield from _in_text(text, path, brackets=False)
+            if folder == "verify":
+                for number in _section_arguments(source):
+                    yield Citation("section", number, path)
+    for path in (*(root / "shared" / "schemas").glob("*.json"), *(root / "tests" / "data").glob("*.json")):
+        for section in _values(json.loads(path.read_text("utf-8")), "section"):
+            if re.fullmatch(NUMBER, section):
+                yield Citation("section", section, path)
+
+
+def wrong_citations(root: Path) -> list[str]:
+    """Citations of what is not there."""
+    known = {"section": sections(root), "result": results(root), "section or formula": sections(root) + formulas(root)}
+    missing = {
+        f"{c.path.relative_to(root)}: {c.kind} {c.number} is not there"
+        for c in citations(root)
+        if not known[c.kind][c.number]
+    }
+    return sorted(missing)
+
+
+def repeated_numbers(root: Path) -> list[str]:
+    """Numbers that are given twice."""
+    kinds = {"section": sections(root), "lemma or theorem": results(root), "formula": formulas(root)}
+    return [
+        f"{kind} {number} is there {n} times" for kind, all_ in kinds.items() for number, n in all_.items() if n > 1
+    ]
+
+
+def unnamed_modules(root: Path) -> list[str]:
+    """Modules that their chapter does not name, and modules in its table that are not there."""
+    found = []
+    for room in sorted(path.parent for path in (root / "verify").glob("*/__init__.py")):
+        chapter = room / "README.md"
+        if not chapter.exists():
+            found.append(f"{room.relative_to(root)}: there is no README.md")
+            continue
+        table = re.search(r"^\| module \|.*\n(?:\|.*\n)*", chapter.read_text("utf-8"), re.MULTILINE)
+        named = set(re.findall(r"^\| `(\w+)` \|", table[0], re.MULTILINE)) if table else set()
+        modules = {path.stem for path in room.glob("*.py") if not path.stem.startswith("__")}
+        found += [f"{chapter.relative_to(root)}: the table does not name `{name}`" for name in sorted(modules - named)]
+        found += [f"{chapter.relative_to(root)}: there is no module `{name}`" for name in sorted(named - modules)]
+    return found
+
+
+def wrong_module_names(root: Path) -> list[str]:
+    """Names in headings "(`module`, ..)", and dotted names like `flow.step`, that lead to no module."""
+    found = []
+    for path, text in chapters(root).items():
+        for heading in re.findall(r"^#{2,3} \d.*\(((?:`[\w.]+`(?:, )?)+)\)$", text, re.MULTILINE):
+            for name in re.findall(r"`([\w.]+)`", heading):
+                if not _is_module(root, path.parent, name):
+                    found.append(f"{path.relative_to(root)}: heading names `{name}`")
+        rooms = "|".join(sorted(p.name for p in (root / "verify").iterdir() if p.is_dir()))
+        for name in re.findall(rf"`((?:shared\.|explore\.)[\w.]+|(?:{rooms})\.(?!py|md)[\w.]+)`", text):
+            if not _is_module(root, path.parent, name):
+                found.append(f"{path.relative_to(root)}: `{name}` is not there")
+    return found
+
+
+def wrong_cover(root: Path) -> list[str]:
+    """Rows of the cover's table whose folder or sections are not those of the chapter."""
+    (cover, text), *rest = chapters(root).items()
+    rows = {}
+    for folder, listed in re.findall(
+        r"^\| [^|]+ \| \[[^\]]+\]\(\.\./([^)]+)/README\.md\) \| ([^|]*)\|", text, re.MULTILINE
+    ):
+        rows[root / folder / "README.md"] = set(_numbers(listed.strip()))
+    found = [f"{cover.name}: no row for {path.relative_to(root)}" for path, _ in rest if path not in rows]
+    for path, listed in rows.items():
+        there = set(_SECTION_HEADING.findall(path.read_text("utf-8"))) if path.exists() else set()
+        if there != listed:
+            found.append(f"{cover.name}: {path.relative_to(root)} has sections {sorted(there ^ listed)} or has not")
+    return found
+
+
+def broken_links(root: Path) -> list[str]:
+    """Local links that lead nowhere."""
+    documents = [*chapters(root), root / "README.md", *(root / "docs").glob("*.md")]
+    found = []
+    for path in documents:
+        for target in _LINK.findall(path.read_text("utf-8")):
+            if not re.match(r"[a-z]+:|#", target) and not (path.parent / target.split("#")[0]).exists():
+                found.append(f"{path.relative_to(root)}: link to {target}")
+    return sorted(set(found))
+
+
+def ill_formed(root: Path) -> list[str]:
+    """Headings that skip a level or stand in another section, tables with uneven rows, results without proof."""
+    found = []
+    for path, text in chapters(root).items():
+        name = path.relative_to(root)
+        if text.count("\n```") % 2:
+            found.append(f"{name}: a code block is not closed")
+        prose = _prose(text)
+        levels = [len(marks) for marks in re.findall(r"^(#+) ", prose, re.MULTILINE)]
+        if levels[:1] != [1] or any(b > a + 1 or b == 1 for a, b in pairwise(levels)):
+            found.append(f"{name}: headings skip a level")
+        found += [f"{name}: not a section heading: {line}" for line in re.findall(r"^#+ .*", prose, re.MULTILINE)[1:]
+                  if re.match(r"#+ \d", line) and not _SECTION_HEADING.match(line)]  # fmt: skip
+        for table in re.findall(r"(?:^\|.*\n)+", prose, re.MULTILINE):
+            cells = {len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()}
+            if len(cells) > 1:
+                found.append(f"{name}: a table has rows of different lengths: {table.splitlines()[0]}")
+        found += [f"{name}: {problem}" for problem in _unproved(prose)]
+        found += [f"{name}: unbalanced ** in: {block[:60]}" for block in prose.split("\n\n") if block.count("**") % 2]
+    return found
+
+
+def _unproved(prose: str) -> Iterator[str]:
+    marks = list(re.finditer(r"^\*\*(?:Lemma|Theorem) [\d.]+|^#+ |\*Proof\b|\bQED\b", prose, re.MULTILINE))
+    claimed, open_ = "", False
+    for mark in marks:
+        word = mark[0]
+        if word == "QED":
+            if not open_:
+                yield f"QED without a proof before: {prose[max(0, mark.start() - 40) : mark.end()]!r}"
+            claimed, open_ = "", False
+        elif word.startswith("*Proof"):
+            if open_:
+                yield f"a proof begins before QED of the one before: {prose[mark.start() : mark.start() + 60]!r}"
+            open_ = True
+        else:
+            if open_:
+                yield f"no QED before {word!r}"
+            if claimed:
+                yield f"{claimed} has no proof"
+            claimed, open_ = (word.strip("*#. ") if word.startswith("**") else ""), False
+    if claimed or open_:
+        yield f"{claimed or 'the last proof'} does not end"
+
+
+def _prose(text: str) -> str:
+    return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def _numbers(listed: str) -> Iterator[str]:
+    """The numbers of a list such as "3, 3.1 to 3.3 and 4"; ranges are filled in."""
+    parts = re.split(rf"({NUMBER})", listed)
+    numbers, joints = parts[1::2], [joint.strip(" ,\n") for joint in parts[2::2]]
+    for index, number in enumerate(numbers):
+        if index and joints[index - 1] == "to" and ("." in number) == ("." in numbers[index - 1]):
+            head, _, last = number.rpartition(".")
+            first = numbers[index - 1].rpartition(".")[2]
+            for between in range(int(first) + 1, int(last)):
+                yield f"{head}.{between}" if head else str(between)
+        yield number
+
+
+def _in_text(text: str, path: Path, brackets: bool) -> Iterator[Citation]:
+    text = _FOREIGN.sub("", re.sub(r"\s*\n\s*", " ", text))
+    for pattern, kind in ((_SECTIONS, "section"), (_RESULTS, "result")):
+        for listed in pattern.findall(text):
+            yield from (Citation(kind, number, path) for number in _numbers(listed))
+    if brackets:
+        for listed in _BRACKETS.findall(text):
+            yield from (Citation("section or formula", number, path) for number in _numbers(listed))
+
+
+def _strings(source: str) -> Iterator[str]:
+    nodes = ast.walk(ast.parse(source))
+    yield from (node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str))
+
+
+def _comments(source: str) -> Iterator[str]:
+    """Blocks of comments, one after the other."""
+    block: list[str] = []
+    for token in tokenize.generate_tokens(StringIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            block.append(token.string.lstrip("# "))
+        elif token.type not in (tokenize.NL, tokenize.NEWLINE):
+            yield " ".join(block)
+            block = []
+
+
+def _section_arguments(source: str) -> Iterator[str]:
+    """The sections of hypotheses: arguments that are a number with a dot, as text."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call):
+            arguments = (*node.args, *(keyword.value for keyword in node.keywords))
+            values = [argument.value for argument in arguments if isinstance(argument, ast.Constant)]
+            yield from (v for v in values if isinstance(v, str) and re.fullmatch(r"\d{1,2}\.\d", v))
+
+
+def _values(document: object, key: str) -> Iterator[str]:
+    if isinstance(document, dict):
+        if isinstance(document.get(key), str):
+            yield document[key]
+        for value in document.values():
+            yield from _values(value, key)
+    elif isinstance(document, list):
+        for value in document:
+            yield from _values(value, key)
+
+
+def _is_module(root: Path, folder: Path, name: str) -> bool:
+    """Whether a dotted name is a module, or a name that a module defines, seen from a chapter's folder."""
+    parts = name.split(".")
+    for start in (folder, root / "verify", root / "shared", root):
+        for length in range(len(parts), 0, -1):
+            path = start.joinpath(*parts[:length])
+            module = path.with_suffix(".py") if path.with_suffix(".py").exists() else path / "__init__.py"
+            if module.exists():
+                rest = parts[length:]
+                if not rest or (len(rest) == 1 and re.search(rf"\b{rest[0]}\b", module.read_text("utf-8"))):
+                    return True
+    return False
