@@ -15,11 +15,11 @@ from support.faulty_worker import EXCEPTIONS, certify_task
 
 import orbitproof.verify.certificate.certify
 import orbitproof.verify.certificate.side_by_side
+from orbitproof.shared.processes import GRACE_SECONDS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, certify
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.certificate.side_by_side import certify_all
-from orbitproof.verify.engines.processes import GRACE_SECONDS
 from orbitproof.verify.poincare.iterates import enclose_iterates
 
 TRUE = known("fs2")

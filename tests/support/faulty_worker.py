@@ -12,8 +12,8 @@ from flint import fmpz
 
 import orbitproof.verify.certificate.side_by_side
 from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.processes import Report
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.engines.processes import Report
 from orbitproof.verify.poincare.iterates import enclose_iterates
 
 EXCEPTIONS: dict[str, type[Exception]] = {

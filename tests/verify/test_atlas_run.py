@@ -26,13 +26,14 @@ from support.chain_cases import parabola, symmetric_loop
 from orbitproof.shared.formats.atlas import Atlas, write_atlas
 from orbitproof.shared.formats.candidates import InputError
 from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.processes import Answer, Progress, Source, Task
 from orbitproof.verify.atlas.__main__ import _parser, main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.run import AtlasRun
 from orbitproof.verify.atlas.splitting import covers, halves, interval_of, plan, whole
 from orbitproof.verify.atlas.task import RunLimits
 from orbitproof.verify.certificate.certificate import digest
-from orbitproof.verify.engines.processes import Answer, Finished, Processes, Progress, Source, Task, Work
+from orbitproof.verify.engines.processes import Finished, Processes, Work
 from orbitproof.verify.engines.progress import Display
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 from dataclasses import asdict
 from functools import partial
 from typing import Any
 
 from orbitproof.shared.formats import Candidate, candidate_from_json
+from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, broken_off, certify, not_proved
 from orbitproof.verify.certificate.rechecking import Finding, Recheck, recheck
@@ -77,32 +75,35 @@ def recheck_all(
     progress: Progress,
     finished: Callable[[Recheck], None],
 ) -> None:
-    """Check every certificate again and hand each `Recheck` to `finished`, as they are done."""
-    jobs = min(jobs, len(certificates))
-    if jobs <= 1:
+    """Check every certificate again and hand each `Recheck` to `finished`, as they are done.
+
+    What became of a process that ended by itself is the finding about its certificate. Without integration there is
+    no need for a process.
+    """
+    if jobs <= 1 and not integrate:
         for entry in certificates:
-            report = _for_row(progress, entry["id"])
-            finished(recheck(entry, integrate, partial(_labelled, report)))
+            finished(recheck(entry))
         return
-    context = multiprocessing.get_context("spawn")
-    # Ctrl-C reaches every process of the terminal; it ends those of the pool at once.
-    with ProcessPoolExecutor(jobs, context, signal.signal, (signal.SIGINT, signal.SIG_DFL)) as pool:
-        tasks = {pool.submit(recheck, entry, integrate): entry for entry in certificates}
-        try:
-            for task in as_completed(tasks):
-                entry = tasks[task]
-                try:
-                    finished(task.result())
-                except BrokenProcessPool:
-                    finding = Finding("process", "a process that checked certificates ended; give fewer --jobs")
-                    finished(Recheck(entry["id"], entry["verdict"], 0, (finding,)))
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    known = {entry["id"]: entry for entry in certificates}
+    waiting = deque(certificates)
+
+    def source() -> Task | None:
+        return Task(waiting[0]["id"], (waiting.popleft(), integrate)) if waiting else None
+
+    with closing(answers(recheck_task, source, progress, jobs)) as all_answers:
+        for answer in all_answers:
+            entry = known[answer.task.name]
+            result = answer.result
+            if isinstance(result, Failure):
+                finding = Finding("process", f"{result.message}; {_REMEDIES['process']}")
+                result = Recheck(entry["id"], entry["verdict"], 0, (finding,))
+            finished(result)
 
 
-def _labelled(report: Callable[[float, str], None], fraction: float) -> None:
+def recheck_task(argument: tuple[Certificate, bool], report: Report) -> Recheck:
+    """What one process does."""
+    return recheck(*argument, partial(_labelled, report))
+
+
+def _labelled(report: Report, fraction: float) -> None:
     report(fraction, "integrating again")
-
-
-def _for_row(progress: Progress, name: str) -> Callable[[float, str], None]:
-    return lambda fraction, label: progress(name, fraction, label)

@@ -1,18 +1,9 @@
 """Where tasks are done, side by side, and what people see of it."""
 
+from orbitproof.shared.processes import GRACE_SECONDS, Answer, Failure, Progress, Report, Task
 from orbitproof.verify.engines.cluster import connected
 from orbitproof.verify.engines.options import ArgumentParser, positive_integer, positive_seconds
-from orbitproof.verify.engines.processes import (
-    GRACE_SECONDS,
-    Answer,
-    Engine,
-    Failure,
-    Processes,
-    Progress,
-    Report,
-    Task,
-    Work,
-)
+from orbitproof.verify.engines.processes import Engine, Processes, Work
 from orbitproof.verify.engines.progress import Display, aligned
 
 __all__ = [

@@ -17,7 +17,8 @@ from importlib import import_module
 from typing import Any
 
 from orbitproof.shared.formats import InputError
-from orbitproof.verify.engines.processes import Answer, Failure, Finished, Progress, Source, Task, Work
+from orbitproof.shared.processes import Answer, Failure, Progress, Source, Task
+from orbitproof.verify.engines.processes import Finished, Work, on_text
 from orbitproof.verify.evidence import software
 
 _CONNECT_SECONDS = 10
@@ -66,7 +67,7 @@ class Cluster:
 def run_on_worker(work: Work, argument: str) -> str:
     """Do a task in a process of the cluster; text in, text out."""
     with _one_task:
-        return json.dumps({"software": software(), "result": work(json.loads(argument), _no_report)})
+        return json.dumps({"software": software(), "result": on_text(work, argument, _no_report)})
 
 
 def _no_report(fraction: float, label: str) -> None:
@@ -81,7 +82,7 @@ def _result(future: Any) -> Mapping[str, Any] | Failure:
     # Workers may join during a run.
     if answer["software"] != software():
         return Failure("process", "a worker of the cluster has another version of the software")
-    result: Mapping[str, Any] = answer["result"]
+    result: Mapping[str, Any] = json.loads(answer["result"])
     return result
 
 

@@ -1,0 +1,76 @@
+"""How a run comes to an end before it is done: Ctrl-C, SIGTERM and SIGHUP are all `KeyboardInterrupt`."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from types import FrameType
+
+ENDING_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""The signals that ask a run to end, as far as the system knows them."""
+
+_WATCH_SECONDS = 0.5
+_ENDS_WITH = "ORBITPROOF_ENDS_WITH"
+
+
+@contextmanager
+def held_back() -> Iterator[None]:
+    """Keep signals that end a run back; a process that is started meanwhile never sees them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING_SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def ending_by_signals() -> Iterator[None]:
+    """While the body runs, SIGTERM and SIGHUP raise `KeyboardInterrupt`, as Ctrl-C does; for the main thread.
+
+    Once the run is ending they do nothing more; a second Ctrl-C does. What is ignored from the start stays ignored:
+    SIGHUP under nohup, SIGINT in the background of a script. A process that was started with `bound_to_this` gets
+    SIGTERM when the one that it is bound to is gone.
+    """
+    ending = False
+
+    def end(number: int, frame: FrameType | None) -> None:
+        nonlocal ending
+        if number == signal.SIGINT or not ending:
+            ending = True
+            raise KeyboardInterrupt
+
+    before = {number: signal.getsignal(number) for number in ENDING_SIGNALS}
+    ours = [number for number, handler in before.items() if handler in (signal.SIG_DFL, signal.default_int_handler)]
+    for number in ours:
+        signal.signal(number, end)
+    bound_to = os.environ.pop(_ENDS_WITH, "")
+    if bound_to.isdecimal() and os.name == "posix":
+        threading.Thread(target=_end_with, args=(int(bound_to),), daemon=True).start()
+    try:
+        yield
+    finally:
+        for number in ours:
+            signal.signal(number, before[number])
+
+
+def bound_to_this() -> dict[str, str]:
+    """The environment of a command that ends, as by an interrupt, when this process is gone."""
+    return {**os.environ, _ENDS_WITH: str(os.getpid())}
+
+
+def _end_with(number: int) -> None:
+    """Send this process SIGTERM when the process of that number is gone."""
+    try:
+        while True:
+            with suppress(PermissionError):
+                os.kill(number, 0)
+            time.sleep(_WATCH_SECONDS)
+    except ProcessLookupError:
+        os.kill(os.getpid(), signal.SIGTERM)
