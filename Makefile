@@ -51,9 +51,12 @@ EXPLORE = $(BIN)/orbitproof explore candidates
 VERIFY = PYTHONPATH=verify/alone $(BIN)/orbitproof verify
 FIGURES = $(BIN)/orbitproof figures
 
+# A command that runs when make is ended keeps what it has and ends too (PPID is make, for the shell of a recipe).
+BOUND = export ORBITPROOF_ENDS_WITH=$$PPID;
+
 # Exit code 1 of a step (something not found, not proved) does not stop the ones after it.
 demo: $(VENV)/demo.stamp
-	@start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
+	@$(BOUND) start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	echo "1/3  search: Earth-Moon L1 halo family and Falkner-Skan family"; \
 	step $(EXPLORE) --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.3 \
 	  -o $(OUT)/candidates.json --family-output $(OUT)/halo-family.json; \
@@ -77,7 +80,7 @@ MASSES := earth-moon sun-jupiter
 SURFACES := L1 L2 L3
 
 branches: $(VENV)/demo.stamp
-	@mkdir -p $(BRANCHES); failed=0; \
+	@$(BOUND) mkdir -p $(BRANCHES); failed=0; \
 	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	cover() { file=$(BRANCHES)/$$1.json; shift; [ -e $$file ] || step $(BIN)/orbitproof explore "$$@" -o $$file; }; \
 	prove() { \
@@ -104,8 +107,8 @@ branches: $(VENV)/demo.stamp
 
 # The data are kept by `make clean`: they hold the proofs of all rows.
 figures: $(VENV)/demo.stamp
-	@$(BIN)/orbitproof figures data $(PICTURES)/data || [ $$? -eq 1 ]
-	@$(BIN)/orbitproof figures all $(PICTURES)/data -o $(PICTURES)
+	@$(BOUND) $(BIN)/orbitproof figures data $(PICTURES)/data || [ $$? -eq 1 ]
+	@$(BOUND) $(BIN)/orbitproof figures all $(PICTURES)/data -o $(PICTURES)
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff check .

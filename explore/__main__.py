@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.search import check
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.interrupts import run_command
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -34,4 +35,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

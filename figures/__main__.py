@@ -15,6 +15,7 @@ from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import data as data_command
 from orbitproof.figures.style import check_folder
 from orbitproof.shared.formats import InputError, read_candidates, write_text
+from orbitproof.shared.interrupts import run_command
 
 _EXAMPLES = """\
 examples:
@@ -262,4 +263,4 @@ def _name(text: str, taken: set[str]) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

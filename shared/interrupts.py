@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
@@ -30,9 +31,19 @@ def held_back() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
+def run_command(main: Callable[[], int]) -> int:
+    """The exit code of a command line that signals end as Ctrl-C does; 130 where it does not care for itself."""
+    with ending_by_signals():
+        try:
+            return main()
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            return 130
+
+
 @contextmanager
 def ending_by_signals() -> Iterator[None]:
-    """While the body runs, SIGTERM and SIGHUP raise `KeyboardInterrupt`, as Ctrl-C does; for the main thread.
+    """While the body runs, SIGTERM and SIGHUP raise `KeyboardInterrupt`, as Ctrl-C does. For the main thread.
 
     Once the run is ending they do nothing more; a second Ctrl-C does. What is ignored from the start stays ignored:
     SIGHUP under nohup, SIGINT in the background of a script. A process that was started with `bound_to_this` gets

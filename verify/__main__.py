@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orbitproof.shared.formats import Candidate, InputError, check_writable, read_candidates
+from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
     LEAST_PRECISION,
@@ -219,4 +220,4 @@ def _earlier(path: Path, candidates: Sequence[Candidate]) -> dict[str, Certifica
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

@@ -11,6 +11,7 @@ from typing import Any
 from orbitproof.figures.collection import STEPS, Step
 from orbitproof.figures.style import check_folder
 from orbitproof.shared.formats import InputError, write_text
+from orbitproof.shared.interrupts import bound_to_this
 
 _EXAMPLES = """\
 examples:
@@ -79,13 +80,15 @@ def run(options: argparse.Namespace) -> int:
 
 def _run(step: Step, folder: Path) -> int:
     """The exit code of the step's command, run in a process of its own with the same messages."""
-    process = subprocess.Popen([sys.executable, "-m", "orbitproof", *step.words(folder)], stdout=subprocess.DEVNULL)
-    try:
-        return process.wait()
-    except KeyboardInterrupt:
-        # The command got the same signal: it saves what it has.
-        process.wait()
-        return 130
+    words = [sys.executable, "-m", "orbitproof", *step.words(folder)]
+    with subprocess.Popen(words, stdout=subprocess.DEVNULL, env=bound_to_this()) as process:
+        try:
+            return process.wait()
+        except KeyboardInterrupt:
+            # The command saves what it has. In a terminal it got Ctrl-C too; then this changes nothing.
+            process.terminate()
+            process.wait()
+            return 130
 
 
 def _is_missing(step: Step, folder: Path) -> bool:

@@ -6,6 +6,8 @@ import importlib
 import sys
 from importlib import metadata
 
+from orbitproof.shared.interrupts import run_command
+
 _ROOMS = {
     "explore": "find families, bifurcations and branches; write candidates and atlases",
     "verify": "prove candidates (verify FILE) and whole branches (verify atlas FILE); check certificates again",
@@ -15,6 +17,10 @@ _ROOMS = {
 
 def main() -> int:
     """Run the command line; returns the exit code: 0 done, 1 something not proved or not found, 2 bad input."""
+    return run_command(_run)
+
+
+def _run() -> int:
     arguments = sys.argv[1:]
     name = arguments[0] if arguments else "--help"
     if name in ("-h", "--help"):

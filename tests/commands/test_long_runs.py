@@ -6,13 +6,12 @@ import errno
 import json
 import os
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+from support.runs import ROOT, SEES_PROCESSES, children, is_running, started, wait_until, workers
 
 import orbitproof.shared.formats.candidates
 from orbitproof.shared.formats.candidates import candidate_from_json
@@ -20,8 +19,6 @@ from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits
 from orbitproof.verify.certificate.side_by_side import certify_all
-
-ROOT = Path(__file__).resolve().parents[2]
 
 TRUE: dict[str, Any] = {
     "id": "true",
@@ -47,22 +44,27 @@ def read(path: Path) -> dict[str, Certificate]:
     return {entry["id"]: entry for entry in json.loads(path.read_text())["certificates"]}
 
 
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_an_interrupt_keeps_finished_rows_and_the_same_command_goes_on(jobs: str, tmp_path: Path) -> None:
+def command(source: Path, target: Path, jobs: str) -> list[str]:
+    words = ["-m", "orbitproof.verify", str(source), "-o", str(target), "--jobs", jobs]
+    return [*words, "--max-precision", "65536"]
+
+
+@pytest.mark.parametrize(
+    ("jobs", "sent", "everywhere"),
+    [("1", "SIGINT", True), ("2", "SIGINT", True), ("2", "SIGTERM", True), ("2", "SIGTERM", False),
+     ("1", "SIGHUP", True)],
+)  # fmt: skip
+def test_an_interrupt_keeps_finished_rows_and_the_same_command_goes_on(
+    jobs: str, sent: str, everywhere: bool, tmp_path: Path
+) -> None:
+    """Ctrl-C and a terminal that is closed reach every process of the group; so may SIGTERM."""
     source, target = tmp_path / "candidates.json", tmp_path / "certificates.json"
     write(source, TRUE, ENDLESS)
-    command = [sys.executable, "-m", "orbitproof.verify", str(source), "-o", str(target), "--jobs", jobs]
-    command += ["--max-precision", "65536"]
-    run = subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    deadline = time.monotonic() + 120
-    while not target.exists() and time.monotonic() < deadline:
-        time.sleep(0.1)
-    time.sleep(0.5)
-    # As a terminal does: to every process of the group.
-    os.killpg(run.pid, signal.SIGINT)
-    output, errors = run.communicate(timeout=60)
+    with started(command(source, target, jobs)) as run:
+        wait_until(target.exists)
+        time.sleep(0.5)
+        (os.killpg if everywhere else os.kill)(run.pid, getattr(signal, sent))
+        output, errors = run.communicate(timeout=60)
     assert run.returncode == 1
     assert "interrupted: 1 of 2" in errors
     assert "the same command goes on" in errors
@@ -76,6 +78,36 @@ def test_an_interrupt_keeps_finished_rows_and_the_same_command_goes_on(jobs: str
     after = read(target)
     assert after["true"] == before["true"]
     assert list(after) == ["true", "endless"]
+
+
+def test_where_ctrl_c_is_ignored_from_the_start_it_stays_ignored_and_sigterm_works(tmp_path: Path) -> None:
+    """As in the background of a script."""
+    source, target = tmp_path / "candidates.json", tmp_path / "certificates.json"
+    write(source, ENDLESS, TRUE)
+    with started(command(source, target, "2"), sigint=signal.SIG_IGN) as run:
+        time.sleep(2.0)
+        os.killpg(run.pid, signal.SIGINT)
+        wait_until(target.exists)
+        assert run.poll() is None
+        run.terminate()
+        _, errors = run.communicate(timeout=60)
+    assert run.returncode == 1
+    assert "interrupted: 1 of 2" in errors
+
+
+@pytest.mark.skipif(not SEES_PROCESSES, reason="looks for processes in /proc")
+@pytest.mark.parametrize("sent", ["SIGKILL", "SIGTERM"])
+def test_workers_end_when_the_command_is_gone(sent: str, tmp_path: Path) -> None:
+    source, target = tmp_path / "candidates.json", tmp_path / "certificates.json"
+    write(source, TRUE, ENDLESS, {**ENDLESS, "id": "second"})
+    with started(command(source, target, "2")) as run:
+        wait_until(target.exists)
+        found = wait_until(lambda: workers(run.pid))
+        run.send_signal(getattr(signal, sent))
+        run.wait(timeout=60)
+        time.sleep(5.0)
+        assert not [worker for worker in found if is_running(worker)]
+    assert list(read(target)) == ["true"]
 
 
 def test_a_full_disk_keeps_the_rows_before_it(tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -119,24 +151,17 @@ def test_a_row_that_would_never_end_is_ended(jobs: int) -> None:
     assert found["true"]["verdict"] == "proved"
 
 
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks for processes in /proc")
+@pytest.mark.skipif(not SEES_PROCESSES, reason="looks for processes in /proc")
 def test_a_killed_worker_costs_its_row_only(tmp_path: Path) -> None:
     source, target = tmp_path / "candidates.json", tmp_path / "certificates.json"
     write(source, TRUE, ENDLESS, QUICK)
-    command = [sys.executable, "-m", "orbitproof.verify", str(source), "-o", str(target), "--jobs", "2"]
-    run = subprocess.Popen(
-        [*command, "--max-precision", "65536"], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    deadline = time.monotonic() + 120
-    while (not target.exists() or len(read(target)) < 2) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
-    names = {child: Path(f"/proc/{child}/cmdline").read_text() for child in children}
-    workers = [int(child) for child, name in names.items() if "spawn_main" in name]
-    assert workers
-    for worker in workers:
-        os.kill(worker, signal.SIGKILL)
-    output, errors = run.communicate(timeout=60)
+    with started(command(source, target, "2")) as run:
+        wait_until(lambda: target.exists() and len(read(target)) == 2)
+        found = workers(run.pid)
+        assert found
+        for worker in found:
+            os.kill(worker, signal.SIGKILL)
+        output, errors = run.communicate(timeout=60)
     assert run.returncode == 1
     assert "Traceback" not in errors
     rows = read(target)
@@ -144,3 +169,51 @@ def test_a_killed_worker_costs_its_row_only(tmp_path: Path) -> None:
     assert "exit code -9" in rows["endless"]["reason"]["message"]
     assert rows["true"]["verdict"] == "proved"
     assert "endless: not proved, process" in output
+
+
+@pytest.mark.skipif(not SEES_PROCESSES, reason="looks for processes in /proc")
+@pytest.mark.parametrize("sent", ["SIGKILL", "SIGTERM"])
+def test_a_search_that_is_ended_leaves_nothing_running(sent: str) -> None:
+    """SIGTERM lets the tasks hand back what they have; SIGKILL does not."""
+    code = f"""
+import sys; sys.path.insert(0, {str(ROOT / "tests")!r})
+from support.process_work import endless, name_of
+from orbitproof.explore.engines import Job, run_all
+from orbitproof.shared.interrupts import run_command
+
+def main():
+    for index, steps in run_all(Job(endless, name_of), [0, 1, 2], 2, lambda *_: print("report", flush=True)):
+        print("handed back", index, flush=True)
+
+raise SystemExit(run_command(main))
+"""
+    with started(["-c", code]) as run:
+        assert run.stdout.readline() == "report\n"
+        found = workers(run.pid)
+        assert len(found) == 2
+        run.send_signal(getattr(signal, sent))
+        output, errors = run.communicate(timeout=60)
+        time.sleep(5.0)
+        assert not [worker for worker in found if is_running(worker)]
+    assert "Traceback" not in errors
+    if sent == "SIGTERM":
+        assert run.returncode == 130
+        assert {line for line in output.splitlines() if line != "report"} <= {"handed back 0", "handed back 1"}
+        assert "handed back" in output
+
+
+@pytest.mark.skipif(not SEES_PROCESSES, reason="looks for processes in /proc")
+@pytest.mark.parametrize("sent", ["SIGKILL", "SIGTERM"])
+def test_a_step_of_the_data_command_ends_with_it(sent: str, tmp_path: Path) -> None:
+    with started(["-m", "orbitproof", "figures", "data", str(tmp_path), "--only", "l3-halo.json"]) as run:
+        (step,) = wait_until(lambda: children(run.pid, "explore"))
+        # It sees to its signals before anything else, but not in its first instants.
+        time.sleep(1.0)
+        run.send_signal(getattr(signal, sent))
+        _, errors = run.communicate(timeout=60)
+        wait_until(lambda: not is_running(step))
+    assert "Traceback" not in errors
+    if sent == "SIGTERM":
+        assert run.returncode == 130
+        assert "go on with: orbitproof figures data" in errors
+    assert (tmp_path / "unfinished.txt").exists()

@@ -7,7 +7,6 @@ import os
 import re
 import shlex
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -22,6 +21,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support import atlas_work
 from support.chain_cases import parabola, symmetric_loop
+from support.runs import started, wait_until
 
 from orbitproof.shared.formats.atlas import Atlas, write_atlas
 from orbitproof.shared.formats.candidates import InputError
@@ -307,19 +307,16 @@ def test_results_of_other_software_are_not_kept(tmp_path: Path, capsys: Any) -> 
 def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_path: Path, capsys: Any) -> None:
     source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
     call = f"main({[source, '-o', str(target)]!r}, atlas_work.endless)"
-    code = f"import atlas_work; from orbitproof.verify.atlas.__main__ import main; raise SystemExit({call})"
+    code = (
+        f"from support import atlas_work; from orbitproof.verify.atlas.__main__ import main; raise SystemExit({call})"
+    )
     environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
-    run = subprocess.Popen(
-        [sys.executable, "-c", code], cwd=ROOT, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True, start_new_session=True,
-    )  # fmt: skip
-    deadline = time.monotonic() + 60
-    while not target.exists() and time.monotonic() < deadline:
-        time.sleep(0.05)
-    time.sleep(0.3)
-    # As a terminal does: to every process of the group.
-    os.killpg(run.pid, signal.SIGINT)
-    output, errors = run.communicate(timeout=60)
+    with started(["-c", code], env=environment) as run:
+        wait_until(target.exists)
+        time.sleep(0.3)
+        # As a terminal does: to every process of the group.
+        os.killpg(run.pid, signal.SIGINT)
+        output, errors = run.communicate(timeout=60)
     assert run.returncode == 1
     assert "interrupted: 1 of 3 pieces finished, saved in" in errors
     assert "Traceback" not in errors
@@ -339,7 +336,7 @@ def test_examples_of_the_help_parse(capsys: Any) -> None:
         main(["--help"])
     assert stopped.value.code == 0
     text = capsys.readouterr().out.partition("examples:")[2]
-    commands = [shlex.split(line) for line in re.findall(r"orbitproof verify\.atlas (.+)", text)]
+    commands = [shlex.split(line) for line in re.findall(r"orbitproof verify atlas (.+)", text)]
     assert len(commands) >= 5
     for command in commands:
         assert _parser().parse_args(command).file.suffix == ".json"

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats import Atlas, InputError, check_writable, read_atlas
+from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas.certificate import (
     Result,
     make_atlas_certificate,
@@ -303,4 +304,4 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))

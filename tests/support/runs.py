@@ -1,0 +1,74 @@
+"""Commands in processes of their own that tests send signals to."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+SEES_PROCESSES = Path("/proc/self/task").exists()
+_PATIENCE_SECONDS = 120.0
+
+
+@contextmanager
+def started(words: Sequence[str], sigint: Any = signal.default_int_handler, **options: Any) -> Iterator[Any]:
+    """A Python process with these arguments, in a process group of its own that is ended whatever happens.
+
+    Ctrl-C works in it also where the tests run in the background of a script; `sigint` may be `signal.SIG_IGN`.
+    """
+    before = signal.signal(signal.SIGINT, sigint)
+    try:
+        run = subprocess.Popen(
+            [sys.executable, *words], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            start_new_session=True, **options,
+        )  # fmt: skip
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with run:
+        try:
+            yield run
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(run.pid, signal.SIGKILL)
+
+
+def wait_until(condition: Callable[[], Any]) -> Any:
+    """What `condition` gives once it is true; fails if that takes too long."""
+    deadline = time.monotonic() + _PATIENCE_SECONDS
+    while not (result := condition()):
+        assert time.monotonic() < deadline, "waited in vain"
+        time.sleep(0.05)
+    return result
+
+
+def children(process: int, word: str) -> list[int]:
+    """Its children whose command line contains the word."""
+    numbers = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return [int(number) for number in numbers if word in _command_line(number)]
+
+
+def workers(process: int) -> list[int]:
+    """The worker processes of a command."""
+    return children(process, "spawn_main")
+
+
+def is_running(process: int) -> bool:
+    """Whether the process exists and is no zombie."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def _command_line(number: str) -> str:
+    try:
+        return Path(f"/proc/{number}/cmdline").read_text()
+    except OSError:
+        return ""
