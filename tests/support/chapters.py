@@ -6,14 +6,11 @@ finds wrong, as lines of text that name the file.
 
 from __future__ import annotations
 
-import ast
 import json
 import re
-import tokenize
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
-from io import StringIO
 from itertools import pairwise
 from pathlib import Path
 
@@ -22,10 +19,12 @@ _LIST = rf"{NUMBER}(?:(?:,? and |,? or | to |, |,\n){NUMBER}(?!\.?\d))*"
 _SECTIONS = re.compile(rf"\b[Ss]ections? ({_LIST})")
 _BRACKETS = re.compile(r"\((\d{1,2}\.\d(?:(?:,? and | to |, )\d{1,2}\.\d)*)\)")
 _RESULTS = re.compile(rf"\b(?:Lemma|Theorem)s? ({_LIST})")
-_FOREIGN = re.compile(r"\[WW[^\]]*\]|crosses the section \d+ times|https?://\S+|`[^`\n]*`")
+_FOREIGN = re.compile(r"\[WW[^\]]*\]|https?://\S+|`[^`\n]*`")
 _SECTION_HEADING = re.compile(rf"^#{{2,3}} ({NUMBER})\.? \S.*$", re.MULTILINE)
 _RESULT_HEADING = re.compile(rf"^\*\*(Lemma|Theorem) ({NUMBER})(?: \([^)]*\))?\.\*\*", re.MULTILINE)
 _FORMULA = re.compile(r"^ .*\s{2,}\((\d{1,2}\.\d)\)$", re.MULTILINE)
+_ARGUMENT = re.compile(r'(?<=[(,\s=])"(\d{1,2}\.\d)"(?=[,)])')
+"""The section of a hypothesis, as it is handed to the checklist."""
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _COVER_ROW = re.compile(r"^\| [^|]+ \| \[[^\]]+\]\(\.\./([^)]+)/README\.md\) \| ([^|]*)\|", re.MULTILINE)
 _ROOMS = ("shared", "verify")
@@ -70,11 +69,9 @@ def citations(root: Path) -> Iterator[Citation]:
     for folder in ("shared", "verify", "explore", "figures"):
         for path in sorted((root / folder).rglob("*.py")):
             source = path.read_text("utf-8")
-            for text in (*_strings(source), *_comments(source)):
-                yield from _in_text(text, path, brackets=False)
+            yield from _in_text(source, path, brackets=False)
             if folder == "verify":
-                for number in _section_arguments(source):
-                    yield Citation("section", number, path)
+                yield from (Citation("section", number, path) for number in _ARGUMENT.findall(source))
     for path in (*(root / "shared" / "schemas").glob("*.json"), *(root / "tests" / "data").glob("*.json")):
         for section in _values(json.loads(path.read_text("utf-8")), "section"):
             if re.fullmatch(NUMBER, section):
@@ -221,38 +218,13 @@ def _numbers(listed: str) -> Iterator[str]:
 
 
 def _in_text(text: str, path: Path, brackets: bool) -> Iterator[Citation]:
-    text = _FOREIGN.sub("", re.sub(r"\s*\n\s*", " ", text))
+    text = re.sub(r"\s*\n\s*(?:#\s+)?", " ", _FOREIGN.sub("", text))
     for pattern, kind in ((_SECTIONS, "section"), (_RESULTS, "result")):
         for listed in pattern.findall(text):
             yield from (Citation(kind, number, path) for number in _numbers(listed))
     if brackets:
         for listed in _BRACKETS.findall(text):
             yield from (Citation("section or formula", number, path) for number in _numbers(listed))
-
-
-def _strings(source: str) -> Iterator[str]:
-    nodes = ast.walk(ast.parse(source))
-    yield from (node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str))
-
-
-def _comments(source: str) -> Iterator[str]:
-    """Blocks of comments, one after the other."""
-    block: list[str] = []
-    for token in tokenize.generate_tokens(StringIO(source).readline):
-        if token.type == tokenize.COMMENT:
-            block.append(token.string.lstrip("# "))
-        elif token.type not in (tokenize.NL, tokenize.NEWLINE):
-            yield " ".join(block)
-            block = []
-
-
-def _section_arguments(source: str) -> Iterator[str]:
-    """The sections of hypotheses: arguments that are a number with a dot, as text."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Call):
-            arguments = (*node.args, *(keyword.value for keyword in node.keywords))
-            values = [argument.value for argument in arguments if isinstance(argument, ast.Constant)]
-            yield from (v for v in values if isinstance(v, str) and re.fullmatch(r"\d{1,2}\.\d", v))
 
 
 def _values(document: object, key: str) -> Iterator[str]:
