@@ -186,7 +186,7 @@ def test_the_command_writes_pieces_and_curves_and_says_whether_all_is_proved(
     assert len(capsys.readouterr().out.splitlines()) == len(files)
 
     saved: list[str] = []
-    monkeypatch.setattr("orbitproof.figures.style.style.save", lambda figure, stem: saved.append(stem.name) or [])
+    monkeypatch.setattr("orbitproof.figures.collection.proved.save", lambda figure, stem: saved.append(stem.name) or [])
     atlas, results = parabola()
     partly = write(tmp_path / "partly.json", document_of((replace(atlas, id="partly"), results[:2])))
     loop = write(tmp_path / "loop.json", document_of(symmetric_loop()))
