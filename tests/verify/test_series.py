@@ -232,9 +232,32 @@ def test_the_error_of_a_product_is_attained() -> None:
     assert distance <= allowed(result, mpmath.mpf(1)) <= distance * (1 + mpmath.mpf(2) ** -30)
 
 
-def test_shifts_and_divisions_round_down() -> None:
-    """What the format relies on: coefficientwise floor, and right_shift as division by a power of theta."""
+def test_shifts_and_sizes_of_polynomials_are_those_of_the_format() -> None:
+    """What the format relies on: right_shift divides by a power of theta, height_bits is that of the largest."""
     polynomial = fmpz_poly([5, -5, 7, -9])
-    assert polynomial // fmpz(4) == fmpz_poly([1, -2, 1, -3])
     assert polynomial.right_shift(2) == fmpz_poly([7, -9])
     assert polynomial.height_bits() == 4
+
+
+def test_division_of_polynomials_changes_coefficients_by_less_than_one_unit() -> None:
+    """Section 2.2: in either direction, because a coefficient smaller than the divisor becomes 0, not -1."""
+    source = random.Random("division")
+    down = up = 0
+    for _ in range(2000):
+        divisor = source.choice([2**80, 3, 10**30, source.getrandbits(source.randrange(2, 200)) | 1])
+        given = [source.randrange(-(2**bits), 2**bits) for bits in source.choices([2, 8, 60, 64, 100, 300], k=5)]
+        quotients = (fmpz_poly(given) // fmpz(divisor)).coeffs() + [fmpz(0)] * 5
+        for value, quotient in zip(given, quotients, strict=False):
+            left = value - int(quotient) * divisor
+            assert abs(left) < divisor
+            down, up = down + (left > 0), up + (left < 0)
+    assert down > 0
+    assert up > 0
+
+
+@pytest.mark.parametrize("value", [-1, 1, -(2**100) - 1, 2**100 - 1])
+def test_rounding_of_products_is_accounted_for_in_both_directions(value: int) -> None:
+    arithmetic = Arithmetic(Grading((1,), 1), 100, 0, 3)
+    rounded, lost = arithmetic.round_product(fmpz_poly([value] * 4), 0)
+    change = sum(abs(Fraction(value, 2**100) - int(rounded[n])) for n in range(4)) / 2**100
+    assert 0 < change <= Fraction(lost)

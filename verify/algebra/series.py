@@ -126,8 +126,8 @@ class Arithmetic:
     def round_product(self, exact: fmpz_poly, position: int) -> tuple[fmpz_poly, float]:
         """Bring an exact sum of products (2 * bits fractional bits at grade 0) back to the format.
 
-        Returns the polynomial, truncated at `degree` (and in s at `width`) and rounded down, and a bound for
-        what was lost.
+        Returns the polynomial, truncated at `degree` (and in s at `width`) and rounded by less than one unit, and
+        a bound for what was lost.
         """
         grade = self.grading.grades[position]
         lost = self.rounding[grade]
