@@ -127,13 +127,12 @@ def _run(options: argparse.Namespace) -> int:
         display.message(f"{len(kept)} of {len(selected)} proved already, kept (--fresh verifies again)")
 
     def finished(certificate: Certificate) -> None:
-        certificates[certificate["id"]] = certificate
-        fresh.add(certificate["id"])
+        certificates[certificate.id] = certificate
+        fresh.add(certificate.id)
         if options.output is not None:
             in_order = [certificates[c.id] for c in everything if c.id in certificates]
             write_certificates(options.output, in_order)
-        seconds = certificate["computation"]["seconds"]
-        display.finish(certificate["id"], f"{certificate['verdict']}, {seconds:.1f} s")
+        display.finish(certificate.id, f"{certificate.verdict}, {certificate.computation.seconds:.1f} s")
 
     limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
     interrupted = False
@@ -153,7 +152,7 @@ def _run(options: argparse.Namespace) -> int:
         saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
         print(f"interrupted: {len(done)} of {len(selected)} candidates finished{saved}", file=sys.stderr)
         return 1
-    return 0 if all(done[candidate.id]["verdict"] == "proved" for candidate in selected) else 1
+    return 0 if all(done[candidate.id].proved for candidate in selected) else 1
 
 
 def _recheck(options: argparse.Namespace) -> int:
@@ -165,7 +164,7 @@ def _recheck(options: argparse.Namespace) -> int:
         if name not in stored:
             raise InputError(f"{options.file}: --only: no certificate {name!r}; its ids are: {', '.join(stored)}")
     selected = [entry for name, entry in stored.items() if options.only is None or name in options.only]
-    display = Display({entry["id"]: _work(entry, options.integrate) for entry in selected}, options.quiet)
+    display = Display({entry.id: _work(entry, options.integrate) for entry in selected}, options.quiet)
     done: dict[str, Recheck] = {}
 
     def finished(result: Recheck) -> None:
@@ -178,7 +177,7 @@ def _recheck(options: argparse.Namespace) -> int:
             recheck_all(selected, options.integrate, options.jobs, display.advance, finished)
     except KeyboardInterrupt:
         interrupted = True
-    print(recheck_table([entry["id"] for entry in selected], done), flush=True)
+    print(recheck_table([entry.id for entry in selected], done), flush=True)
     if interrupted:
         print(f"interrupted: {len(done)} of {len(selected)} certificates checked", file=sys.stderr)
         return 1
@@ -190,7 +189,7 @@ def _recheck(options: argparse.Namespace) -> int:
 
 def _work(certificate: Certificate, integrate: bool) -> float:
     """A measure of the work that checking again takes: the time of the first integration."""
-    return float(certificate["computation"]["seconds"]) + 0.1 if integrate else 1.0
+    return certificate.computation.seconds + 0.1 if integrate else 1.0
 
 
 def _select(candidates: Sequence[Candidate], names: Sequence[str] | None, path: Path) -> list[Candidate]:

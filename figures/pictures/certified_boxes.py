@@ -42,7 +42,7 @@ def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Pa
     Branch files, if given, add the orbits that the search found. Raises `InputError` for bad files, and if no
     certificate proves anything.
     """
-    entries = {name: entry for name, entry in read_certificates(certificates).items() if entry["verdict"] == "proved"}
+    entries = {name: entry.to_json() for name, entry in read_certificates(certificates).items() if entry.proved}
     if not entries:
         raise InputError(f'{certificates}: no certificate says "proved"; there is nothing certified to draw')
     records = {record.id: record for path in branches for record in read_branches(path)}

@@ -89,7 +89,7 @@ def read_rows(paths: Sequence[Path], candidates: Sequence[Path] = ()) -> list[Ce
             if name in sources:
                 raise InputError(f"{path}: id {name!r} is in {sources[name]} as well; give each certificate once")
             sources[name] = path
-            row, claims[name] = _row(certificate, f"{path}: field certificates[{index}]")
+            row, claims[name] = _row(certificate.to_json(), f"{path}: field certificates[{index}]")
             rows.append(row)
     origins = {candidate.id: (path, candidate) for path in candidates for candidate in read_candidates(path)}
     return [_place(row, claims[row.id], *origins[row.id]) if row.id in origins else row for row in rows]

@@ -42,9 +42,9 @@ def main(path: Path) -> None:
     for candidate in candidates:
         start = time.perf_counter()
         certificate = certify(candidate)
-        work = certificate["computation"]
+        work = certificate.computation
         print(
-            f"{candidate.id}: k = {candidate.k}, {certificate['verdict']}, {time.perf_counter() - start:.2f} s "
+            f"{candidate.id}: k = {candidate.k}, {certificate.verdict}, {time.perf_counter() - start:.2f} s "
             f"({work['precision']} bits, order {work['order']}, {work['steps']} steps, {work['attempts']} attempts)",
             flush=True,
         )

@@ -143,12 +143,12 @@ def test_a_row_that_would_never_end_is_ended(jobs: int) -> None:
     start = time.monotonic()
     certify_all(candidates, Limits(max_precision=65536, timeout=8.0), jobs, lambda *_: None, rows.append)
     assert time.monotonic() - start < 60
-    found = {row["id"]: row for row in rows}
-    assert found["endless"]["verdict"] == "not proved"
-    assert found["endless"]["reason"]["condition"] == "time"
-    assert "8 s" in found["endless"]["reason"]["message"]
-    assert found["quick"]["reason"]["condition"] == "frames"
-    assert found["true"]["verdict"] == "proved"
+    found = {row.id: row for row in rows}
+    assert found["endless"].verdict == "not proved"
+    assert found["endless"].reason.condition == "time"
+    assert "8 s" in found["endless"].reason.message
+    assert found["quick"].reason.condition == "frames"
+    assert found["true"].verdict == "proved"
 
 
 @pytest.mark.skipif(not SEES_PROCESSES, reason="looks for processes in /proc")

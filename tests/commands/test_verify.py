@@ -265,10 +265,10 @@ def test_a_row_whose_process_dies_is_not_proved_and_the_others_go_on() -> None:
 
     certify_all(candidates, Limits(), 2, progress, rows.append)
     assert len(rows) == 4
-    lost = [row for row in rows if row["reason"] and row["reason"]["condition"] == "process"]
+    lost = [row for row in rows if row.reason and row.reason.condition == "process"]
     assert len(lost) == 1
-    assert lost[0]["verdict"] == "not proved"
-    assert sum(row["verdict"] == "proved" for row in rows) == 1
+    assert lost[0].verdict == "not proved"
+    assert sum(row.proved for row in rows) == 1
     assert multiprocessing.active_children() == []
 
 

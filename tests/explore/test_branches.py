@@ -29,7 +29,6 @@ from orbitproof.shared.formats.candidates import Candidate, InputError, read_can
 from orbitproof.shared.systems.system import FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate, write_certificates
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence.balls_as_text import ball_from_json
 
 DATA = Path(__file__).parents[1] / "data"
 CANDIDATES = {candidate.id: candidate for candidate in read_candidates(DATA / "figures-candidates.json")}
@@ -48,7 +47,7 @@ def second_k4() -> Candidate:
 def certificate() -> Certificate:
     """A proof of the 1:2 resonance of the Falkner-Skan family."""
     result = certify(CANDIDATES[FIRST_K2])
-    assert result["verdict"] == "proved"
+    assert result.proved
     return result
 
 
@@ -152,7 +151,7 @@ def test_level_along_the_branch_has_the_coefficient_of_the_normal_form(certifica
         branch: Branch = branches(name)
         assert branch.birth is not None
         if beta is None:
-            beta = float(ball_from_json(certificate["results"]["normal_form"]["beta"]).mid())
+            beta = float(certificate.normal_form["beta"].mid())
         order = branch.start.order
         measured = branch.birth.slope if order == 1 else branch.birth.curvature
         per_p_1 = float(branch.start.amplitude_form @ branch.start.frame[:, 1])
@@ -179,7 +178,9 @@ def test_command_compares_with_certificates(
 ) -> None:
     source, wrong, output = (tmp_path / name for name in ("certificates.json", "wrong.json", "branches.json"))
     write_certificates(source, [certificate])
-    write_certificates(wrong, [{**certificate, "results": {**certificate["results"], "side": "above"}}])
+    entry = certificate.to_json()
+    entry["results"]["side"] = "above"
+    write_certificates(wrong, [Certificate.from_json(entry)])
     options = ["-o", str(output), "--length", "0.01", "--orbits", "6"]
     assert main(["branches", str(source), *options]) == 0
     (branch,) = read_branches(output)
@@ -269,7 +270,7 @@ def test_bad_branch_files_name_the_field(
 
 
 def test_certified_curves_contain_the_leading_parabola_and_the_family_is_thin(certificate: Certificate) -> None:
-    curves = certified_curves(certificate, "certificate")
+    curves = certified_curves(certificate.to_json(), "certificate")
     assert curves.beta is not None
     first, second = (float(radius) for radius in curves.radii)
     # In the units of the picture the next term of the parabola is smaller than the boxes by far.
@@ -290,4 +291,4 @@ def test_certified_curves_contain_the_leading_parabola_and_the_family_is_thin(ce
 
 def test_nothing_certified_is_drawn_without_a_proof(certificate: Certificate) -> None:
     with pytest.raises(InputError, match="not proved"):
-        certified_curves({**certificate, "verdict": "not proved"}, "certificate")
+        certified_curves({**certificate.to_json(), "verdict": "not proved"}, "certificate")

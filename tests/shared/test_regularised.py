@@ -204,7 +204,7 @@ def test_an_orbit_that_may_collide_is_refused() -> None:
     candidate = collision()
     with pytest.raises(IntegrationFailure, match="collision"):
         enclose_iterates(candidate, IntegratorSettings(110, coordinates=REGULARISED))
-    assert certify(candidate)["verdict"] == "not proved"
+    assert certify(candidate).verdict == "not proved"
 
 
 def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -375,9 +375,9 @@ def test_what_is_proved_in_regularised_coordinates_is_proved_again_in_the_system
         return enclose_iterates(candidate, replace(settings, coordinates=REGULARISED), progress)
 
     certificate = certify(known("em1"), Limits(level=level), None, integrate)
-    assert certificate["verdict"] == "proved"
-    assert certificate["computation"]["coordinates"] == KUSTAANHEIMO_STIEFEL.name
-    assert ("level_form" in certificate["statement"]) == (level == "integral")
+    assert certificate.proved
+    assert certificate.computation.coordinates == KUSTAANHEIMO_STIEFEL.name
+    assert ("level_form" in certificate.statement) == (level == "integral")
     again = recheck(certificate, integrate=True)
     assert again.stands, again.findings
 

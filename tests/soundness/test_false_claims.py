@@ -30,7 +30,7 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSyst
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, certify
 from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.evidence.balls_as_text import ball_from_json, exact_value
+from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
 
 BITS = 256
@@ -40,8 +40,8 @@ BITS = 256
 def refusal(claim: Candidate, bits: int = BITS, level: str = "coordinates") -> str:
     """The condition that is not shown; fails if the claim is proved. `level` is that of `Limits`."""
     certificate = certify(claim, Limits(max_precision=bits, level=level))
-    assert certificate["verdict"] == "not proved"
-    assert certificate["results"] is None
+    assert certificate.verdict == "not proved"
+    assert certificate.parameter is None
     return verdict_of(certificate)
 
 
@@ -195,7 +195,7 @@ def test_almost_adapted_frames_are_proved_only_by_the_adapted_ones_of_the_level_
     certificate = certify(claim, Limits(max_precision=BITS))
     assert verdict_of(certificate) == "proved"
     assert recheck(certificate).stands
-    form = candidate_from_json(certificate["statement"]["level_form"], "level form")
+    form = candidate_from_json(certificate.statement["level_form"], "level form")
     odd = [form.coordinates.index("z")]
     assert all((value != 0) == ((i in odd) == (j == 1)) or value == 0 for i, row in enumerate(form.frame)
                for j, value in enumerate(row))  # fmt: skip
@@ -380,7 +380,7 @@ def false_claim(monkeypatch: pytest.MonkeyPatch) -> tuple[Candidate, Certificate
         patch.setattr(orbitproof.verify.flow.step, "_tube", without_errors)
         seen = low_precision_certificate(replace(known("fs3"), radii=WIDE))
         assert verdict_of(seen) == "proved"
-        middle = tuple(exact_value(ball_from_json(ball).mid()) for ball in seen["results"]["point"].values())
+        middle = tuple(exact_value(ball.mid()) for ball in seen.point.values())
         claim = replace(known("fs3"), centre=middle)
         truth = coordinates_in_box(claim, known("fs3").centre)
         # What the sabotaged integrator sees moves by rounding errors with the radii: not every such box holds it.
@@ -401,7 +401,7 @@ def test_without_error_bounds_something_false_is_claimed_and_the_sound_integrato
     assert all(abs(value) > 2 * radius for value, radius in zip(truth, claim.radii, strict=True))
     assert verdict_of(sabotaged) == "proved"
     assert min(distances(sabotaged, known("fs3").centre)) > ACCURACY
-    assert low_precision_certificate(claim)["verdict"] == "not proved"
+    assert low_precision_certificate(claim).verdict == "not proved"
     assert refusal(claim) == "family"
 
 
@@ -411,7 +411,7 @@ def test_without_error_bounds_enclosures_contradict_each_other(name: str, monkey
     monkeypatch.setattr(orbitproof.verify.flow.step, "_tube", without_errors)
     certificate = low_precision_certificate(replace(known(name), radii=WIDE))
     assert verdict_of(certificate) == "G_01"
-    assert "disjoint" in certificate["reason"]["message"]
+    assert "disjoint" in certificate.reason.message
 
 
 def holds_for_the_centre(claim: Candidate, found: Enclosures) -> bool:

@@ -6,6 +6,7 @@ import multiprocessing
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 import pytest
@@ -13,7 +14,6 @@ from flint import ctx
 from support.claims import known
 from support.faulty_worker import EXCEPTIONS, certify_task
 
-import orbitproof.verify.certificate.certify
 import orbitproof.verify.certificate.side_by_side
 from orbitproof.shared.processes import GRACE_SECONDS
 from orbitproof.verify.certificate.certificate import Certificate
@@ -21,6 +21,9 @@ from orbitproof.verify.certificate.certify import Limits, certify
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.poincare.iterates import enclose_iterates
+
+CERTIFY = import_module("orbitproof.verify.certificate.certify")
+RECHECK = import_module("orbitproof.verify.certificate.rechecking")
 
 TRUE = known("fs2")
 FAULTS = [*EXCEPTIONS.values(), ZeroDivisionError, OverflowError, KeyError, StopIteration]
@@ -34,12 +37,13 @@ def raising(fault: type[BaseException]) -> Callable[..., Any]:
 
 
 def breaking_off(certificate: Certificate, stage: str, fault: type[BaseException]) -> None:
-    assert certificate["verdict"] == "not proved"
-    assert certificate["results"] is None
-    reason = certificate["reason"]
-    assert reason["condition"] == stage
-    assert reason["message"] == f"the {stage} broke off: {fault.__name__}: something unforeseen" or fault is KeyError
-    assert reason["remedy"]
+    assert certificate.verdict == "not proved"
+    assert certificate.parameter is None
+    reason = certificate.reason
+    assert reason is not None
+    assert reason.condition == stage
+    assert reason.message == f"the {stage} broke off: {fault.__name__}: something unforeseen" or fault is KeyError
+    assert reason.remedy
     assert ctx.prec == 53
 
 
@@ -47,7 +51,7 @@ def breaking_off(certificate: Certificate, stage: str, fault: type[BaseException
 def test_a_fault_of_the_integration_is_not_a_proof(fault: type[Exception]) -> None:
     certificate = certify(TRUE, Limits(), integrate=raising(fault))
     breaking_off(certificate, "integration", fault)
-    assert [entry["name"] for entry in certificate["hypotheses"]] == ["symmetries", "frames"]
+    assert [entry.name for entry in certificate.hypotheses] == ["symmetries", "frames"]
 
 
 @pytest.mark.parametrize(
@@ -65,20 +69,20 @@ def test_a_fault_of_the_integration_is_not_a_proof(fault: type[Exception]) -> No
 def test_a_fault_anywhere_else_is_not_a_proof(
     name: str, stage: str, fault: type[Exception], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original, calls = getattr(orbitproof.verify.certificate.certify, name), 0
+    original, calls = getattr(CERTIFY, name), 0
 
     def once(*arguments: Any) -> Any:
         nonlocal calls
         calls += 1
         return raising(fault)() if calls == 1 else original(*arguments)
 
-    monkeypatch.setattr(orbitproof.verify.certificate.certify, name, once)
+    monkeypatch.setattr(CERTIFY, name, once)
     breaking_off(certify(TRUE, Limits()), stage, fault)
 
 
 def test_a_fault_with_more_precision_leaves_the_proof_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     precisions = []
-    monkeypatch.setattr(orbitproof.verify.certificate.certify, "count_certain_digits", lambda ball: 0)
+    monkeypatch.setattr(CERTIFY, "count_certain_digits", lambda ball: 0)
 
     def broken_at_more(candidate: Any, settings: Any, report: Any) -> Any:
         precisions.append(settings.precision)
@@ -87,8 +91,8 @@ def test_a_fault_with_more_precision_leaves_the_proof_at_hand(monkeypatch: pytes
         return enclose_iterates(candidate, settings, report)
 
     certificate = certify(TRUE, Limits(), integrate=broken_at_more)
-    assert certificate["verdict"] == "proved"
-    assert certificate["computation"]["precision"] == precisions[0] < precisions[1]
+    assert certificate.proved
+    assert certificate.computation.precision == precisions[0] < precisions[1]
 
 
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, SystemExit])
@@ -102,7 +106,7 @@ def run(ids: list[str], jobs: int, timeout: float | None = None) -> dict[str, Ce
     certify_all([replace(TRUE, id=id) for id in ids], Limits(timeout=timeout), jobs, lambda *_: None, rows.append)
     assert multiprocessing.active_children() == []
     assert len(rows) == len(ids)
-    return {row["id"]: row for row in rows}
+    return {row.id: row for row in rows}
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -112,11 +116,11 @@ def test_a_fault_in_a_worker_costs_its_row_only(
     monkeypatch.setattr(orbitproof.verify.certificate.side_by_side, "certify_task", certify_task)
     rows = run([*EXCEPTIONS, "FLINT", "sound"], jobs)
     for name in EXCEPTIONS:
-        assert rows[name]["reason"]["condition"] == "integration"
-        assert rows[name]["reason"]["message"] == f"the integration broke off: {name}"
-    assert rows["FLINT"]["reason"]["condition"] == "process"
-    assert "exit code -" in rows["FLINT"]["reason"]["message"]
-    assert rows["sound"]["verdict"] == "proved"
+        assert rows[name].reason.condition == "integration"
+        assert rows[name].reason.message == f"the integration broke off: {name}"
+    assert rows["FLINT"].reason.condition == "process"
+    assert "exit code -" in rows["FLINT"].reason.message
+    assert rows["sound"].verdict == "proved"
     assert "Traceback" not in capfd.readouterr().err
 
 
@@ -124,12 +128,12 @@ def test_a_step_that_never_ends_is_ended_at_the_time_limit(monkeypatch: pytest.M
     monkeypatch.setattr(orbitproof.verify.certificate.side_by_side, "certify_task", certify_task)
     start = time.monotonic()
     rows = run(["endless", "sound"], 1, timeout=3.0)
-    reason = rows["endless"]["reason"]
-    assert reason["condition"] == "time"
-    assert "the time limit of 3 s passed within one step" in reason["message"]
-    assert 3.0 + GRACE_SECONDS <= rows["endless"]["computation"]["seconds"] < 5.0 + GRACE_SECONDS
+    reason = rows["endless"].reason
+    assert reason.condition == "time"
+    assert "the time limit of 3 s passed within one step" in reason.message
+    assert 3.0 + GRACE_SECONDS <= rows["endless"].computation.seconds < 5.0 + GRACE_SECONDS
     assert time.monotonic() - start < 20.0
-    assert rows["sound"]["verdict"] == "proved"
+    assert rows["sound"].verdict == "proved"
 
 
 def test_what_cannot_be_checked_again_does_not_stand(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,7 +141,7 @@ def test_what_cannot_be_checked_again_does_not_stand(monkeypatch: pytest.MonkeyP
     assert recheck(certificate).stands
     for name in ("level_form", "prove", "enclose_iterates"):
         with monkeypatch.context() as patch:
-            patch.setattr(f"orbitproof.verify.certificate.rechecking.{name}", raising(MemoryError))
+            patch.setattr(RECHECK, name, raising(MemoryError))
             result = recheck(certificate, integrate=True)
         # There is no level form in this certificate.
         assert result.stands == (name == "level_form")

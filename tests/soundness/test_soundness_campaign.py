@@ -261,14 +261,14 @@ def trials(seed: int) -> list[Trial]:
 
 def objection(trial: Trial, certificate: Certificate) -> str | None:
     """What is wrong with a verdict: a proof of something false, or enclosures that miss the truth."""
-    if certificate["verdict"] != "proved":
+    if not certificate.proved:
         return None
     if not trial.is_true:
         return "proved, but the point is not in the box, or it is not such a point"
     assert trial.point is not None
     if max(distances(certificate, trial.point)) > trial.accuracy:
         return "proved, but its enclosures miss the bifurcation point"
-    stated, side = certificate["results"]["side"], true_side(trial.name, trial.change == OTHER_POINT)
+    stated, side = certificate.side, true_side(trial.name, trial.change == OTHER_POINT)
     if stated != side:
         return f"proved, but the new orbits are stated {stated}, they are {side}"
     return None
@@ -294,7 +294,7 @@ def test_nothing_false_is_proved(capsys: pytest.CaptureFixture[str]) -> None:
     certificates: dict[str, Certificate] = {}
     certify_all(
         [trial.claim for trial in campaign], LIMITS, 2, lambda *_: None,
-        lambda certificate: certificates.update({certificate["id"]: certificate}),
+        lambda certificate: certificates.update({certificate.id: certificate}),
     )  # fmt: skip
     rows = [(trial, certificates[trial.claim.id]) for trial in campaign]
     with capsys.disabled():
@@ -303,7 +303,7 @@ def test_nothing_false_is_proved(capsys: pytest.CaptureFixture[str]) -> None:
     assert wrong == []
     assert not any(verdict_of(certificate) == "process" for _, certificate in rows)
     assert sum(not trial.is_true for trial, _ in rows) > 150
-    assert sum(certificate["verdict"] == "proved" for _, certificate in rows) > 40
+    assert sum(certificate.proved for _, certificate in rows) > 40
 
 
 def test_the_campaign_would_notice_a_false_proof() -> None:
@@ -313,8 +313,9 @@ def test_the_campaign_would_notice_a_false_proof() -> None:
     true = Trial("none", claim, claim.centre, name="fs2")
     assert objection(true, certificate) is None
     for side in ("above", "both"):
-        turned = {**certificate, "results": {**certificate["results"], "side": side}}
-        assert "they are below" in str(objection(true, turned))
+        entry = certificate.to_json()
+        entry["results"]["side"] = side
+        assert "they are below" in str(objection(true, Certificate.from_json(entry)))
     away = tuple(Fraction(0) if j else 2 * claim.radii[0] for j in range(2))
     assert "not in the box" in str(objection(Trial("centre", shifted(claim, away), claim.centre), certificate))
     assert "not in the box" in str(objection(Trial("k", replace(claim, k=4), None), certificate))

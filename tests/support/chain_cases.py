@@ -17,6 +17,7 @@ from flint import arb
 from orbitproof.shared.formats.atlas import Atlas, Claim, Covers, Piece
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
+from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.rechecking import Finding, Recheck
 from orbitproof.verify.curve.conclusion import Conclusion
 from orbitproof.verify.curve.theorem import conclude
@@ -149,8 +150,11 @@ def reversed_piece(piece: Piece) -> Piece:
     return replace(piece, frame=frame, polynomial=polynomial)
 
 
-def certificate(point: Mapping[str, arb], **changes: Any) -> dict[str, Any]:
-    """A certificate of a period doubling at a point of the circle's system, in which only what is read is true."""
+def certificate(point: Mapping[str, arb], proved: bool = True, after: str = "", **changes: Any) -> Certificate:
+    """A certificate of a period doubling at a point of the circle's system, in which only what is read is true.
+
+    `after` comes after the vector field; `changes` are made to the candidate.
+    """
     system = FALKNER_SKAN if "beta" in point else CR3BP
     candidate = {
         "system": system.name,
@@ -159,16 +163,31 @@ def certificate(point: Mapping[str, arb], **changes: Any) -> dict[str, Any]:
         "k": 2,
         "symmetry": None,
     }
-    return {
-        "id": "the point",
-        "verdict": changes.pop("verdict", "proved"),
-        "statement": {"candidate": candidate | changes, "vector_field": system.program.text()},
-        "results": {
-            "point": {name: ball_to_json(ball) for name, ball in point.items()},
-            "parameter_name": "Jacobi constant",
-            "parameter": ball_to_json(arb(3, 2**-40)),
-        },
+    statement = {
+        "candidate": candidate | changes,
+        "vector_field": system.program.text() + after,
+        "reversing_symmetry": list(system.reversing_symmetry),
+        "section": system.section,
     }
+    results = {
+        "point": {name: ball_to_json(ball) for name, ball in point.items()},
+        "parameter_name": "Jacobi constant",
+        "parameter": ball_to_json(arb(3, 2**-40)),
+        "side": "below",
+        "normal_form": {},
+    }
+    hypothesis = {"name": "C2", "statement": "as the tests have it", "section": "8", "holds": True, "enclosures": {}}
+    return Certificate.from_json(
+        {
+            "id": "the point",
+            "statement": statement | ({"theorem": "as the tests have it"} if proved else {}),
+            "verdict": "proved" if proved else "not proved",
+            "reason": None if proved else {"condition": "C3", "message": "as the tests have it", "remedy": "none"},
+            "hypotheses": [hypothesis],
+            "results": results if proved else None,
+            "computation": {"precision": 64, "order": 16, "attempts": 1, "seconds": 0.0},
+        }
+    )
 
 
 def circle_point(angle: float, radius: float = 2**-40) -> dict[str, arb]:
@@ -177,20 +196,20 @@ def circle_point(angle: float, radius: float = 2**-40) -> dict[str, arb]:
     return {name: arb(value, radius) for name, value in (("x", x), ("z", z), ("vy", 3 - x))}
 
 
-def stands(entry: Mapping[str, Any]) -> Recheck:
+def stands(entry: Certificate) -> Recheck:
     """An examination that every certificate passes."""
-    return Recheck(str(entry["id"]), "proved", 1, ())
+    return Recheck(entry.id, "proved", 1, ())
 
 
-def falls(entry: Mapping[str, Any]) -> Recheck:
+def falls(entry: Certificate) -> Recheck:
     """An examination that none passes."""
-    return Recheck(str(entry["id"]), "proved", 1, (Finding("digest", "does not fit the content"),))
+    return Recheck(entry.id, "proved", 1, (Finding("digest", "does not fit the content"),))
 
 
 def alone(*_: object) -> None:
     """No other point of an orbit on Fix(R): the points of the circle are on no orbit that is known."""
 
 
-def concluded(case: Case, *bifurcations: Mapping[str, Any]) -> Conclusion:
+def concluded(case: Case, *bifurcations: Certificate) -> Conclusion:
     atlas, results = case
-    return conclude(atlas, results, [dict(entry) for entry in bifurcations], stands, alone)
+    return conclude(atlas, results, bifurcations, stands, alone)

@@ -11,7 +11,7 @@ from orbitproof.shared.formats.candidates import Candidate, read_candidates
 from orbitproof.shared.systems.system import MASS_PARAMETERS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, certify
-from orbitproof.verify.evidence.balls_as_text import ball_from_json, bounds
+from orbitproof.verify.evidence.balls_as_text import bounds
 
 DATA = Path(__file__).parents[1] / "data" / "known-bifurcations.json"
 
@@ -72,9 +72,7 @@ def verdict(candidate: Candidate, max_precision: int = 512) -> str:
 
 def verdict_of(certificate: Certificate) -> str:
     """ "proved", or the condition that is not shown."""
-    if certificate["verdict"] == "proved":
-        return "proved"
-    return str(certificate["reason"]["condition"])
+    return "proved" if certificate.reason is None else certificate.reason.condition
 
 
 def coordinates_in_box(candidate: Candidate, point: tuple[Fraction, ...]) -> list[Fraction]:
@@ -94,9 +92,8 @@ def coordinates_in_box(candidate: Candidate, point: tuple[Fraction, ...]) -> lis
 
 def distances(certificate: Certificate, point: tuple[Fraction, ...]) -> list[Fraction]:
     """How far each coordinate of a point lies outside the enclosures of a certificate; 0 inside."""
-    balls = certificate["results"]["point"].values()
     result = []
-    for entry, value in zip(balls, point, strict=True):
-        lower, upper = bounds(ball_from_json(entry))
+    for ball, value in zip(certificate.point.values(), point, strict=True):
+        lower, upper = bounds(ball)
         result.append(max(lower - value, value - upper, Fraction(0)))
     return result

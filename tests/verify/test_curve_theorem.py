@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import math
 from collections.abc import Callable
@@ -40,6 +39,7 @@ from support.claims import known
 
 from orbitproof.shared.formats.atlas import Atlas, Claim, Covers, Piece, read_atlas
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
+from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.curve.conclusion import Conclusion
 from orbitproof.verify.curve.conditions import check_two_points
@@ -47,7 +47,7 @@ from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.piece import prove_piece
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.curve.tube import read_tube
-from orbitproof.verify.evidence.balls_as_text import ball_from_json, bounds
+from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError
 
@@ -514,7 +514,7 @@ def test_certificates_about_something_else_are_counted(name: str) -> None:
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
-    "not proved": (certificate(circle_point(0.7), verdict="not proved"), "says 'not proved'"),
+    "not proved": (certificate(circle_point(0.7), proved=False), "says 'not proved'"),
     "beside the curve": (
         certificate({**circle_point(0.7), "vy": arb(3 - math.cos(0.7) + 1e-5, 2**-40)}),
         "outside the tubes, in p001 by",
@@ -534,7 +534,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
         certificate({"x": arb(1), "z": arb(0), "vy": arb(2)}, kind="symmetry_breaking", k=1),
         "fixed by the symmetry",
     ),
-    "without a coordinate": (certificate({"x": arb(1), "z": arb(0)}), "cannot be read"),
+    "without a coordinate": (certificate({"x": arb(1), "z": arb(0)}), "not have all coordinates"),
 }
 
 
@@ -575,8 +575,7 @@ def test_a_certificate_that_does_not_stand_is_not_used() -> None:
 
 
 def test_another_vector_field_is_noticed() -> None:
-    entry = certificate(circle_point(0.7))
-    entry["statement"]["vector_field"] += " "
+    entry = certificate(circle_point(0.7), after=" ")
     (found,) = concluded(symmetric_arc(), entry).bifurcations
     assert "another vector field" in found.reason
 
@@ -600,9 +599,9 @@ def test_a_conclusion_cannot_be_made_of_less_than_its_hypotheses() -> None:
 
 
 @pytest.fixture(scope="module")
-def doubling() -> dict[str, Any]:
+def doubling() -> Certificate:
     """The certificate of a period doubling of the Falkner-Skan equation."""
-    return dict(json.loads(json.dumps(certify(known("fs2")))))
+    return certify(known("fs2"))
 
 
 def line(beta: Fraction, y: Fraction) -> Case:
@@ -614,7 +613,7 @@ def line(beta: Fraction, y: Fraction) -> Case:
     return Atlas("line", "a line", FALKNER_SKAN, {}, Claim("arc"), (piece,)), [proved(piece)]
 
 
-def test_a_real_certificate_is_examined_and_placed(doubling: dict[str, Any]) -> None:
+def test_a_real_certificate_is_examined_and_placed(doubling: Certificate) -> None:
     beta, y = known("fs2").centre
     atlas, results = line(beta, y)
     (found,) = conclude(atlas, results, [doubling]).bifurcations
@@ -624,15 +623,14 @@ def test_a_real_certificate_is_examined_and_placed(doubling: dict[str, Any]) -> 
     assert lower <= Fraction(1, 4) + Fraction(1, 10**40)
     assert upper >= Fraction(1, 4) - Fraction(1, 10**40)
     assert upper - lower < Fraction(1, 10**20)
-    tampered = copy.deepcopy(doubling)
+    tampered = doubling.to_json()
     tampered["results"]["point"]["y"]["mid"] = "0x1p-1"
-    (found,) = conclude(atlas, results, [tampered]).bifurcations
+    (found,) = conclude(atlas, results, [Certificate.from_json(tampered)]).bifurcations
     assert "does not stand" in found.reason
 
 
-def test_an_orbit_whose_other_point_lies_on_the_curve_is_placed_there(doubling: dict[str, Any]) -> None:
-    point = {name: ball_from_json(ball) for name, ball in doubling["results"]["point"].items()}
-    other = other_point(FALKNER_SKAN, {}, point)
+def test_an_orbit_whose_other_point_lies_on_the_curve_is_placed_there(doubling: Certificate) -> None:
+    other = other_point(FALKNER_SKAN, {}, doubling.point)
     assert other is not None
     atlas, results = line(*(sum(bounds(ball)) / 2 for ball in other.values()))
     conclusion = conclude(atlas, results, [doubling])
@@ -694,7 +692,7 @@ def test_two_pieces_of_a_branch_are_proved_and_glued_and_carry_its_bifurcations(
         json.loads(json.dumps(prove_piece(atlas.system, {}, piece, (Fraction(-1), Fraction(1))).to_json()))
         for piece in pieces
     ]
-    certificates = [json.loads(json.dumps(certify(known(name)))) for name in ("fs2", "fs3", "fs4")]
+    certificates = [certify(known(name)) for name in ("fs2", "fs3", "fs4")]
     conclusion = conclude(atlas, results, certificates)
     assert conclusion.is_proved
     assert [entry.place is not None for entry in conclusion.bifurcations] == [True, True, True]

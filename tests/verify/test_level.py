@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-import json
 import random
 from collections.abc import Callable
 from dataclasses import replace
@@ -31,7 +29,7 @@ from orbitproof.verify.certificate.certificate import Certificate, digest, is_pr
 from orbitproof.verify.certificate.certify import Limits, _forms, _missing_bits, certify
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import level_program, point_on_fixed_set, quadratic_coefficient
-from orbitproof.verify.evidence.balls_as_text import ball_from_json, bounds
+from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.poincare.derivatives import DerivativeTable
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_first_integral, enclose_iterates
@@ -179,26 +177,26 @@ def _same(name: str) -> None:
 
 
 def _compare(one: Certificate, two: Certificate) -> None:
-    assert (one["verdict"], two["verdict"]) == ("proved", "proved")
-    assert "level_form" not in one["statement"]
-    assert "level_form" in two["statement"]
-    names = [hypothesis["name"] for hypothesis in two["hypotheses"]]
+    assert one.proved
+    assert two.proved
+    assert "level_form" not in one.statement
+    assert "level_form" in two.statement
+    names = [hypothesis.name for hypothesis in two.hypotheses]
     assert {"level", "C2", "C3", "C4"} <= set(names)
     assert not any(hypothesis.startswith("H") for hypothesis in names)
-    left, right = one["results"], two["results"]
-    assert left["side"] == right["side"]
-    pairs = [(left["parameter"], right["parameter"])]
-    pairs += [(left["point"][key], right["point"][key]) for key in ("x", "z", "vy")]
-    pairs += [(left["normal_form"][key], right["normal_form"][key]) for key in ("alpha", "beta")]
+    assert one.side == two.side
+    pairs = [(one.parameter, two.parameter)]
+    pairs += [(one.point[key], two.point[key]) for key in ("x", "z", "vy")]
+    pairs += [(one.normal_form[key], two.normal_form[key]) for key in ("alpha", "beta")]
     for a, b in pairs:
-        assert ball_from_json(a).overlaps(ball_from_json(b))
+        assert a.overlaps(b)
         assert _relative_radius(a) < 1e-3
         assert _relative_radius(b) < 1e-3
-    assert _relative_radius(right["parameter"]) < 1e-29
+    assert _relative_radius(two.parameter) < 1e-29
 
 
-def _relative_radius(entry: dict[str, str]) -> float:
-    lower, upper = bounds(ball_from_json(entry))
+def _relative_radius(ball: arb) -> float:
+    lower, upper = bounds(ball)
     size = max(abs(lower), abs(upper))
     return float((upper - lower) / size) if size else 0.0
 
@@ -233,8 +231,8 @@ def test_false_claims_in_level_form_are_not_proved() -> None:
     ]
     for candidate in wrong:
         result = certify(candidate, Limits(max_precision=256))
-        assert result["verdict"] == "not proved", candidate
-    assert certify(form, Limits(max_precision=256))["verdict"] == "proved"
+        assert not result.proved, candidate
+    assert certify(form, Limits(max_precision=256)).proved
 
 
 def test_a_point_in_the_new_box_only_is_not_proved() -> None:
@@ -242,11 +240,11 @@ def test_a_point_in_the_new_box_only_is_not_proved() -> None:
     form = level_form(candidate)
     assert form is not None
     result = certify(candidate, Limits(level="integral", max_precision=256))
-    assert result["verdict"] == "not proved"
-    assert result["reason"]["condition"] == "candidate-box"
-    assert all(hypothesis["holds"] for hypothesis in result["hypotheses"])
+    assert not result.proved
+    assert result.reason.condition == "candidate-box"
+    assert all(hypothesis.holds for hypothesis in result.hypotheses)
     assert recheck(result).stands
-    assert certify(candidate, Limits(max_precision=256))["verdict"] == "not proved"
+    assert certify(candidate, Limits(max_precision=256)).verdict == "not proved"
 
 
 def test_the_better_conditioned_form_comes_first() -> None:
@@ -292,17 +290,17 @@ def test_a_level_form_is_a_candidate_of_its_own(tmp_path: Path) -> None:
 
 
 def test_certificates_in_level_form_are_kept_and_checked_again() -> None:
-    candidate, proved = known("em1"), json.loads(json.dumps(certificate("em1", "integral")))
+    candidate, proved = known("em1"), certificate("em1", "integral")
     assert is_proof_of(proved, candidate)
     assert recheck(proved).stands
 
     def forged(change: Callable[[dict[str, Any]], Any]) -> Certificate:
-        entry = copy.deepcopy(proved)
+        entry = proved.to_json()
         change(entry["statement"])
         entry["digest"] = digest(entry)
-        return entry
+        return Certificate.from_json(entry)
 
-    radii = proved["statement"]["level_form"]["radii"]
+    radii = proved.statement["level_form"]["radii"]
     forgeries = [
         forged(lambda claim: claim["level_form"].update(radii=[radii[0], radii[1], "0x1p-20"])),
         forged(lambda claim: claim["level_form"].update(level_sign=-1)),

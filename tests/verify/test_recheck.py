@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import copy
-import json
+import importlib
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -14,7 +13,6 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-import orbitproof.verify.certificate.rechecking
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
@@ -24,6 +22,8 @@ from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
+
+MODULE = importlib.import_module("orbitproof.verify.certificate.rechecking")
 
 TRUE: dict[str, Any] = {
     "id": "k=3",
@@ -42,8 +42,7 @@ EARLY = {**TRUE, "id": "too few bits"}
 
 
 def certified(entry: dict[str, Any], **limits: Any) -> Certificate:
-    certificate = certify(candidate_from_json(entry, "test"), Limits(**limits))
-    return dict(json.loads(json.dumps(certificate)))
+    return certify(candidate_from_json(entry, "test"), Limits(**limits))
 
 
 @pytest.fixture(scope="module")
@@ -56,15 +55,18 @@ def refuted() -> Certificate:
     return certified(FALSE, max_precision=256)
 
 
-def forged(certificate: Certificate, change: Callable[[Certificate], Any]) -> Certificate:
+Entry = dict[str, Any]
+
+
+def forged(certificate: Certificate, change: Callable[[Entry], Any]) -> Certificate:
     """A changed copy with a digest that fits."""
-    entry = copy.deepcopy(certificate)
+    entry = certificate.to_json()
     change(entry)
     entry["digest"] = digest(entry)
-    return entry
+    return Certificate.from_json(entry)
 
 
-def hypothesis(entry: Certificate, name: str) -> dict[str, Any]:
+def hypothesis(entry: Entry, name: str) -> dict[str, Any]:
     return next(item for item in entry["hypotheses"] if item["name"] == name)
 
 
@@ -98,7 +100,7 @@ def no_integration(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: Any) -> Enclosures:
         raise AssertionError("an integration was started")
 
-    monkeypatch.setattr(orbitproof.verify.certificate.rechecking, "enclose_iterates", refuse)
+    monkeypatch.setattr(MODULE, "enclose_iterates", refuse)
 
 
 @pytest.mark.usefixtures("no_integration")
@@ -108,14 +110,14 @@ def test_untouched_certificates_stand_without_integrating(proved: Certificate, r
         assert result.findings == ()
         assert result.stands
         assert result.hypotheses > 0
-        assert result.verdict == entry["verdict"]
-    assert recheck(proved).hypotheses == len(proved["hypotheses"])
+        assert result.verdict == entry.verdict
+    assert recheck(proved).hypotheses == len(proved.hypotheses)
 
 
 def test_another_integration_overlaps_and_proves_again(proved: Certificate, refuted: Certificate) -> None:
     result = recheck(proved, integrate=True)
     assert result.findings == ()
-    assert result.precision > proved["computation"]["precision"]
+    assert result.precision > proved.computation.precision
     assert recheck(refuted, integrate=True).stands
 
 
@@ -128,9 +130,9 @@ def _leaves(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 
 
 def test_any_changed_value_is_noticed_by_the_digest(proved: Certificate) -> None:
-    for path in _leaves(proved):
-        entry = copy.deepcopy(proved)
-        target = entry
+    for path in _leaves(proved.to_json()):
+        entry = proved.to_json()
+        target: Any = entry
         for key in path[:-1]:
             target = target[key]
         value = target[path[-1]]
@@ -141,18 +143,18 @@ def test_any_changed_value_is_noticed_by_the_digest(proved: Certificate) -> None
             assert entry["digest"] != digest(entry), path
 
 
-def _table(entry: Certificate, i: int, part: str, index: int, change: Callable[[Fraction, Fraction], Any]) -> None:
+def _table(entry: Entry, i: int, part: str, index: int, change: Callable[[Fraction, Fraction], Any]) -> None:
     """Change one ball of a table of P^i; the order of the derivatives in two variables is lexicographic."""
     texts = entry["enclosures"]["iterates"][i - 1][0][part]
     middle, radius = (parse_exact(number) for number in texts[index].split(" +- "))
     texts[index] = " +- ".join(format_dyadic(value) for value in change(middle, radius))
 
 
-def _other_results(entry: Certificate) -> None:
+def _other_results(entry: Entry) -> None:
     shift(entry["results"]["parameter"], "mid", 400)
 
 
-FORGERIES: dict[str, tuple[Callable[[Certificate], Any], str]] = {
+FORGERIES: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "derivative of P^3 at the centre": (lambda e: _table(e, 3, "centre", 1, lambda m, r: (m + r, r)), "C3"),
     "derivative of P over the box": (lambda e: _table(e, 1, "box", 1, lambda m, r: (-m, r)), "poincare-map"),
     "radius of a derivative of P^3": (lambda e: _table(e, 3, "centre", 2, lambda m, r: (m, r * 2)), "G_11"),
@@ -213,14 +215,15 @@ def test_a_forgery_with_a_new_digest_is_named(proved: Certificate, change: Any, 
 
 @pytest.mark.usefixtures("no_integration")
 def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: Certificate) -> None:
-    assert refuted["verdict"] == "not proved"
+    assert refuted.verdict == "not proved"
 
-    def fill(entry: Certificate, tables: bool) -> None:
+    def fill(entry: Entry, tables: bool) -> None:
+        true = proved.to_json()
         for key in ("verdict", "reason", "hypotheses", "results", "computation"):
-            entry[key] = copy.deepcopy(proved[key])
-        entry["statement"]["theorem"] = proved["statement"]["theorem"]
+            entry[key] = true[key]
+        entry["statement"]["theorem"] = true["statement"]["theorem"]
         if tables:
-            entry["enclosures"] = copy.deepcopy(proved["enclosures"])
+            entry["enclosures"] = true["enclosures"]
 
     kept = recheck(forged(refuted, lambda entry: fill(entry, False)))
     assert "verdict" in places(kept)
@@ -230,15 +233,13 @@ def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: C
 
 
 def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> None:
-    entry = copy.deepcopy(proved)
+    entry = proved.to_json()
     entry["statement"]["candidate"]["centre"][0] = "453.4425868"
     candidate = candidate_from_json(entry["statement"]["candidate"], "test")
-    stored = orbitproof.verify.certificate.rechecking._stored_enclosures(entry, candidate)
+    stored = MODULE._stored_enclosures(entry, candidate)
     assert stored is not None
-    outcome = orbitproof.verify.certificate.rechecking._conclude(candidate, entry["computation"]["precision"], stored)
-    consistent = orbitproof.verify.certificate.rechecking.make_certificate(
-        candidate, outcome, entry["computation"], stored
-    )
+    outcome = MODULE._conclude(candidate, entry["computation"]["precision"], stored)
+    consistent = MODULE.make_certificate(candidate, outcome, entry["computation"], stored)
     assert recheck(consistent).stands
     result = recheck(consistent, integrate=True)
     assert not result.stands
@@ -253,18 +254,18 @@ def test_a_second_integration_that_is_off_is_found(proved: Certificate, monkeypa
         iterates = (found.iterates[0], (type(table)(table.box, changed),), *found.iterates[2:])
         return Enclosures(iterates, None, found.return_times, found.order, found.precision, found.steps)
 
-    monkeypatch.setattr(orbitproof.verify.certificate.rechecking, "enclose_iterates", moved)
+    monkeypatch.setattr(MODULE, "enclose_iterates", moved)
     result = recheck(proved, integrate=True)
     assert "d^(1,1) of q_1(P^2), centre" in places(result)
 
 
 def test_a_certificate_without_digest_does_not_stand(proved: Certificate) -> None:
-    entry = {key: value for key, value in proved.items() if key != "digest"}
-    assert places(recheck(entry)) == "digest"
+    entry = {key: value for key, value in proved.to_json().items() if key != "digest"}
+    assert places(recheck(Certificate.from_json(entry))) == "digest"
 
 
 def test_other_software_is_named_where_numbers_differ(proved: Certificate) -> None:
-    def change(entry: Certificate) -> None:
+    def change(entry: Entry) -> None:
         entry["software"]["FLINT"] = "1.0"
         _other_results(entry)
 

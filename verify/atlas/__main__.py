@@ -254,18 +254,18 @@ def _conclude(
         display.finish(check.id, "certificate stands" if check.stands else "certificate does not stand")
 
     if bifurcations:
-        display = Display({entry["id"]: 1.0 for entry in bifurcations}, options.quiet)
+        display = Display({entry.id: 1.0 for entry in bifurcations}, options.quiet)
         with display.shown():
             recheck_all(bifurcations, False, options.jobs, display.advance, finished)
-    placing = Display({entry["id"]: 1.0 for entry in bifurcations}, options.quiet)
+    placing = Display({entry.id: 1.0 for entry in bifurcations}, options.quiet)
     placed: list[str] = []
 
     def examine(certificate: Certificate) -> Recheck:
         # Called for one certificate after the other.
         if placed:
             placing.finish(placed[-1], "looked for on the curve")
-        placed.append(certificate["id"])
-        return checks[certificate["id"]]
+        placed.append(certificate.id)
+        return checks[certificate.id]
 
     with placing.shown():
         conclusion = conclude(atlas, results, bifurcations, examine)

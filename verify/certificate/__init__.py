@@ -2,6 +2,7 @@
 
 from orbitproof.verify.certificate.certificate import (
     Certificate,
+    Computation,
     digest,
     is_proof_of,
     read_certificates,
@@ -24,6 +25,7 @@ __all__ = [
     "LEAST_PRECISION",
     "LEVELS",
     "Certificate",
+    "Computation",
     "Limits",
     "Recheck",
     "certify_all",

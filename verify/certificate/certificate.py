@@ -1,31 +1,215 @@
-"""Certificates: statement, hypotheses, verdict and computation, as JSON (section 10)."""
+"""Certificates: statement, hypotheses, verdict and computation, as a value and as JSON (section 10)."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from html import escape
 from pathlib import Path
 from textwrap import indent
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Literal
 
-from orbitproof.shared.formats import Candidate, InputError, read_document, validate_document, write_text
+from flint import arb
+
+from orbitproof.shared.formats import (
+    Candidate,
+    InputError,
+    candidate_from_json,
+    read_document,
+    validate_document,
+    write_text,
+)
 from orbitproof.verify.bifurcation import level_form, theorem_of
 from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import (
+    Hypothesis,
     Outcome,
     Proved,
+    Reason,
     Theorem,
+    ball_from_json,
     ball_to_json,
     balls_to_json,
+    certain_digits,
     hypothesis_to_json,
     software,
 )
 from orbitproof.verify.poincare import Enclosures
 
-Certificate = dict[str, Any]
-"""A JSON object that fits the definition ``certificate`` of shared/schemas/certificates.schema.json."""
+_SHOWN_DIGITS = 34
+_KINDS = {"symmetry_breaking": "symmetry breaking", "period_tupling": "tupling", "touch_and_go": "touch-and-go"}
+_SYMBOLS = {"Jacobi constant": "C"}
+
+
+@dataclass(frozen=True)
+class Computation:
+    """How a verdict was found.
+
+    Attributes:
+        precision: bits of the last attempt, 0 if there was none.
+        order: time order of its Taylor expansions.
+        steps: its integration steps.
+        attempts: how many there were.
+        seconds: what all of it took.
+        coordinates: in which the orbits were followed, if the certificate says so.
+    """
+
+    precision: int
+    order: int
+    steps: int
+    attempts: int
+    seconds: float
+    coordinates: str | None = None
+
+
+@dataclass(frozen=True, repr=False)
+class Certificate:
+    """What was claimed about one candidate, every hypothesis with its enclosures, and the verdict.
+
+    A value: it does not change, and two are equal if their JSON is. It says what its maker wrote; whether that
+    follows from the enclosures that it carries is what `recheck` decides. All balls are in nondimensional units.
+
+    Attributes:
+        id: the candidate's.
+        kind, k: what was claimed: one of `shared.formats.KINDS`, and the multiplicity.
+        verdict: "proved" or "not proved", which never means "shown to be false".
+        theorem: what is proved, in words; `None` if nothing is.
+        parameter_name: the bifurcation parameter, a family parameter or a first integral; `None` if nothing is proved.
+        parameter: the ball that contains its value; `None` if nothing is proved.
+        point: balls that contain the coordinates of the bifurcation point on Fix(R), by name; empty if not proved.
+        side: "above", "below" or "both": parameter values at which the new orbits exist; `None` if not proved.
+        normal_form: enclosures of the coefficients of the bifurcation function, by name; empty if not proved.
+        hypotheses: those that were looked at, in order, with their enclosures.
+        reason: why it is not proved; `None` if it is.
+        computation: how the verdict was found.
+        software: names and versions of what made the certificate.
+    """
+
+    id: str = field(compare=False)
+    kind: str = field(compare=False)
+    k: int = field(compare=False)
+    verdict: Literal["proved", "not proved"] = field(compare=False)
+    theorem: str | None = field(compare=False)
+    parameter_name: str | None = field(compare=False)
+    parameter: arb | None = field(compare=False)
+    point: Mapping[str, arb] = field(compare=False)
+    side: Literal["above", "below", "both"] | None = field(compare=False)
+    normal_form: Mapping[str, arb] = field(compare=False)
+    hypotheses: tuple[Hypothesis, ...] = field(compare=False)
+    reason: Reason | None = field(compare=False)
+    computation: Computation = field(compare=False)
+    software: Mapping[str, str] = field(compare=False)
+    _text: str
+
+    @classmethod
+    def from_json(cls, entry: Mapping[str, Any], source: str = "certificate") -> Certificate:
+        """The certificate of a JSON object as `to_json` gives it.
+
+        Raises `InputError` that begins with `source` if it does not fit the definition ``certificate`` of
+        shared/schemas/certificates.schema.json, or a ball in it is none.
+        """
+        validate_document(_document([entry]), "certificates", source)
+        text = json.dumps(entry, allow_nan=False)
+        return cls(**_fields(json.loads(text), source), _text=text)
+
+    @property
+    def proved(self) -> bool:
+        """Whether the verdict is "proved"."""
+        return self.verdict == "proved"
+
+    @property
+    def statement(self) -> dict[str, Any]:
+        """The claim in full, as in the JSON: candidate, vector field, first integral, symmetries, section."""
+        claim: dict[str, Any] = self.to_json()["statement"]
+        return claim
+
+    @property
+    def candidate(self) -> Candidate:
+        """What was claimed. Raises `InputError` if that is no well-formed claim about a system known here."""
+        return candidate_from_json(self.statement["candidate"], f"certificate {self.id!r}: statement.candidate")
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object, with the tables of enclosures and the digest: what a certificates file holds."""
+        entry: dict[str, Any] = json.loads(self._text)
+        return entry
+
+    def __str__(self) -> str:
+        claim = f"k = {self.k} {_KINDS.get(self.kind, self.kind)}"
+        if self.reason is not None:
+            return f"{claim}, not proved, {self.reason.condition}: {self.reason.message}"
+        return f"{claim}, proved, {self.side}, {self._shown_parameter()}"
+
+    def __repr__(self) -> str:
+        return f"<Certificate {self.id!r}: {self.verdict}>"
+
+    def __reduce__(self) -> tuple[Callable[..., Certificate], tuple[dict[str, Any]]]:
+        return Certificate.from_json, (self.to_json(),)
+
+    def _repr_html_(self) -> str:
+        """The table that a notebook shows."""
+        rows = [("claim", f"k = {self.k} {_KINDS.get(self.kind, self.kind)}"), ("verdict", self.verdict)]
+        if self.reason is not None:
+            rows += [(self.reason.condition, self.reason.message), ("remedy", self.reason.remedy)]
+        if self.parameter is not None:
+            rows += [("new orbits", str(self.side)), ("parameter", self._shown_parameter())]
+            rows += [(name, certain_digits(ball, _SHOWN_DIGITS)) for name, ball in self.point.items()]
+        rows += [("hypotheses", ", ".join(hypothesis.name for hypothesis in self.hypotheses))]
+        cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows)
+        return f"<table><caption>{escape(self.id)}</caption>{cells}</table>"
+
+    def _shown_parameter(self) -> str:
+        if self.parameter is None or self.parameter_name is None:
+            return ""
+        name = _SYMBOLS.get(self.parameter_name, self.parameter_name)
+        return f"{name} = {certain_digits(self.parameter, _SHOWN_DIGITS)}"
+
+
+def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """The attributes of a certificate from its JSON, which fits the schema. Raises `InputError`."""
+    place = "statement.candidate"
+    try:
+        candidate = entry["statement"]["candidate"]
+        kind, k = str(candidate["kind"]), int(candidate["k"])
+        place = "hypotheses"
+        hypotheses = tuple(
+            Hypothesis(item["name"], item["statement"], item["section"], item["holds"], _balls(item["enclosures"]))
+            for item in entry["hypotheses"]
+        )
+        place = "results"
+        results = entry.get("results") or {}
+        parameter = ball_from_json(results["parameter"]) if results else None
+        point, normal_form = _balls(results.get("point", {})), _balls(results.get("normal_form", {}))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{source}: field {place}: {error}; verify the candidate again") from None
+    reason, made = entry.get("reason"), entry["computation"]
+    return {
+        "id": entry["id"],
+        "kind": kind,
+        "k": k,
+        "verdict": entry["verdict"],
+        "theorem": entry["statement"].get("theorem"),
+        "parameter_name": results.get("parameter_name"),
+        "parameter": parameter,
+        "point": point,
+        "side": results.get("side"),
+        "normal_form": normal_form,
+        "hypotheses": hypotheses,
+        "reason": None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"]),
+        "computation": Computation(
+            made["precision"], made["order"], made.get("steps", 0), made["attempts"], made["seconds"],
+            made.get("coordinates"),
+        ),
+        "software": MappingProxyType(entry.get("software", {})),
+    }  # fmt: skip
+
+
+def _balls(entries: Mapping[str, Mapping[str, str]]) -> Mapping[str, arb]:
+    return MappingProxyType({name: ball_from_json(entry) for name, entry in entries.items()})
 
 
 def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, Any]:
@@ -97,35 +281,40 @@ def make_certificate(
         "computation": dict(computation),
         "software": software(),
     }
-    return {**certificate, "digest": digest(certificate)}
+    return Certificate.from_json({**certificate, "digest": digest(certificate)}, f"certificate {candidate.id!r}")
 
 
-def digest(certificate: Mapping[str, Any]) -> str:
+def digest(entry: Mapping[str, Any]) -> str:
     """SHA-256 of the canonical JSON (sorted keys, no spaces, ASCII) of a certificate without its digest."""
-    content = {key: value for key, value in certificate.items() if key != "digest"}
+    content = {key: value for key, value in entry.items() if key != "digest"}
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
     return f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"
 
 
-def is_proof_of(certificate: Mapping[str, Any], candidate: Candidate) -> bool:
+def is_proof_of(certificate: Certificate, candidate: Candidate) -> bool:
     """Whether a stored certificate proves exactly this candidate, by exactly this software."""
-    form = level_form(candidate) if "level_form" in certificate["statement"] else None
+    entry = certificate.to_json()
+    form = level_form(candidate) if "level_form" in entry["statement"] else None
     theorem = theorem_of(form or candidate)
     return (
         isinstance(theorem, Theorem)
-        and certificate["verdict"] == "proved"
-        and certificate.get("digest") == digest(certificate)
-        and certificate["statement"] == {**statement(candidate, form), "theorem": theorem.statement}
-        and certificate.get("software") == software()
-        and tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"]) == theorem.hypotheses
-        and all(hypothesis["holds"] is True for hypothesis in certificate["hypotheses"])
+        and certificate.proved
+        and entry.get("digest") == digest(entry)
+        and entry["statement"] == {**statement(candidate, form), "theorem": theorem.statement}
+        and entry.get("software") == software()
+        and tuple(hypothesis.name for hypothesis in certificate.hypotheses) == theorem.hypotheses
+        and all(hypothesis.holds is True for hypothesis in certificate.hypotheses)
     )
 
 
 def read_certificates(path: Path) -> dict[str, Certificate]:
     """The certificates of a file by candidate id. Raises `InputError` for anything else."""
-    entries: Sequence[Certificate] = read_document(path, "certificates")["certificates"]
-    result = {entry["id"]: entry for entry in entries}
+    document = read_document(path, "certificates")
+    entries = [
+        Certificate.from_json(entry, f"{path}: field certificates[{index}]")
+        for index, entry in enumerate(document["certificates"])
+    ]
+    result = {entry.id: entry for entry in entries}
     if len(result) != len(entries):
         raise InputError(f"{path}: field certificates: an id appears twice; write the file again with --fresh")
     return result
@@ -134,26 +323,20 @@ def read_certificates(path: Path) -> dict[str, Certificate]:
 def write_certificates(path: Path, certificates: Iterable[Certificate]) -> None:
     """Write a certificates file, whole or not at all. Raises `InputError` if it cannot be written."""
     head = json.dumps(_document([]), indent=1).removesuffix("[]\n}")
-    entries = ",\n".join(_text(certificate) for certificate in certificates)
+    entries = ",\n".join(_indented(certificate) for certificate in certificates)
     write_text(path, f"{head}[\n{entries}\n ]\n}}\n" if entries else f"{head}[]\n}}\n")
 
 
-def _document(certificates: Sequence[Certificate]) -> dict[str, Any]:
+def _document(entries: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     return {
         "format": "orbitproof-certificates",
         "version": 1,
         "software": software(),
-        "certificates": list(certificates),
+        "certificates": list(entries),
     }
 
 
-_texts: dict[str, str] = {}
-"""What was validated and written before, by content: a run writes its file again for every row."""
-
-
-def _text(certificate: Certificate) -> str:
-    key = f"{digest(certificate)} {certificate.get('digest')}"
-    if key not in _texts:
-        validate_document(_document([certificate]), "certificates", "certificates to be written")
-        _texts[key] = indent(json.dumps(certificate, indent=1, allow_nan=False), "  ")
-    return _texts[key]
+@lru_cache(maxsize=4096)
+def _indented(certificate: Certificate) -> str:
+    """As it stands in a file; kept, because a run writes its file again for every row."""
+    return indent(json.dumps(certificate.to_json(), indent=1, allow_nan=False), "  ")

@@ -45,6 +45,9 @@ _LEAST_MORE_PRECISION = 32
 _MORE_ORDER = 6
 """The second integration has an eighth more bits, and a sixth more terms in time."""
 
+Entry = dict[str, Any]
+"""A certificate as JSON."""
+
 _WITHOUT_INTEGRATION = ("symmetries", "frames", "adapted-frames")
 
 
@@ -83,18 +86,18 @@ class Recheck:
 def recheck(
     certificate: Certificate, integrate: bool = False, progress: Callable[[float], None] | None = None
 ) -> Recheck:
-    """Check a certificate that fits the schema again; with `integrate`, the second level too.
+    """Check a certificate again; with `integrate`, the second level too.
 
     An exception of any kind is a finding: what could not be checked does not stand.
     """
     try:
-        return _recheck(certificate, integrate, progress)
+        return _recheck(certificate.to_json(), integrate, progress)
     except Exception as error:
         finding = Finding("the check", broken_off("check", error).message)
-        return Recheck(str(certificate["id"]), str(certificate["verdict"]), 0, (finding,))
+        return Recheck(certificate.id, certificate.verdict, 0, (finding,))
 
 
-def _recheck(certificate: Certificate, integrate: bool, progress: Callable[[float], None] | None) -> Recheck:
+def _recheck(certificate: Entry, integrate: bool, progress: Callable[[float], None] | None) -> Recheck:
     name, verdict = str(certificate["id"]), str(certificate["verdict"])
     findings = list(_digest_findings(certificate))
     try:
@@ -111,7 +114,7 @@ def _recheck(certificate: Certificate, integrate: bool, progress: Callable[[floa
     outcome = _conclude(claim, precision if stored else LEAST_PRECISION, stored)
     if form is not None:
         outcome = for_origin(candidate, outcome, precision)
-    again = make_certificate(candidate, outcome, certificate["computation"], stored, form)
+    again = make_certificate(candidate, outcome, certificate["computation"], stored, form).to_json()
     differences = list(_compare(certificate, again, stored is not None))
     findings += [*differences, *_other_software(certificate)] if differences else []
     if not integrate or stored is None or findings:
@@ -124,14 +127,14 @@ def _recheck(certificate: Certificate, integrate: bool, progress: Callable[[floa
     return Recheck(name, verdict, len(outcome.hypotheses), tuple(findings), settings.precision)
 
 
-def _digest_findings(certificate: Certificate) -> Iterator[Finding]:
+def _digest_findings(certificate: Entry) -> Iterator[Finding]:
     if "digest" not in certificate:
         yield Finding("digest", "is missing; verify the candidates again to have certificates that can be checked")
     elif certificate["digest"] != digest(certificate):
         yield Finding("digest", "does not fit the content: the certificate was changed after it was written")
 
 
-def _stored_candidate(certificate: Certificate) -> dict[str, Any]:
+def _stored_candidate(certificate: Entry) -> dict[str, Any]:
     """The candidate of the statement. Raises `ValueError` if it does not fit the schema of candidates."""
     entry = certificate["statement"]["candidate"]
     document = {"format": "orbitproof-candidates", "version": 1, "candidates": [entry]}
@@ -139,7 +142,7 @@ def _stored_candidate(certificate: Certificate) -> dict[str, Any]:
     return dict(entry)
 
 
-def _stored_enclosures(certificate: Certificate, candidate: Candidate) -> Enclosures | None:
+def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Enclosures | None:
     entry, computation = certificate.get("enclosures"), certificate["computation"]
     if entry is None:
         return None
@@ -163,7 +166,7 @@ def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | Non
         return prove(candidate, checklist, enclosures.iterates, enclosures.first_integral, enclosures.return_times)
 
 
-def _compare(stored: Certificate, again: Certificate, from_tables: bool) -> Iterator[Finding]:
+def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding]:
     """Differences between a certificate and the one that its tables give."""
     yield from _differences(stored["id"], again["id"], "id")
     claim = {key: value for key, value in stored["statement"].items() if key != "theorem"}
@@ -185,7 +188,7 @@ def _compare(stored: Certificate, again: Certificate, from_tables: bool) -> Iter
         yield from _differences(stored["results"], again["results"], "results")
 
 
-def _other_software(certificate: Certificate) -> Iterator[Finding]:
+def _other_software(certificate: Entry) -> Iterator[Finding]:
     """What may explain differences: another version rounds or words differently."""
     made_by = certificate.get("software", {})
     other = [f"{name} {made_by.get(name)}, here {version}" for name, version in software().items()
@@ -194,7 +197,7 @@ def _other_software(certificate: Certificate) -> Iterator[Finding]:
         yield Finding("software", f"the certificate was made with {'; '.join(other)}: verify the candidates again")
 
 
-def _verdict_differences(stored: Certificate, again: Certificate) -> Iterator[Finding]:
+def _verdict_differences(stored: Entry, again: Entry) -> Iterator[Finding]:
     if stored["verdict"] != again["verdict"]:
         reason = again["reason"]
         found = f": {reason['condition']}: {reason['message']}" if reason else ""
@@ -237,7 +240,7 @@ _LONGEST_SHOWN = 100
 
 
 def _integrate_again(
-    certificate: Certificate,
+    certificate: Entry,
     candidate: Candidate,
     stored: Enclosures,
     settings: IntegratorSettings,

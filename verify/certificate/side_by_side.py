@@ -47,7 +47,7 @@ def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, An
     """What one process does: the certificate, or why there is none."""
     try:
         candidate = candidate_from_json(argument["candidate"], "candidate")
-        return {"certificate": certify(candidate, Limits(**argument["limits"]), report)}
+        return {"certificate": certify(candidate, Limits(**argument["limits"]), report).to_json()}
     except Exception as error:
         return {"reason": asdict(broken_off("verification", error))}
 
@@ -63,8 +63,7 @@ def _certificate(candidate: Candidate, answer: Answer) -> Certificate:
         reason = Reason(answer.result.kind, answer.result.message, _REMEDIES[answer.result.kind])
         return not_proved(candidate, reason, answer.seconds)
     if "certificate" in answer.result:
-        certificate: Certificate = answer.result["certificate"]
-        return certificate
+        return Certificate.from_json(answer.result["certificate"])
     return not_proved(candidate, Reason(**answer.result["reason"]), answer.seconds)
 
 
@@ -84,11 +83,11 @@ def recheck_all(
         for entry in certificates:
             finished(recheck(entry))
         return
-    known = {entry["id"]: entry for entry in certificates}
+    known = {entry.id: entry for entry in certificates}
     waiting = deque(certificates)
 
     def source() -> Task | None:
-        return Task(waiting[0]["id"], (waiting.popleft(), integrate)) if waiting else None
+        return Task(waiting[0].id, (waiting.popleft(), integrate)) if waiting else None
 
     with closing(answers(recheck_task, source, progress, jobs)) as all_answers:
         for answer in all_answers:
@@ -96,7 +95,7 @@ def recheck_all(
             result = answer.result
             if isinstance(result, Failure):
                 finding = Finding("process", f"{result.message}; {_REMEDIES['process']}")
-                result = Recheck(entry["id"], entry["verdict"], 0, (finding,))
+                result = Recheck(entry.id, entry.verdict, 0, (finding,))
             finished(result)
 
 

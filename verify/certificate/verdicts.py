@@ -8,7 +8,7 @@ from orbitproof.shared.formats import Candidate
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.rechecking import Recheck
 from orbitproof.verify.engines import aligned
-from orbitproof.verify.evidence import ball_from_json, certain_digits
+from orbitproof.verify.evidence import certain_digits
 
 _SHOWN_DIGITS = 34
 _HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
@@ -28,20 +28,15 @@ def verdict_table(
         if certificate is None:
             rows.append((candidate.id, str(candidate.k), candidate.kind, "not finished", "", "", ""))
             continue
-        results, seconds = certificate["results"], certificate["computation"]["seconds"]
-        side = results["side"] if results else ""
         parameter = ""
-        if results:
-            ball = ball_from_json(results["parameter"])
-            parameter = f"{results['parameter_name']} = {certain_digits(ball, _SHOWN_DIGITS)}"
-        elapsed = "kept" if candidate.id in kept else f"{seconds:.1f} s"
-        verdict = certificate["verdict"]
-        rows.append((candidate.id, str(candidate.k), candidate.kind, verdict, side, parameter, elapsed))
-        if certificate["reason"]:
-            reason = certificate["reason"]
-            reasons.append(
-                f"{candidate.id}: not proved, {reason['condition']}: {reason['message']}; {reason['remedy']}"
-            )
+        if certificate.parameter is not None:
+            parameter = f"{certificate.parameter_name} = {certain_digits(certificate.parameter, _SHOWN_DIGITS)}"
+        elapsed = "kept" if candidate.id in kept else f"{certificate.computation.seconds:.1f} s"
+        name, side = certificate.id, certificate.side or ""
+        rows.append((name, str(candidate.k), candidate.kind, certificate.verdict, side, parameter, elapsed))
+        reason = certificate.reason
+        if reason is not None:
+            reasons.append(f"{candidate.id}: not proved, {reason.condition}: {reason.message}; {reason.remedy}")
     return "\n".join([*aligned(rows), *([""] if reasons else []), *reasons])
 
 

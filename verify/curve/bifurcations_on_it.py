@@ -16,7 +16,7 @@ from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration import PLANAR, certified_system, in_units_of_orbit, point_name
 from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.tube import lower_end, upper_end
-from orbitproof.verify.evidence import all_finite, ball_from_json, ball_to_json, enclose, excludes_zero, is_below
+from orbitproof.verify.evidence import all_finite, ball_to_json, enclose, excludes_zero, is_below
 
 Examine = Callable[[Certificate], Recheck]
 Point = Mapping[str, arb]
@@ -90,29 +90,26 @@ def place_bifurcation(
     examine: Examine = recheck,
     partner: Partner = other_point,
 ) -> Bifurcation:
-    """Whether the bifurcation of a certificate that fits the schema lies on the curve.
+    """Whether the bifurcation of a certificate lies on the curve.
 
     `chain` is `None` if the curve itself is not proved. `examine` shows that the certificate's conclusion follows
     from what it stores; `partner` encloses the other point of a symmetric orbit on Fix(R).
     """
-    candidate = certificate["statement"]["candidate"]
-    entry = Bifurcation(str(certificate["id"]), str(candidate.get("kind")), int(candidate.get("k", 0)), None, "", {})
+    candidate = certificate.statement["candidate"]
+    entry = Bifurcation(certificate.id, certificate.kind, certificate.k, None, "", {})
     other = _other_system(atlas, certificate)
     if other is not None:
         return replace(entry, reason=other, is_foreign=True)
-    if certificate["verdict"] != "proved":
-        return replace(entry, reason=f"the certificate says {certificate['verdict']!r}")
+    if not certificate.proved:
+        return replace(entry, reason=f"the certificate says {certificate.verdict!r}")
     examined = examine(certificate)
     if not examined.stands:
         found = examined.findings[0]
         return replace(entry, reason=f"the certificate does not stand: {found.place}: {found.message}")
-    results = certificate["results"]
-    try:
-        names = certified_system(atlas.system).centre_coordinates
-        point = {key: ball_from_json(results["point"][key]) for key in names}
-        parameter = ball_from_json(results["parameter"])
-    except (KeyError, TypeError, ValueError) as error:
-        return replace(entry, reason=f"the certificate's results cannot be read: {error}")
+    names = certified_system(atlas.system).centre_coordinates
+    if not set(names) <= set(certificate.point):
+        return replace(entry, reason="the certificate does not have all coordinates of the point")
+    point = {name: certificate.point[name] for name in names}
     breaks = entry.kind == "symmetry_breaking"
     if point_name(atlas.system) is not None:
         planar = breaks and candidate.get("symmetry") == PLANAR
@@ -120,7 +117,7 @@ def place_bifurcation(
         if carried is None:
             return replace(entry, reason="it is not shown to be a planar orbit away from the libration point")
         point = carried
-    entry = replace(entry, point=point, parameter_name=str(results["parameter_name"]), parameter=parameter)
+    entry = replace(entry, point=point, parameter_name=str(certificate.parameter_name), parameter=certificate.parameter)
     if chain is None:
         return replace(entry, reason="the curve itself is not proved")
     doubly = breaks and candidate.get("symmetry") == atlas.claim.symmetry is not None
@@ -195,7 +192,7 @@ def signs_of(atlas: Atlas, symmetry: str) -> list[int]:
 
 def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
     """Why a certificate is about another system than the atlas, if it is."""
-    statement = certificate["statement"]
+    statement = certificate.statement
     try:
         system, parameters = read_system(statement["candidate"], "statement.candidate")
     except (InputError, KeyError, ValueError) as error:
