@@ -24,14 +24,15 @@ from orbitproof.figures.style.style import close, use_style
 from orbitproof.shared.formats.atlas import Atlas, Claim, SurfacePiece
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.certificate import Certificate
 
 ANGLE = 0.7
-POINT = {**certificate(circle_point(ANGLE)), "id": "on the circle"}
-IMAGE = {**certificate(circle_point(-ANGLE)), "id": "on its image"}
-BESIDE = {**certificate({**circle_point(1.5), "vy": circle_point(1.5)["vy"] + 1}), "id": "beside"}
+POINT = certificate(circle_point(ANGLE), name="on the circle")
+IMAGE = certificate(circle_point(-ANGLE), name="on its image")
+BESIDE = certificate({**circle_point(1.5), "vy": circle_point(1.5)["vy"] + 1}, name="beside")
 
 
-def document_of(case: Case, *bifurcations: dict[str, Any], regularised: Sequence[str] = ()) -> dict[str, Any]:
+def document_of(case: Case, *bifurcations: Certificate, regularised: Sequence[str] = ()) -> dict[str, Any]:
     atlas, results = case
     for result in results:
         result.pop("reason", None)
@@ -40,7 +41,7 @@ def document_of(case: Case, *bifurcations: dict[str, Any], regularised: Sequence
     return make_atlas_certificate(atlas, results, concluded((atlas, results), *bifurcations).to_json())
 
 
-def curve(case: Case, *bifurcations: dict[str, Any], regularised: Sequence[str] = ()) -> Curve:
+def curve(case: Case, *bifurcations: Certificate, regularised: Sequence[str] = ()) -> Curve:
     return curve_of(AtlasCertificate(case[0], document_of(case, *bifurcations, regularised=regularised)))
 
 

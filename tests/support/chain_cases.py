@@ -150,7 +150,9 @@ def reversed_piece(piece: Piece) -> Piece:
     return replace(piece, frame=frame, polynomial=polynomial)
 
 
-def certificate(point: Mapping[str, arb], proved: bool = True, after: str = "", **changes: Any) -> Certificate:
+def certificate(
+    point: Mapping[str, arb], proved: bool = True, after: str = "", name: str = "the point", **changes: Any
+) -> Certificate:
     """A certificate of a period doubling at a point of the circle's system, in which only what is read is true.
 
     `after` comes after the vector field; `changes` are made to the candidate.
@@ -179,7 +181,7 @@ def certificate(point: Mapping[str, arb], proved: bool = True, after: str = "", 
     hypothesis = {"name": "C2", "statement": "as the tests have it", "section": "8", "holds": True, "enclosures": {}}
     return Certificate.from_json(
         {
-            "id": "the point",
+            "id": name,
             "statement": statement | ({"theorem": "as the tests have it"} if proved else {}),
             "verdict": "proved" if proved else "not proved",
             "reason": None if proved else {"condition": "C3", "message": "as the tests have it", "remedy": "none"},

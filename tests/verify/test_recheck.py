@@ -166,7 +166,7 @@ FORGERIES: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "a derivative left out": (lambda e: e["enclosures"]["iterates"][0][0]["box"].pop(), "certificate"),
     "no ball in a table": (lambda e: e["enclosures"]["iterates"][0][0]["box"].__setitem__(0, "nan"), "certificate"),
     "middle of an enclosure": (lambda e: shift(hypothesis(e, "C3")["enclosures"]["g_0"], "mid", 600), "C3"),
-    "radius of an enclosure": (lambda e: shift(hypothesis(e, "C3")["enclosures"]["g_0"], "rad", 600), "C3"),
+    "radius of an enclosure": (lambda e: hypothesis(e, "C3")["enclosures"]["g_0"].update(rad="0x1p-600"), "C3"),
     "decimal of an enclosure": (lambda e: hypothesis(e, "G_11")["enclosures"]["G_11"].update(decimal="[1, 2]"), "G_11"),
     "an enclosure left out": (lambda e: hypothesis(e, "C3")["enclosures"].pop("g_0"), "g_0"),
     "an enclosure added": (lambda e: hypothesis(e, "C3")["enclosures"].update(more=e["results"]["parameter"]), "more"),
