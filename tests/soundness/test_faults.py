@@ -57,7 +57,7 @@ def test_a_fault_of_the_integration_is_not_a_proof(fault: type[Exception]) -> No
 @pytest.mark.parametrize(
     ("name", "stage"),
     [
-        ("check_symmetries", "exact checks"),
+        ("check_exactly", "exact checks"),
         ("prove", "evaluation"),
         ("first_precision", "verification"),
         ("_more_precision", "verification"),

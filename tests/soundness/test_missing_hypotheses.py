@@ -15,7 +15,7 @@ from support.map_cases import CASES, SLOPED, WIDE, cubic, even, failed, outcome_
 from orbitproof.verify.bifurcation.conditions import Point, Problem, check_transversality, locate
 from orbitproof.verify.bifurcation.nondegeneracy import check_family_of_maps
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, PeriodTwoFamily
-from orbitproof.verify.bifurcation.theorem import theorem_of
+from orbitproof.verify.bifurcation.theorem import BifurcationResults, theorem_of
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
 from orbitproof.verify.newton.interval_newton import ImplicitGraph
@@ -74,7 +74,7 @@ def edited(
     box: Callable[[arb], arb] | None = None,
     centre: Callable[[arb], arb] | None = None,
     component: int = 0,
-) -> Outcome:
+) -> Outcome[BifurcationResults]:
     """The outcome with one derivative of one iterate replaced, in the table of the box and of the centre."""
     system, kind, k, radii = CASES[name]
     tables, _ = tables_of_maps(system, k, radii)

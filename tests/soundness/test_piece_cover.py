@@ -21,8 +21,12 @@ from orbitproof.shared.formats.pieces import Piece
 from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.curve import piece as branch_piece
-from orbitproof.verify.curve.piece import PieceLimits, PieceResult, prove_piece
+from orbitproof.verify.curve.equation import halves, parts_of_interval
+from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.curve.piece_result import PieceResult
+from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.verify.evidence.outcome import Checklist, NotProved, Proved, Reason
 
 END = Fraction(16, 17)
 TUBE = Fraction(1, 64)
@@ -64,11 +68,23 @@ def covers(balls: Sequence[arb], start: Fraction, end: Fraction) -> bool:
 
 def prove(
     monkeypatch: pytest.MonkeyPatch, equations: Equations, given: Piece = REGULAR, interval: Interval = WHOLE
-) -> PieceResult:
+) -> PieceResult[ProvedInterval]:
     """The verdict on a piece whose half return is known."""
-    monkeypatch.setattr(branch_piece._Proof, "_half_return", lambda proof, _: (equations(proof.arithmetic), arb(3)))
+    monkeypatch.setattr(branch_piece._Proof, "_half_return", lambda proof, *_: (equations(proof.arithmetic), arb(3)))
     system, parameters = (TWIST, {"omega": OMEGA}) if len(given.tube) == 1 else (CR3BP, {"mu": MU})
     return prove_piece(system, parameters, given, interval, LIMITS, None, "S")
+
+
+def proved_interval(result: PieceResult[ProvedInterval]) -> ProvedInterval:
+    """What is known of a piece that is proved."""
+    assert isinstance(result.outcome, Proved)
+    return result.outcome.results
+
+
+def reason_of(result: PieceResult[ProvedInterval]) -> Reason:
+    """Why a piece is not proved."""
+    assert isinstance(result.outcome, NotProved)
+    return result.outcome.reason
 
 
 def wide(arithmetic: Arithmetic, *coefficients: Fraction) -> Series:
@@ -93,10 +109,10 @@ def test_halves_cover_a_ball(seed: int) -> None:
         for _ in range(100):
             middle = arb(source.uniform(-1, 1)) / 3
             whole = arb(middle.mid(), 10.0 ** source.uniform(-12, 0))
-            halves = branch_piece._halves(whole)
+            both = halves(whole)
             low, high = ends(whole)
-            assert covers(halves, low, high)
-            for half in halves:
+            assert covers(both, low, high)
+            for half in both:
                 start, end = ends(half)
                 assert end - start <= (high - low) * Fraction(51, 100) + Fraction(1, 2**28)
 
@@ -105,12 +121,12 @@ def test_halves_cover_a_ball(seed: int) -> None:
 @pytest.mark.parametrize("bits", [24, 53, 144])
 def test_parts_cover_the_interval(number: int, bits: int) -> None:
     with ctx.workprec(bits):
-        parts = branch_piece._parts(number)
+        parts = parts_of_interval(number)
     assert covers(parts, -END, END)
     assert all(high - low <= 2 * END / number * Fraction(1001, 1000) for low, high in map(ends, parts))
 
 
-def accept(monkeypatch: pytest.MonkeyPatch, newton: Callable[[arb], float]) -> PieceResult:
+def accept(monkeypatch: pytest.MonkeyPatch, newton: Callable[[arb], float]) -> PieceResult[ProvedInterval]:
     """The verdict where the Newton operator is replaced by one that is asked for every part."""
 
     def answer(_: Any, functions: Any, part: arb) -> tuple[list[arb], list[arb]]:
@@ -152,8 +168,7 @@ def test_one_place_without_a_proof_is_enough(monkeypatch: pytest.MonkeyPatch, n:
         return 0.0
 
     result = accept(monkeypatch, newton)
-    assert not result.is_proved
-    assert "refused here" in (result.reason or "")
+    assert "refused here" in reason_of(result).message
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -170,7 +185,8 @@ def test_bounds_hold_on_every_part(monkeypatch: pytest.MonkeyPatch, n: int, smal
         return sign * (0.02 if low <= place <= high else 0.001)
 
     result = accept(monkeypatch, newton)
-    for bound, value in ((result.deviation[0], 0.02), (result.slope_deviation[0], 0.06)):
+    known = proved_interval(result)
+    for bound, value in ((known.deviation[0], 0.02), (known.slope_deviation[0], 0.06)):
         assert 2 * TUBE * Fraction(value) <= bound <= 2 * TUBE * Fraction(value) * Fraction(1001, 1000)
 
 
@@ -195,7 +211,7 @@ def test_initial_values_are_the_points_of_the_tube(interval: Interval, kind: str
         given = replace(given, polynomial=(*given.polynomial[:1], tuple(Fraction(1, n) for n in range(2, 9))))
     with ctx.workprec(130), mpmath.workprec(200):
         proof = branch_piece._Proof(CR3BP, {"mu": MU}, given, interval, LIMITS, "S")
-        proof._check()
+        proof.check_claim(Checklist())
         start, end = proof.interval
         assert start <= interval[0] < interval[1] <= end
         if kind == "regular":
@@ -223,15 +239,14 @@ def test_bounds_of_a_curve_that_is_known(monkeypatch: pytest.MonkeyPatch, interv
         ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))), h, (row,), (TUBE,),
     )  # fmt: skip
 
-    def half_return(proof: Any, _: Any) -> tuple[list[Series], arb]:
+    def half_return(proof: Any, *_: Any) -> tuple[list[Series], arb]:
         point = proof._initial()
         a, constant = point["a"], proof.arithmetic.constant(Fraction(1, 16))
         return [point["c"] - constant - a.scaled(Fraction(1, 8)) - (a * a).scaled(Fraction(1, 64))], arb(3)
 
     monkeypatch.setattr(branch_piece._Proof, "_half_return", half_return)
-    result = prove_piece(TWIST, {"omega": OMEGA}, given, interval, LIMITS)
-    assert result.is_proved
-    check(result.deviation[0], max(error * (1 - s / 2) for s in result.interval))
+    result = proved_interval(prove_piece(TWIST, {"omega": OMEGA}, given, interval, LIMITS))
+    check(result.deviation[0], max(error * (1 - s / 2) for s in (result.start, result.end)))
     check(result.slope_deviation[0], error / 2)
 
 
@@ -260,7 +275,7 @@ def test_slopes_of_regular_pieces(monkeypatch: pytest.MonkeyPatch, interval: Int
         curve = wide(arithmetic, 3 * SIZE, -SIZE)
         return [wide(arithmetic, Fraction(1), Fraction(1, 8)) * (across(arithmetic) - curve)]
 
-    result = prove(monkeypatch, equations, REGULAR, interval)
+    result = proved_interval(prove(monkeypatch, equations, REGULAR, interval))
     check(result.deviation[0], 2 * TUBE * SIZE * (3 + END))
     check(result.slope_deviation[0], 2 * TUBE * SIZE / radius_of(interval), Fraction(11, 10))
 
@@ -273,9 +288,8 @@ def test_slopes_of_symmetric_pieces_away_from_their_symmetric_point(
     monkeypatch: pytest.MonkeyPatch, interval: Interval
 ) -> None:
     """omega = sigma/50: its slope is largest, relative to s, at the end next to 0."""
-    result = prove(
-        monkeypatch, lambda arithmetic: [across(arithmetic) - wide(arithmetic, Fraction(0), 4 * SIZE)], LINE, interval
-    )
+    equations = lambda arithmetic: [across(arithmetic) - wide(arithmetic, Fraction(0), 4 * SIZE)]  # noqa: E731
+    result = proved_interval(prove(monkeypatch, equations, LINE, interval))
     nearest = min(map(abs, interval))
     check(result.slope_deviation[0], 2 * TUBE * 4 * SIZE / radius_of(interval) / nearest)
     check(result.deviation[0], 2 * TUBE * 4 * SIZE * END)
@@ -295,9 +309,9 @@ def test_slopes_of_symmetric_pieces_through_their_symmetric_point(
         odd = across(arithmetic, 1) - wide(arithmetic, zero, zero, SIZE, zero, SIZE)
         return [even.scaled(Fraction(3)), wide(arithmetic, zero, Fraction(2)) * odd]
 
-    result = prove(monkeypatch, equations, SPATIAL, interval)
+    result = proved_interval(prove(monkeypatch, equations, SPATIAL, interval))
     end = max(map(abs, interval))
-    assert result.interval == (-end, end)
+    assert (result.start, result.end) == (-end, end)
     radius = Fraction(17, 16) * end
     first, second = SPATIAL.tube
     check(result.deviation[0], 2 * first * SIZE * END**2)
@@ -328,8 +342,7 @@ def test_tubes_with_two_zeros_are_refused(
     monkeypatch: pytest.MonkeyPatch, first: float, second: float, sign: int
 ) -> None:
     result = prove(monkeypatch, with_zeros(Fraction(first), sign * Fraction(second)))
-    assert not result.is_proved
-    assert result.condition == "newton"
+    assert reason_of(result).condition == "newton"
 
 
 def test_tubes_with_two_zeros_in_two_unknowns_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -348,9 +361,8 @@ def test_tubes_with_two_zeros_in_two_unknowns_are_refused(monkeypatch: pytest.Mo
 @pytest.mark.parametrize("other", [10.0, -10.0])
 def test_tubes_with_one_zero_well_inside_are_proved(monkeypatch: pytest.MonkeyPatch, zero: float, other: float) -> None:
     result = prove(monkeypatch, with_zeros(Fraction(zero), Fraction(other)))
-    assert result.is_proved
     truth = 2 * TUBE * abs(Fraction(zero))
-    assert truth <= result.deviation[0] <= truth * Fraction(5, 4) + Fraction(1, 10**12)
+    assert truth <= proved_interval(result).deviation[0] <= truth * Fraction(5, 4) + Fraction(1, 10**12)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -20,7 +20,7 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.rechecking import Finding, Recheck
 from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.theorem import ProvedCurve, conclude
 from orbitproof.verify.evidence.balls_as_text import ball_to_json
 
 MU = Fraction(1, 80)
@@ -212,6 +212,6 @@ def alone(*_: object) -> None:
     """No other point of an orbit on Fix(R): the points of the circle are on no orbit that is known."""
 
 
-def concluded(case: Case, *bifurcations: Certificate) -> Conclusion:
+def concluded(case: Case, *bifurcations: Certificate) -> Conclusion[ProvedCurve]:
     atlas, results = case
     return conclude(atlas, results, bifurcations, stands, alone)

@@ -17,7 +17,7 @@ from flint import arb
 
 from orbitproof.shared.formats.candidates import Candidate
 from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
-from orbitproof.verify.bifurcation.theorem import prepare, prove
+from orbitproof.verify.bifurcation.theorem import BifurcationResults, prepare, prove
 from orbitproof.verify.evidence.comparisons import enclose, symmetric
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
 from orbitproof.verify.newton.jets import Jet, increment, indices_up_to
@@ -125,7 +125,7 @@ def claim(system: ReversibleSystem, kind: str, k: int, radii: Sequence[Fraction]
 
 def verdict(
     candidate: Candidate, iterates: Sequence[Sequence[DerivativeTable]], first_integral: DerivativeTable | None
-) -> Outcome:
+) -> Outcome[BifurcationResults]:
     """The outcome for given tables; the symmetries of the flow are taken for granted."""
     checklist = Checklist()
     with checklist.hypothesis("symmetries", "1", "given", "") as evidence:

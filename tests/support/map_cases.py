@@ -9,6 +9,7 @@ from typing import Any
 from flint import arb
 from support.closed_form_maps import ReversibleMap, claim, description, square_root, tables_of_maps, verdict
 
+from orbitproof.verify.bifurcation.theorem import BifurcationResults
 from orbitproof.verify.evidence.outcome import NotProved, Outcome, Proved
 
 R = F(1, 2**14)
@@ -72,7 +73,7 @@ CASES: dict[str, tuple[ReversibleMap, str, int, tuple[F, ...]]] = {
 }
 
 
-def outcome_of(name: str, hamiltonian: bool = False, **changes: Any) -> Outcome:
+def outcome_of(name: str, hamiltonian: bool = False, **changes: Any) -> Outcome[BifurcationResults]:
     system, kind, k, radii = CASES[name]
     level = None if not hamiltonian else even if k == 1 else tilted
     tables, integral = tables_of_maps(system, k, radii, level)
@@ -81,12 +82,12 @@ def outcome_of(name: str, hamiltonian: bool = False, **changes: Any) -> Outcome:
     return verdict(candidate, tables, integral)
 
 
-def proof(outcome: Outcome) -> Proved:
+def proof(outcome: Outcome[BifurcationResults]) -> Proved[BifurcationResults]:
     assert isinstance(outcome, Proved), outcome.reason
     return outcome
 
 
-def failed(outcome: Outcome, condition: str) -> NotProved:
+def failed(outcome: Outcome[BifurcationResults], condition: str) -> NotProved:
     """The outcome, checked to be: everything before `condition` holds, and that does not."""
     assert isinstance(outcome, NotProved)
     assert outcome.reason.condition == condition, outcome.reason

@@ -115,7 +115,7 @@ def test_an_orbit_that_turns_before_the_section_is_not_counted() -> None:
 def test_an_orbit_that_touches_the_section_is_refused() -> None:
     with pytest.raises(IntegrationFailure) as failure:
         cover(product_of(Fraction(0), Fraction(1, 2), Fraction(1, 2)))
-    assert failure.value.condition == "crossing count"
+    assert failure.value.reason.condition == "crossing count"
 
 
 @pytest.mark.parametrize("spread, error", [(Fraction(1, 40), 0.0), (Fraction(0), 0.02)])
@@ -124,7 +124,7 @@ def test_a_box_of_which_some_orbits_cross_is_refused(spread: Fraction, error: fl
     near = [Fraction(0), Fraction(1, 4) + Fraction(1, 100), Fraction(-1), Fraction(1)]
     with pytest.raises(IntegrationFailure) as failure:
         cover(near, spread, error)
-    assert failure.value.condition == "crossing count"
+    assert failure.value.reason.condition == "crossing count"
 
 
 def test_an_orbit_that_starts_off_the_section_is_refused() -> None:
@@ -229,9 +229,9 @@ def test_hopeless_boxes_fail_with_a_reason_and_soon(name: str) -> None:
     started = time.monotonic()
     with pytest.raises(IntegrationFailure) as failure:
         enclose_iterates(HOPELESS[name], IntegratorSettings(100))
-    assert failure.value.condition
-    assert failure.value.message
-    assert failure.value.remedy
+    assert failure.value.reason.condition
+    assert failure.value.reason.message
+    assert failure.value.reason.remedy
     assert time.monotonic() - started < 30
 
 

@@ -28,7 +28,11 @@ from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic
-from orbitproof.verify.curve.piece import PieceLimits, PieceResult, _Equation, prove_piece
+from orbitproof.verify.curve.equation import Equation
+from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.curve.piece_result import PieceResult
+from orbitproof.verify.curve.proved_intervals import ProvedInterval
+from orbitproof.verify.evidence.outcome import NotProved, Proved
 
 DATA = Path(__file__).parents[1] / "data"
 FAST = PieceLimits(56, 18, 12)
@@ -76,8 +80,14 @@ LINE = Piece(
 @cache
 def prove(
     piece: Piece, interval: tuple[Fraction, Fraction] = WHOLE, limits: PieceLimits = FAST, symmetry: str | None = "S"
-) -> PieceResult:
+) -> PieceResult[ProvedInterval]:
     return prove_piece(TWIST, TWISTED, piece, interval, limits, None, symmetry)
+
+
+def proved_interval(result: PieceResult[ProvedInterval]) -> ProvedInterval:
+    """What is known of a piece that is proved."""
+    assert isinstance(result.outcome, Proved)
+    return result.outcome.results
 
 
 def with_terms(piece: Piece, terms: Mapping[int, Fraction]) -> Piece:
@@ -103,15 +113,15 @@ def places(interval: tuple[Fraction, Fraction], count: int = 40) -> list[Fractio
     return [start, end, *(start + (end - start) * Fraction(source.randint(0, 10**6), 10**6) for _ in range(count))]
 
 
-def check_circle(piece: Piece, result: PieceResult) -> None:
+def check_circle(piece: Piece, result: PieceResult[ProvedInterval]) -> None:
     """The circle is within the deviation, with its slope, which for symmetric pieces is measured relative to s."""
-    assert result.is_proved
-    assert 0 <= result.deviation[0] < piece.tube[0]
-    for s in places(result.interval):
+    known = proved_interval(result)
+    assert 0 <= known.deviation[0] < piece.tube[0]
+    for s in places((known.start, known.end)):
         value, slope = circle_distance(piece, s)
-        assert abs(value) <= number(result.deviation[0])
+        assert abs(value) <= number(known.deviation[0])
         scale = abs(s) if piece.kind == "symmetric" else Fraction(1)
-        assert abs(slope) <= number(result.slope_deviation[0] * scale)
+        assert abs(slope) <= number(known.slope_deviation[0] * scale)
 
 
 INTERVALS = [
@@ -129,13 +139,13 @@ def test_proved_pieces_hold_the_circle(piece: Piece, interval: tuple[Fraction, F
     """Also through the symmetry breaking at s = 0; the interval of the proof covers what was asked for."""
     result = prove(piece, interval)
     check_circle(piece, result)
-    assert result.interval[0] <= interval[0] < interval[1] <= result.interval[1]
-    assert result.deviation[0] < Fraction(5, 10**8)
-    assert result.time is not None
+    known = proved_interval(result)
+    assert known.start <= interval[0] < interval[1] <= known.end
+    assert known.deviation[0] < Fraction(5, 10**8)
     for s in places(interval, 5):
         a = number(piece.point(s)[0])
         time = mpmath.pi / (1 + a * a / 4)
-        assert abs(time - mpmath.mpf(result.time.mid().str(40, radius=False))) <= float(result.time.rad()) + 1e-6
+        assert abs(time - mpmath.mpf(known.time.mid().str(40, radius=False))) <= float(known.time.rad()) + 1e-6
 
 
 @pytest.mark.parametrize("piece", [SYMMETRIC, REGULAR], ids=["symmetric", "regular"])
@@ -144,8 +154,9 @@ def test_deviations_are_about_as_large_as_they_are(piece: Piece) -> None:
     off = with_terms(piece, {0: Fraction(1, 10**8), 2: Fraction(-3, 10**8)})
     result = prove(off)
     check_circle(off, result)
-    assert Fraction(2, 10**8) <= result.deviation[0] <= Fraction(3, 10**8)
-    assert Fraction(6, 10**8) <= result.slope_deviation[0] <= Fraction(2, 10**6)
+    known = proved_interval(result)
+    assert Fraction(2, 10**8) <= known.deviation[0] <= Fraction(3, 10**8)
+    assert Fraction(6, 10**8) <= known.slope_deviation[0] <= Fraction(2, 10**6)
 
 
 @pytest.mark.parametrize("interval", [(ZERO, Fraction(1, 1000)), (Fraction(1, 10), Fraction(1, 5))], ids=str)
@@ -159,16 +170,14 @@ def test_parts_of_a_piece_agree() -> None:
     """What is proved on overlapping intervals is one curve: deviations leave room for it on both."""
     off = with_terms(REGULAR, {1: Fraction(1, 10**8)})
     parts = [(Fraction(-1), Fraction(-2, 5)), (Fraction(-1, 2), Fraction(1, 2)), (Fraction(2, 5), Fraction(1))]
-    deviations = [prove(off, interval).deviation[0] for interval in parts]
+    deviations = [proved_interval(prove(off, interval)).deviation[0] for interval in parts]
     assert deviations[1] < deviations[0]
     assert deviations[1] < deviations[2]
     assert Fraction(5, 10**9) <= deviations[1] < Fraction(6, 10**9)
 
 
 def test_the_line_is_proved_away_from_the_symmetry_breaking() -> None:
-    result = prove(LINE)
-    assert result.is_proved
-    assert result.deviation[0] < Fraction(1, 10**9)
+    assert proved_interval(prove(LINE)).deviation[0] < Fraction(1, 10**9)
 
 
 @pytest.mark.parametrize("seed", [0, 1, *slow(*range(2, 60))])
@@ -183,7 +192,7 @@ def test_whatever_is_proved_holds_the_circle(seed: int) -> None:
     if result.is_proved:
         check_circle(piece, result)
     else:
-        assert result.reason
+        assert isinstance(result.outcome, NotProved)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -200,7 +209,7 @@ def test_derivatives_of_the_equation_hold_its_unknown_parts(seed: int) -> None:
     value = Fraction(1, 8) + s / 4 + Fraction(errors[0]) * s ** powers[0]
     slope = 1 + sum(Fraction(e) * s**i * j * w ** (j - 1) for e, (i, j) in zip(errors, monomials, strict=True) if j)
     change = sum(Fraction(e) * i * s ** (i - 1) * w**j for e, (i, j) in zip(errors, monomials, strict=True) if i)
-    equation = _Equation(known.with_errors(errors))
+    equation = Equation(known.with_errors(errors))
     with ctx.workprec(100):
         part = ball(s) + arb(0, 1) / 64
         assert equation.value(part).contains(ball(value))
@@ -211,13 +220,12 @@ def test_derivatives_of_the_equation_hold_its_unknown_parts(seed: int) -> None:
 # Refusals
 
 
-def refused(result: PieceResult) -> str:
+def refused(result: PieceResult[ProvedInterval]) -> str:
     """The reason why a piece is not proved."""
-    assert not result.is_proved
-    assert result.reason
+    assert isinstance(result.outcome, NotProved)
     assert result.to_json()["verdict"] == "not proved"
-    assert result.remedy
-    return result.reason
+    assert result.outcome.reason.remedy
+    return result.outcome.reason.message
 
 
 @pytest.mark.parametrize("power", [6, *slow(0, 2, 4, 8, 10)])
@@ -282,8 +290,7 @@ def test_a_piece_that_jumps_from_one_branch_to_the_other_is_refused(tube: str) -
 def test_wrong_parameters_are_refused() -> None:
     assert "tube" in refused(prove_piece(TWIST, {"omega": OMEGA - Fraction(1, 10**5)}, REGULAR, WHOLE, FAST))
     near = prove_piece(TWIST, {"omega": OMEGA + Fraction(1, 10**8)}, REGULAR, WHOLE, FAST)
-    assert near.is_proved
-    assert near.deviation[0] > Fraction(9, 10**9)
+    assert proved_interval(near).deviation[0] > Fraction(9, 10**9)
 
 
 def test_pieces_of_another_system_are_refused() -> None:
@@ -455,18 +462,18 @@ def check_orbits(name: str, interval: tuple[Fraction, Fraction], limits: PieceLi
     """The true branch, and its slope, at random s."""
     system, parameters, symmetry, piece = known_piece(name)
     result = prove_piece(system, parameters, piece, interval, limits, None, symmetry)
-    assert result.is_proved
+    known = proved_interval(result)
     if name == "regularised":
         assert result.computation["coordinates"] != "physical"
     step = Fraction(1, 2**20)
-    for s in places(result.interval, count)[-count:]:
+    for s in places((known.start, known.end), count)[-count:]:
         s = s or step
         here = true_distances(system, piece, s)
         there = true_distances(system, piece, s + step)
         for j, (value, other) in enumerate(zip(here, there, strict=True)):
-            assert abs(value) <= number(result.deviation[j]) * (1 + mpmath.mpf(2) ** -20)
+            assert abs(value) <= number(known.deviation[j]) * (1 + mpmath.mpf(2) ** -20)
             scale = abs(s) + step if piece.kind == "symmetric" else ONE
-            assert abs(other - value) / number(step) <= number(result.slope_deviation[j] * scale) + 1e-20
+            assert abs(other - value) / number(step) <= number(known.slope_deviation[j] * scale) + 1e-20
 
 
 @pytest.mark.parametrize("name", ["falkner-skan", "symmetric"])

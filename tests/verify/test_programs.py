@@ -88,4 +88,4 @@ def test_singularities_are_failures(formula: Formula, value: str) -> None:
     ]
     with pytest.raises(IntegrationFailure) as failure:
         enclose(recorded(formula), arithmetic, inputs)
-    assert failure.value.condition == "singularity"
+    assert failure.value.reason.condition == "singularity"

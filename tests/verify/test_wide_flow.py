@@ -202,12 +202,12 @@ def test_second_returns_are_enclosed(rate: str, monkeypatch: pytest.MonkeyPatch)
     assert (returns.rate is None) == (rate == "none")
     with pytest.raises(IntegrationFailure) as failure:
         returns.crossing(2)
-    assert failure.value.condition == "crossing count"
+    assert failure.value.reason.condition == "crossing count"
     go_on(returns)
     assert escapes(wide, returns, 2, 40) == 0
     with pytest.raises(IntegrationFailure) as failure:
         returns.crossing(1)
-    assert failure.value.condition == "crossing count"
+    assert failure.value.reason.condition == "crossing count"
 
 
 def test_a_wrong_rate_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -249,7 +249,7 @@ def refusal(wide: WideSet) -> str:
     try:
         half_return(wide).crossing(1)
     except IntegrationFailure as failure:
-        return failure.condition
+        return failure.reason.condition
     return ""
 
 
@@ -403,7 +403,7 @@ def test_orbits_of_which_some_touch_the_section_are_refused() -> None:
     rows = times([[Fraction(0)], [Fraction(1)]], [[Fraction(1, 4), Fraction(1, 8)], [Fraction(-1)], [Fraction(1)]])
     with pytest.raises(IntegrationFailure) as failure:
         counters(rows)
-    assert failure.value.condition == "crossing count"
+    assert failure.value.reason.condition == "crossing count"
     assert follow(wide_parts(8)[6], rows).crossings == 0
     assert follow(wide_parts(8)[1], rows).crossings == 2
 

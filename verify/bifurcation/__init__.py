@@ -3,14 +3,16 @@
 from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
 from orbitproof.verify.bifurcation.level_forms import coordinates_in_box, in_box, level_form, level_spread
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family
-from orbitproof.verify.bifurcation.theorem import prepare, prove, theorem_of
+from orbitproof.verify.bifurcation.theorem import BifurcationResults, check_exactly, prepare, prove, theorem_of
 
 __all__ = [
     "BifurcationFunction",
+    "BifurcationResults",
     "DoublySymmetricFamily",
     "Family",
     "Problem",
     "check_enclosures",
+    "check_exactly",
     "check_family",
     "check_reduction",
     "coordinates_in_box",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from flint import arb
 
@@ -20,9 +22,14 @@ from orbitproof.verify.bifurcation.conditions import (
 )
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
 from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
-from orbitproof.verify.claim import check_adapted_frames, check_frames, check_level, point_on_fixed_set
+from orbitproof.verify.claim import (
+    check_adapted_frames,
+    check_frames,
+    check_level,
+    check_symmetries,
+    point_on_fixed_set,
+)
 from orbitproof.verify.evidence import (
-    BifurcationResults,
     Checklist,
     NotEstablishedError,
     NotProved,
@@ -30,10 +37,43 @@ from orbitproof.verify.evidence import (
     Proved,
     Reason,
     Theorem,
+    ball_to_json,
+    balls_to_json,
     dot,
     enclose,
 )
 from orbitproof.verify.poincare import DerivativeTable
+
+
+@dataclass(frozen=True)
+class BifurcationResults:
+    """What is known about a proved bifurcation.
+
+    Attributes:
+        point: enclosure of the bifurcation point, by coordinate name.
+        parameter_name: the bifurcation parameter, family parameter or first integral.
+        parameter: its enclosure.
+        side: "above", "below" or "both": parameter values at which the new orbits exist.
+        normal_form: enclosures of the coefficients alpha and beta, and of the derivatives behind them.
+        local: enclosures of the bifurcation point's coordinates p in the box.
+    """
+
+    point: Mapping[str, arb]
+    parameter_name: str
+    parameter: arb
+    side: str
+    normal_form: Mapping[str, arb]
+    local: tuple[arb, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact balls with decimals beside them."""
+        return {
+            "point": balls_to_json(self.point),
+            "parameter_name": self.parameter_name,
+            "parameter": ball_to_json(self.parameter),
+            "side": self.side,
+            "normal_form": balls_to_json(self.normal_form),
+        }
 
 
 def theorem_of(candidate: Candidate) -> Theorem | Reason:
@@ -115,7 +155,7 @@ def prove(
     iterates: Sequence[Sequence[DerivativeTable]],
     first_integral: DerivativeTable | None,
     return_times: Sequence[arb] = (),
-) -> Outcome:
+) -> Outcome[BifurcationResults]:
     """Check the theorem that `candidate` claims, given enclosures of derivatives of P, .., P^k and H.
 
     `checklist` already holds what was established before the integration (see `prepare`); the
@@ -144,6 +184,21 @@ def prepare(candidate: Candidate, checklist: Checklist) -> None:
         check_level(checklist, candidate)
     if candidate.k == 1:
         check_adapted_frames(checklist, candidate)
+
+
+def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
+    """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
+    statement = (
+        "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the program; R and S "
+        "leave the first integral unchanged"
+    )
+    with checklist.hypothesis("symmetries", "1.3", statement, "correct the description of the system") as evidence:
+        try:
+            check_symmetries(candidate.system, candidate.symmetry)
+            evidence.require(True, "")
+        except NotEstablishedError as error:
+            evidence.require(False, error.reason.message)
+    prepare(candidate, checklist)
 
 
 def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
@@ -177,4 +232,6 @@ def _results(candidate: Candidate, problem: Problem, point: Point, conclusion: N
         named = point_on_fixed_set(candidate, named)
     parameter = coordinates[0] if problem.first_integral is None else problem.first_integral.value(point.where)
     normal_form = {name: ball for name, ball in conclusion.normal_form.items() if ball.is_finite()}
-    return BifurcationResults(named, parameter_name(candidate), parameter, conclusion.side, normal_form)
+    return BifurcationResults(
+        named, parameter_name(candidate), parameter, conclusion.side, normal_form, tuple(point.where)
+    )

@@ -13,7 +13,6 @@ from orbitproof.verify.certificate.certify import (
     LEAST_PRECISION,
     LEVELS,
     Limits,
-    check_exactly,
 )
 from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
@@ -29,7 +28,6 @@ __all__ = [
     "Limits",
     "Recheck",
     "certify_all",
-    "check_exactly",
     "digest",
     "is_proof_of",
     "read_certificates",

@@ -23,7 +23,7 @@ from orbitproof.shared.formats import (
     validate_document,
     write_text,
 )
-from orbitproof.verify.bifurcation import level_form, theorem_of
+from orbitproof.verify.bifurcation import BifurcationResults, level_form, theorem_of
 from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import (
@@ -33,10 +33,8 @@ from orbitproof.verify.evidence import (
     Reason,
     Theorem,
     ball_from_json,
-    ball_to_json,
-    balls_to_json,
     certain_digits,
-    hypothesis_to_json,
+    outcome_to_json,
     software,
 )
 from orbitproof.verify.poincare import Enclosures
@@ -238,7 +236,7 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
 
 def make_certificate(
     candidate: Candidate,
-    outcome: Outcome,
+    outcome: Outcome[BifurcationResults],
     computation: Mapping[str, Any],
     enclosures: Enclosures | None = None,
     form: Candidate | None = None,
@@ -248,35 +246,14 @@ def make_certificate(
     `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `statement`.
     """
     claim = statement(candidate, form)
-    hypotheses = [hypothesis_to_json(hypothesis) for hypothesis in outcome.hypotheses]
-    verdict: dict[str, Any]
+    results = None
     if isinstance(outcome, Proved):
-        results = outcome.results
-        verdict = {
-            "statement": {**claim, "theorem": outcome.theorem.statement},
-            "verdict": "proved",
-            "reason": None,
-            "hypotheses": hypotheses,
-            "results": {
-                "point": balls_to_json(results.point),
-                "parameter_name": results.parameter_name,
-                "parameter": ball_to_json(results.parameter),
-                "side": results.side,
-                "normal_form": balls_to_json(results.normal_form),
-            },
-        }
-    else:
-        reason = outcome.reason
-        verdict = {
-            "statement": claim,
-            "verdict": "not proved",
-            "reason": {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
-            "hypotheses": hypotheses,
-            "results": None,
-        }
+        claim["theorem"], results = outcome.theorem.statement, outcome.results.to_json()
     certificate = {
         "id": candidate.id,
-        **verdict,
+        "statement": claim,
+        **outcome_to_json(outcome),
+        "results": results,
         "enclosures": None if enclosures is None else tables_to_json(enclosures),
         "computation": dict(computation),
         "software": software(),

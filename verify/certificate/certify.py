@@ -16,19 +16,18 @@ from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import (
+    BifurcationResults,
+    check_exactly,
     coordinates_in_box,
     in_box,
     level_form,
     level_spread,
-    prepare,
     prove,
     theorem_of,
 )
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
-from orbitproof.verify.claim import check_symmetries
 from orbitproof.verify.evidence import (
     Checklist,
-    IntegrationFailure,
     NotEstablishedError,
     NotProved,
     Outcome,
@@ -106,7 +105,7 @@ class _OutOfTime(Exception):
 
 @dataclass(frozen=True)
 class _Attempt:
-    outcome: Outcome
+    outcome: Outcome[BifurcationResults]
     precision: int
     order: int
     steps: int
@@ -310,7 +309,7 @@ def _bits_to_fit(candidate: Candidate, enclosures: Mapping[str, arb]) -> int | N
     return ceil(widest) + _SPARE if widest > 0.0 and isfinite(widest) else None
 
 
-def _narrower(enclosures: dict[str, arb], previous: Outcome, condition: str) -> bool:
+def _narrower(enclosures: dict[str, arb], previous: Outcome[BifurcationResults], condition: str) -> bool:
     """Whether the last attempt made an enclosure of the failing condition half as wide.
 
     True if the attempt before it did not fail at the same condition.
@@ -368,18 +367,12 @@ def _attempt(
             raise
         except NotEstablishedError as error:
             return refused(error.reason)
-        except IntegrationFailure as error:
-            return refused(_reason(error))
         except Exception as error:
             return refused(broken_off(stage, error))
         return _Attempt(outcome, precision, found.order, found.steps, found)
 
 
-def _reason(failure: IntegrationFailure) -> Reason:
-    return Reason(failure.condition, failure.message, failure.remedy, failure.needs_precision, failure.enough_precision)
-
-
-def for_origin(origin: Candidate, outcome: Outcome, precision: int) -> Outcome:
+def for_origin(origin: Candidate, outcome: Outcome[BifurcationResults], precision: int) -> Outcome[BifurcationResults]:
     """The outcome for a candidate whose level form was checked: the point has to lie in its own box too."""
     if isinstance(outcome, NotProved):
         return outcome
@@ -403,22 +396,3 @@ def _missing_bits(origin: Candidate, point: Mapping[str, arb]) -> int | None:
     widths = [float((ball.rad() / enclose(radius) + floor).log_base(2).mid()) for ball, radius in where]
     missing = ceil(max(widths)) + _NARROW_BITS
     return missing * 6 // 5 + _SPARE if missing > 0 else None
-
-
-def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
-    """The hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
-    _symmetries(checklist, candidate)
-    prepare(candidate, checklist)
-
-
-def _symmetries(checklist: Checklist, candidate: Candidate) -> None:
-    """R reverses the flow, S commutes with it, both leave the first integral unchanged."""
-    with checklist.hypothesis(
-        "symmetries", "1.3", "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the "
-        "program; R and S leave the first integral unchanged", "correct the description of the system",
-    ) as evidence:  # fmt: skip
-        try:
-            check_symmetries(candidate.system, candidate.symmetry)
-            evidence.require(True, "")
-        except IntegrationFailure as error:
-            evidence.require(False, error.message)

@@ -16,13 +16,12 @@ import numpy as np
 from flint import arb
 
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
-from orbitproof.verify.bifurcation import level_form, prove
+from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, level_form, prove
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certify import (
     GREATEST_PRECISION,
     LEAST_PRECISION,
     broken_off,
-    check_exactly,
     for_origin,
 )
 from orbitproof.verify.certificate.tables import derivative_name, tables_from_json
@@ -153,7 +152,7 @@ def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Enclosures |
     return tables_from_json(entry, len(candidate.radii), computation)
 
 
-def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | None) -> Outcome:
+def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | None) -> Outcome[BifurcationResults]:
     """What follows from `enclosures`; without them, from what needs none."""
     checklist = Checklist()
     with guarded(precision):
@@ -252,7 +251,7 @@ def _integrate_again(
         with np.errstate(all="ignore"):
             fresh = enclose_iterates(candidate, settings, progress)
     except IntegrationFailure as error:
-        yield Finding(place, error.message)
+        yield Finding(place, error.reason.message)
         return
     except Exception as error:
         yield Finding(place, broken_off("integration", error).message)

@@ -1,8 +1,8 @@
 """What a candidate claims: symmetries, frames, the level of the first integral as parameter (sections 1, 12)."""
 
-from orbitproof.verify.claim.frames import check_adapted_frames, check_frames, determinant
+from orbitproof.verify.claim.frames import check_adapted_frames, check_frames, determinant, is_adapted
 from orbitproof.verify.claim.level import check_level, level_program, point_on_fixed_set, quadratic_coefficient
-from orbitproof.verify.claim.symmetry import check_symmetries
+from orbitproof.verify.claim.symmetry import check_symmetries, signs_on
 
 __all__ = [
     "check_adapted_frames",
@@ -10,7 +10,9 @@ __all__ = [
     "check_level",
     "check_symmetries",
     "determinant",
+    "is_adapted",
     "level_program",
     "point_on_fixed_set",
     "quadratic_coefficient",
+    "signs_on",
 ]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from orbitproof.shared.formats import Candidate
+from orbitproof.verify.claim.symmetry import signs_on
 from orbitproof.verify.evidence import Checklist
 
 _ADAPT = "write the candidate with frames adapted to the symmetry (p_1 and q_1 odd, the others even)"
@@ -27,6 +28,16 @@ def determinant(matrix: Sequence[Sequence[Fraction]]) -> Fraction:
             factor = rows[i][column] / rows[column][column]
             rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
     return result
+
+
+def is_adapted(matrix: Sequence[Sequence[Fraction]], signs: Sequence[int], odd: int) -> bool:
+    """Whether a symmetry that acts on the rows by `signs` negates column `odd` and fixes the others, exactly."""
+    return all(
+        value == 0
+        for row, sign in zip(matrix, signs, strict=True)
+        for column, value in enumerate(row)
+        if sign != (-1 if column == odd else 1)
+    )
 
 
 def check_frames(checklist: Checklist, candidate: Candidate) -> None:
@@ -53,9 +64,7 @@ def check_adapted_frames(checklist: Checklist, candidate: Candidate) -> None:
         if candidate.symmetry is None:
             return
         signs = system.symmetries[candidate.symmetry]
-        p_signs = tuple(
-            signs[system.state.index(name)] if name in system.state else 1 for name in candidate.coordinates
-        )
+        p_signs = signs_on(system, candidate.symmetry, candidate.coordinates)
         if candidate.level_sign is not None and system.level_coordinate is not None:
             evidence.require(
                 signs[system.state.index(system.level_coordinate)] == 1,
@@ -67,20 +76,10 @@ def check_adapted_frames(checklist: Checklist, candidate: Candidate) -> None:
             "the centre is not fixed by S",
         )
         evidence.require(
-            all(
-                value == 0
-                for row, sign in zip(candidate.frame, p_signs, strict=True)
-                for column, value in enumerate(row)
-                if sign != (-1 if column == 1 else 1)
-            ),
+            is_adapted(candidate.frame, p_signs, 1),
             "a column of frame is neither even nor odd as it should be",
         )
         evidence.require(
-            all(
-                value == 0
-                for number, row in enumerate(candidate.kernel_frame)
-                for value, sign in zip(row, q_signs, strict=True)
-                if sign != (-1 if number == 0 else 1)
-            ),
+            is_adapted(tuple(zip(*candidate.kernel_frame, strict=True)), q_signs, 0),
             "a row of kernel_frame is neither even nor odd as it should be",
         )

@@ -47,6 +47,12 @@ def parities(program: Program, signs: Sequence[int]) -> list[int]:
     return [values[index] for index in program.outputs]
 
 
+def signs_on(system: ReversibleSystem, symmetry: str, coordinates: Sequence[str]) -> tuple[int, ...]:
+    """The signs of a symmetry on coordinates of Fix(R); parameters and levels among them are left alone."""
+    signs = dict(zip(system.state, system.symmetries[symmetry], strict=True))
+    return tuple(signs.get(name, 1) for name in coordinates)
+
+
 def check_symmetries(system: ReversibleSystem, symmetry: str | None = None) -> None:
     """Prove that R reverses the system and that `symmetry`, if named, commutes with its flow.
 

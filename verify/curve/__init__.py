@@ -1,11 +1,19 @@
 """Curves of symmetric orbits in pieces: tubes, gluing, bifurcations on the curve (sections 15 and 16)."""
 
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece, recentred
+from orbitproof.verify.curve.conclusion import Conclusion, Ends
+from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.curve.piece_result import Computation, Interval, PieceResult, attempt, interval_to_json
 from orbitproof.verify.curve.theorem import conclude
 
 __all__ = [
+    "Computation",
+    "Conclusion",
+    "Ends",
+    "Interval",
     "PieceLimits",
+    "PieceResult",
+    "attempt",
     "conclude",
+    "interval_to_json",
     "prove_piece",
-    "recentred",
 ]

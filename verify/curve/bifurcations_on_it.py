@@ -12,6 +12,7 @@ from flint import arb
 from orbitproof.shared.formats import Atlas, InputError, read_system
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck, recheck
+from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration import PLANAR, certified_system, in_units_of_orbit, point_name
 from orbitproof.verify.curve.other_point import other_point
@@ -143,7 +144,7 @@ def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breakin
         return "its enclosure is not finite"
     images = [(list(point), False)]
     if atlas.claim.kind.startswith("symmetric"):
-        signs = signs_of(atlas, str(atlas.claim.symmetry))
+        signs = signs_on(atlas.system, str(atlas.claim.symmetry), atlas.system.centre_coordinates)
         images.append(([sign * ball for sign, ball in zip(signs, point, strict=True)], True))
     misses: list[tuple[arb, str]] = []
     for image, mirrored in images:
@@ -181,13 +182,6 @@ def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bo
     if any(upper_end(ball) - lower_end(ball) >= 1 for ball in offsets):
         return most, f"its enclosure is too wide for the tube of {name}; certify it in a smaller box"
     return most, f"it is not shown to lie on the part of {name} that is proved; more digits or a wider tube may decide"
-
-
-def signs_of(atlas: Atlas, symmetry: str) -> list[int]:
-    """The signs of a symmetry on the coordinates of the pieces; a family parameter is left alone."""
-    system = atlas.system
-    signs = system.symmetries[symmetry]
-    return [signs[system.state.index(name)] if name in system.state else 1 for name in system.centre_coordinates]
 
 
 def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:

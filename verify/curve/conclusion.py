@@ -1,87 +1,67 @@
-"""What a proved curve is known to be: hypotheses, enclosures, ends, bifurcations (section 15.9)."""
+"""What the pieces of an atlas prove together, of a curve or of a surface (sections 15.9 and 17.4)."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
-from orbitproof.shared.numbers import format_exact
+from flint import arb
+
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
-from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.statement import Ends
-from orbitproof.verify.evidence import Hypothesis, Reason, ball_to_json, balls_to_json, hypothesis_to_json
+from orbitproof.verify.evidence import Outcome, Proved, balls_to_json, outcome_to_json
+
+Ends = Mapping[str, Mapping[str, arb]]
+"""Enclosures by name at the first point or parameter, "start", and at the last one, "end"."""
+
+
+class Whole(Protocol):
+    """Pieces that are glued to one curve or surface."""
+
+    @property
+    def ends(self) -> Ends:
+        """Enclosures at its ends."""
+
+    def stretches_to_json(self) -> list[dict[str, Any]]:
+        """The JSON objects of the parts of the pieces that it runs along."""
+
+    def joints_to_json(self) -> list[dict[str, Any]]:
+        """The JSON objects of the places where pieces meet."""
+
+
+Known = TypeVar("Known", bound=Whole, covariant=True)
 
 
 @dataclass(frozen=True)
-class Conclusion:
-    """What the pieces of an atlas prove together. Raises `ValueError` if it says more than its hypotheses show.
+class Conclusion(Generic[Known]):
+    """What the pieces of an atlas prove together.
 
     Attributes:
-        atlas: id of the atlas.
-        statement: the theorem in words; empty if it is not proved.
-        reason: why it is not proved, or `None` if it is.
-        hypotheses: what was checked, in order, with enclosures.
-        chain: the curve, or `None`.
-        ends: enclosures of the coordinates of its first and last point.
-        bifurcations: the certificates given, and where on the curve they are.
-        expected: names of the hypotheses that the claim takes, in order.
+        outcome: the theorem about the whole, or the first hypothesis that is not shown.
+        bifurcations: the certificates given, and where on the whole they are; each says for itself whether it is.
     """
 
-    atlas: str
-    statement: str
-    reason: Reason | None
-    hypotheses: tuple[Hypothesis, ...]
-    chain: Chain | None
-    ends: Ends
-    bifurcations: tuple[Bifurcation, ...]
-    expected: tuple[str, ...]
-
-    def __post_init__(self) -> None:
-        names = tuple(hypothesis.name for hypothesis in self.hypotheses)
-        shown = bool(names) and names == self.expected and all(h.holds is True for h in self.hypotheses)
-        if self.is_proved and not (shown and self.chain is not None):
-            raise ValueError(f"hypotheses {names} do not prove what takes {self.expected}")
-        if self.is_proved != bool(self.statement):
-            raise ValueError("a statement belongs to what is proved, and to nothing else")
+    outcome: Outcome[Known]
+    bifurcations: tuple[Bifurcation, ...] = ()
 
     @property
     def is_proved(self) -> bool:
-        """Whether the curve is proved; each bifurcation says for itself whether it lies on it."""
-        return self.reason is None
+        """Whether the whole is proved."""
+        return isinstance(self.outcome, Proved)
+
+    @property
+    def statement(self) -> str:
+        """The theorem in words; empty if it is not proved."""
+        return self.outcome.theorem.statement if isinstance(self.outcome, Proved) else ""
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object: exact numbers and balls with decimals beside them."""
-        reason, chain = self.reason, self.chain
+        whole = self.outcome.results if isinstance(self.outcome, Proved) else None
         return {
-            "verdict": "proved" if self.is_proved else "not proved",
+            **outcome_to_json(self.outcome),
             "statement": self.statement,
-            "reason": None
-            if reason is None
-            else {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
-            "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in self.hypotheses],
-            "stretches": []
-            if chain is None
-            else [
-                {
-                    "piece": stretch.tube.piece.id,
-                    "enters": format_exact(stretch.enters),
-                    "leaves": format_exact(stretch.leaves),
-                }
-                for stretch in chain.stretches
-            ],
-            "joints": []
-            if chain is None
-            else [
-                {
-                    "before": joint.before,
-                    "after": joint.after,
-                    "leaves": format_exact(joint.leaves),
-                    "enters": ball_to_json(joint.enters),
-                    "offsets": [ball_to_json(ball) for ball in joint.offsets],
-                    "turn": ball_to_json(joint.turn),
-                }
-                for joint in chain.joints
-            ],
-            "ends": {end: balls_to_json(coordinates) for end, coordinates in self.ends.items()},
+            "stretches": [] if whole is None else whole.stretches_to_json(),
+            "joints": [] if whole is None else whole.joints_to_json(),
+            "ends": {} if whole is None else {end: balls_to_json(balls) for end, balls in whole.ends.items()},
             "bifurcations": [entry.to_json() for entry in self.bifurcations],
         }

@@ -8,9 +8,9 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.claim import check_symmetries, determinant
-from orbitproof.verify.curve.bifurcations_on_it import signs_of
+from orbitproof.verify.claim import check_symmetries, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
+from orbitproof.verify.curve.piece_claim import require_piece
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
 from orbitproof.verify.evidence import Checklist, Evidence, IntegrationFailure, all_finite, excludes_zero
 
@@ -94,35 +94,12 @@ def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
         evidence.require(
             piece.kind == wanted, f"piece {piece.id} is {piece.kind}, in a {claim.kind} it has to be {wanted}"
         )
-        size = len(atlas.system.centre_coordinates)
-        shapes = {len(piece.centre), len(piece.frame), *map(len, piece.frame), len(piece.polynomial) + 1}
-        evidence.require(shapes | {len(piece.tube) + 1} == {size}, f"piece {piece.id} does not have {size} coordinates")
-        if not evidence.holds:
-            return
-        evidence.require(determinant(piece.frame) != 0, f"the frame of piece {piece.id} is singular")
-        evidence.require(
-            piece.half_width > 0 and min(piece.tube) > 0, f"half_width and tube of piece {piece.id} have to be positive"
-        )
-        if piece.kind != "symmetric" or claim.symmetry is None:
-            continue
-        signs = signs_of(atlas, claim.symmetry)
-        adapted = all(
-            (sign == 1 or middle == 0)
-            and all(value == 0 for column, value in enumerate(row) if sign != (-1 if column == 0 else 1))
-            for sign, middle, row in zip(signs, piece.centre, piece.frame, strict=True)
-        )
-        evidence.require(
-            adapted, f"{claim.symmetry} does not fix the centre of piece {piece.id} and negate column 0 only"
-        )
-        evidence.require(
-            not any(value for coefficients in piece.polynomial for value in coefficients[1::2]),
-            f"a polynomial of piece {piece.id} has an odd coefficient",
-        )
+        require_piece(evidence, atlas.system, piece, claim.symmetry)
 
 
 def _negated(atlas: Atlas) -> int:
     """Index of the coordinate that the symmetry negates: exactly one, since it negates one column of a frame."""
-    return signs_of(atlas, str(atlas.claim.symmetry)).index(-1)
+    return signs_on(atlas.system, str(atlas.claim.symmetry), atlas.system.centre_coordinates).index(-1)
 
 
 def _check_plane(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:

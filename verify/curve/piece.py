@@ -6,35 +6,44 @@ G = 1. The interval Newton operator then shows, for every s, that the tube conta
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from math import comb, floor, log2
+from math import floor, log2
 
-import numpy as np
-from flint import arb, arb_poly
+from flint import arb
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.formats import is_regular as is_regular_frame
 from orbitproof.shared.systems import REGULARISATIONS, ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, recentred
+from orbitproof.verify.curve.equation import (
+    BEYOND,
+    TUBE,
+    Equation,
+    divided_by_wide,
+    halves,
+    parts_of_interval,
+)
 from orbitproof.verify.curve.libration_point import parameter_series
-from orbitproof.verify.curve.piece_result import PieceLimits, PieceResult
-from orbitproof.verify.evidence import IntegrationFailure, all_finite, enclose, guarded, hull, is_inside
+from orbitproof.verify.curve.piece_claim import require_piece
+from orbitproof.verify.curve.piece_result import Computation, Interval, PieceResult, attempt
+from orbitproof.verify.curve.proved_intervals import ProvedInterval
+from orbitproof.verify.evidence import (
+    Checklist,
+    IntegrationFailure,
+    NotProved,
+    Theorem,
+    all_finite,
+    enclose,
+    guarded,
+    hull,
+    is_inside,
+)
 from orbitproof.verify.newton import is_regular, newton_image
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, evaluate
 
-__all__ = ["PieceLimits", "PieceResult", "divided_by_wide", "prove_piece", "recentred"]
-
 Progress = Callable[[float], None]
-
-_BEYOND = Fraction(17, 16)
-"""The flow is enclosed for |sigma| <= 1; the interval that is proved is |sigma| <= 1/_BEYOND."""
-
-_TUBE = Fraction(1, 2)
-"""The flow is enclosed for |omega_j| <= 1; the tube is |omega_j| <= _TUBE."""
 
 _MARGIN = 16
 """The curve has to be so much closer to its polynomial than the tube is wide: neighbours may have narrower tubes."""
@@ -50,16 +59,41 @@ _MAX_STEPS = 200
 _MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
 """Conditions for which regularised coordinates are tried where the system's own fail."""
 
+THEOREM = Theorem(
+    "for every s of the interval the tube contains exactly one point of an R-symmetric orbit with P^2(x) = x; it is a "
+    "regular zero of pi_q P and depends smoothly on s",
+    ("piece", "half-return", "newton"),
+)
+
+
+@dataclass(frozen=True)
+class PieceLimits:
+    """How to integrate a piece.
+
+    Attributes:
+        precision: fractional bits of the fixed-point format.
+        order: degree of the time expansions.
+        width: degree in s.
+    """
+
+    precision: int = 80
+    order: int = 40
+    width: int = 40
+
+    def __post_init__(self) -> None:
+        if min(self.precision, self.order) < 16 or self.width < 1:
+            raise ValueError(f"precision {self.precision}, order {self.order}, width {self.width} are too small")
+
 
 def prove_piece(
     system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
     piece: Piece,
-    interval: tuple[Fraction, Fraction],
+    interval: Interval,
     limits: PieceLimits | None = None,
     progress: Progress | None = None,
     symmetry: str | None = None,
-) -> PieceResult:
+) -> PieceResult[ProvedInterval]:
     """Prove the claim of a piece for s in an interval within [-1, 1], or say why it is not proved.
 
     Args:
@@ -67,151 +101,112 @@ def prove_piece(
         progress: called after every step with the number of steps; what it raises passes through.
         symmetry: name of the symmetry of a symmetric piece.
     """
-    limits = PieceLimits() if limits is None else limits
-    found = _prove(system, parameters, piece, interval, limits, progress, symmetry)
-    other = replace(piece, coordinates=REGULARISED)
+    proof = _Proof(system, parameters, piece, interval, PieceLimits() if limits is None else limits, symmetry)
+    found = proof.result(progress)
     in_physical = found.computation["coordinates"] == PHYSICAL and system.name in REGULARISATIONS
-    if found.is_proved or not in_physical or found.condition not in _MENDED_BY_COORDINATES:
+    mended = isinstance(found.outcome, NotProved) and found.outcome.reason.condition in _MENDED_BY_COORDINATES
+    if not (in_physical and mended):
         return found
-    again = _prove(system, parameters, other, interval, limits, progress, symmetry)
+    again = replace(proof, piece=replace(piece, coordinates=REGULARISED)).result(progress)
     return again if again.is_proved else found
 
 
-def _prove(
-    system: ReversibleSystem,
-    parameters: Mapping[str, Fraction],
-    piece: Piece,
-    interval: tuple[Fraction, Fraction],
-    limits: PieceLimits,
-    progress: Progress | None,
-    symmetry: str | None,
-) -> PieceResult:
-    start = time.monotonic()
-    proof = _Proof(system, parameters, piece, interval, limits, symmetry)
-    try:
-        with np.errstate(all="ignore"), guarded(limits.precision):
-            found = proof.run(progress)
-    except IntegrationFailure as error:
-        found = PieceResult(
-            piece.id, interval, reason=error.message, remedy=error.remedy, condition=error.condition
-        )  # fmt: skip
-    except (ArithmeticError, ValueError) as error:
-        reason = " ".join(f"the verification broke off: {type(error).__name__}: {error}".split())
-        found = PieceResult(piece.id, interval, reason=reason, remedy="give a narrower piece")
-    computation: dict[str, float | int | str] = {
-        "precision": limits.precision, "order": limits.order, "width": limits.width, "steps": proof.steps,
-        "coordinates": proof.coordinates, "seconds": round(time.monotonic() - start, 3),
-    }  # fmt: skip
-    return replace(found, computation=computation)
-
-
+@dataclass(frozen=True)
 class _Proof:
-    def __init__(
-        self,
-        system: ReversibleSystem,
-        parameters: Mapping[str, Fraction],
-        piece: Piece,
-        interval: tuple[Fraction, Fraction],
-        limits: PieceLimits,
-        symmetry: str | None,
-    ) -> None:
-        self.system = system
-        self.given = parameters
-        self.piece = piece
-        self.limits = limits
-        self.steps = 0
-        self.coordinates = ""
-        start, end = interval
-        self.divided = piece.kind == "symmetric" and start <= 0 <= end
-        if self.divided:
-            # The equations are divided by s, which their symmetry allows on an interval about 0 only.
-            start, end = -max(-start, end), max(-start, end)
-        self.interval = (start, end)
-        self.middle = (start + end) / 2
-        self.radius = (end - start) / 2 * _BEYOND
-        self.signs = system.symmetries.get(symmetry) if symmetry is not None else None
-        self.tube = [width / _TUBE for width in piece.tube]
+    """The claim of a piece on an interval, and how to integrate it."""
+
+    system: ReversibleSystem
+    parameters: Mapping[str, Fraction]
+    piece: Piece
+    asked: Interval
+    limits: PieceLimits
+    symmetry: str | None
+
+    @property
+    def divided(self) -> bool:
+        """Whether the equations are divided by s, which their symmetry allows on an interval about 0 only."""
+        return self.piece.kind == "symmetric" and self.asked[0] <= 0 <= self.asked[1]
+
+    @property
+    def interval(self) -> Interval:
+        """The interval of the proof."""
+        start, end = self.asked
+        return (-max(-start, end), max(-start, end)) if self.divided else (start, end)
+
+    @property
+    def middle(self) -> Fraction:
+        return sum(self.interval, Fraction(0)) / 2
+
+    @property
+    def radius(self) -> Fraction:
+        """ds/dsigma."""
+        return (self.interval[1] - self.interval[0]) / 2 * BEYOND
+
+    @property
+    def tube(self) -> list[Fraction]:
+        """dp_j/domega_j."""
+        return [width / TUBE for width in self.piece.tube]
 
     @cached_property
     def arithmetic(self) -> Arithmetic:
-        """The format, of a piece that has passed `_check`."""
+        """The format, of a piece that has passed `check`."""
         limits, tube = self.limits, self.tube
         grade_bits = floor(-log2(max(tube))) - max(0, limits.precision - _SLOPE_BITS)
         return Arithmetic(Grading((1,) * len(tube), 1), limits.precision, grade_bits, limits.order, width=limits.width)
 
-    def run(self, progress: Progress | None) -> PieceResult:
-        self._check()
-        equations, when = self._half_return(progress)
+    def result(self, progress: Progress | None) -> PieceResult[ProvedInterval]:
+        """Whether the piece is proved."""
+        computation: Computation = {**asdict(self.limits), "steps": 0, "coordinates": ""}
+        with guarded(self.limits.precision):
+            return attempt(
+                self.piece.id,
+                self.asked,
+                THEOREM,
+                computation,
+                lambda checklist: self.check_all(checklist, computation, progress),
+            )
+
+    def check_all(self, checklist: Checklist, computation: Computation, progress: Progress | None) -> ProvedInterval:
+        """Check every hypothesis; raises `NotEstablishedError` at the first that is not shown."""
+        self.check_claim(checklist)
+        with checklist.hypothesis(
+            "half-return", "15.1", "the orbits of the tube meet the section again and are enclosed", "a narrower piece"
+        ) as evidence:
+            equations, time = self._half_return(computation, progress)
+            evidence.record("half period", time)
+            evidence.require(len(equations) == len(self.tube), "an equation is missing")
+            evidence.require(time.is_finite(), "the half periods are not enclosed")
         if self.divided:
+            signs = self.system.symmetries[str(self.symmetry)]
             equations = [
-                divided_by_wide(equation) if self._is_odd(index) else equation
+                divided_by_wide(equation) if signs[index] < 0 else equation
                 for index, equation in zip(self.system.kernel_coordinates, equations, strict=True)
             ]
-        functions = [_Equation(equation) for equation in equations]
-        images: list[list[arb]] = []
-        slopes: list[list[arb]] = []
-        parts = [(part, 0) for part in _parts(_PARTS)]
-        while parts:
-            part, halvings = parts.pop()
-            try:
-                image, slope = self._newton(functions, part)
-            except IntegrationFailure:
-                if halvings == _HALVINGS:
-                    raise
-                parts += [(half, halvings + 1) for half in _halves(part)]
-                continue
-            images.append(image)
-            slopes.append(slope)
-        deviation = [_largest([image[j] for image in images]) for j in range(len(self.tube))]
-        slope_deviation = [_largest([slope[j] for slope in slopes]) for j in range(len(self.tube))]
+        statement = f"on each part of the interval the Newton operator maps the tube into 1/{_MARGIN} of itself"
+        with checklist.hypothesis("newton", "15.2", statement, "a narrower piece") as evidence:
+            images = self._images([Equation(equation) for equation in equations])
+            evidence.require(
+                len(images) >= _PARTS and all(is_inside(ball, TUBE / _MARGIN) for image, _ in images for ball in image),
+                "it does not",
+            )
+        deviation, slope_deviation = (
+            [_largest([part[which][j] for part in images]) for j in range(len(self.tube))] for which in (0, 1)
+        )
         if self.piece.kind == "symmetric" and not self.divided:
             nearest = min(abs(end) for end in self.interval)
             slope_deviation = [bound / enclose(nearest) for bound in slope_deviation]
-        return PieceResult(
-            self.piece.id, self.interval,
-            tuple(_above(enclose(width) * bound) for width, bound in zip(self.tube, deviation, strict=True)),
-            tuple(_above(enclose(width) * bound) for width, bound in zip(self.tube, slope_deviation, strict=True)),
-            when,
-        )  # fmt: skip
+        return ProvedInterval(*self.interval, self._in_units(deviation), self._in_units(slope_deviation), time)
 
-    def _check(self) -> None:
-        """Exact conditions on the piece."""
-        start, end = self.interval
-        if not -1 <= start < end <= 1:
-            raise IntegrationFailure("interval", f"[{start}, {end}] is no interval within [-1, 1]", "correct it")
-        system, piece = self.system, self.piece
-        across, every = len(system.kernel_coordinates), len(system.centre_coordinates)
-        sizes = len(piece.tube), len(piece.polynomial), len(piece.centre), len(piece.frame), *map(len, piece.frame)
-        if sizes != (across, across, *[every] * (every + 2)) or not set(system.fixed_parameters) <= set(self.given):
-            raise IntegrationFailure(
-                "piece", f"the piece or its parameters are not those of {system.name}", "correct it"
+    def check_claim(self, checklist: Checklist) -> None:
+        """The exact conditions on the piece."""
+        statement = "the piece is one of the system, with a regular frame, a tube, and the symmetry that it claims"
+        with checklist.hypothesis("piece", "15.2", statement, "correct the piece") as evidence:
+            start, end = self.asked
+            evidence.require(-1 <= start < end <= 1, f"[{start}, {end}] is no interval within [-1, 1]")
+            evidence.require(
+                set(self.system.fixed_parameters) <= set(self.parameters), f"{self.system.name} has other parameters"
             )
-        if piece.kind not in ("regular", "symmetric") or not is_regular_frame(piece.frame):
-            raise IntegrationFailure("piece", "the piece has an unknown kind or a singular frame", "correct it")
-        if min(piece.half_width, *piece.tube) <= 0:
-            raise IntegrationFailure("piece", "the half width or the tube of the piece is not positive", "correct it")
-        if self.piece.kind == "symmetric":
-            self._check_symmetry()
-
-    def _check_symmetry(self) -> None:
-        signs = self.signs
-        if signs is None:
-            raise IntegrationFailure("symmetry", "a symmetric piece of a claim without a symmetry", "name the symmetry")
-        names = self.system.centre_coordinates
-        parity = [signs[self.system.state.index(name)] if name in self.system.state else 1 for name in names]
-        piece = self.piece
-        fixed = all(value == 0 for value, sign in zip(piece.centre, parity, strict=True) if sign < 0)
-        along = all(row[0] == 0 for row, sign in zip(piece.frame, parity, strict=True) if sign > 0)
-        across = all(not any(row[1:]) for row, sign in zip(piece.frame, parity, strict=True) if sign < 0)
-        even = all(not any(row[1::2]) for row in piece.polynomial)
-        odd = sum(signs[index] < 0 for index in self.system.kernel_coordinates)
-        if not (fixed and along and across and even and odd):
-            raise IntegrationFailure(
-                "symmetry", "the piece is not symmetric: its centre, frame or polynomial", "give a symmetric piece"
-            )
-
-    def _is_odd(self, index: int) -> bool:
-        return self.signs is not None and self.signs[index] < 0
+            require_piece(evidence, self.system, self.piece, self.symmetry)
 
     def _initial(self) -> dict[str, Series]:
         """The points of the tube, by the names of the coordinates, as elements in (sigma, omega)."""
@@ -221,8 +216,7 @@ class _Proof:
         curves = [along, *(recentred(row, self.middle, self.radius) for row in piece.polynomial)]
         result = {}
         for name, middle, row in zip(self.system.centre_coordinates, piece.centre, piece.frame, strict=True):
-            length = max(len(curve) for curve in curves)
-            wide = [Fraction(0)] * length
+            wide = [Fraction(0)] * max(len(curve) for curve in curves)
             wide[0] += middle
             for factor, curve in zip(row, curves, strict=True):
                 for power, value in enumerate(curve):
@@ -233,7 +227,7 @@ class _Proof:
             result[name] = self.arithmetic.polynomial(terms)
         return result
 
-    def _half_return(self, progress: Progress | None) -> tuple[list[Series], arb]:
+    def _half_return(self, computation: Computation, progress: Progress | None) -> tuple[list[Series], arb]:
         """The kernel coordinates at the first return, and the half periods."""
         system, arithmetic = self.system, self.arithmetic
         point = self._initial()
@@ -241,142 +235,59 @@ class _Proof:
             point[name] if name in point else arithmetic.constant(system.normalised.get(name, Fraction(0)))
             for name in system.state
         ]
-        known = parameter_series(arithmetic, system, self.given)
+        known = parameter_series(arithmetic, system, self.parameters)
         parameters = [point[name] if name in point else known[name] for name in system.parameters]
         program = system.first_integral_program
         level = None if program is None else evaluate(arithmetic, program, (*initial, *parameters))[0]
         returns = Returns(system, arithmetic, initial, parameters, level, self.piece.coordinates)
-        self.coordinates = returns.coordinates.name
+        computation["coordinates"] = returns.coordinates.name
         arrived = False
         while not arrived:
             if returns.steps >= _MAX_STEPS:
                 raise IntegrationFailure("steps", f"no return within {_MAX_STEPS} steps", "give another centre")
             arrived = returns.step()
-            self.steps = returns.steps
+            computation["steps"] = returns.steps
             if progress is not None:
                 progress(returns.steps)
         state, when = returns.crossing(1)
         return [state[index] for index in system.kernel_coordinates], when
 
-    def _newton(self, functions: Sequence[_Equation], part: arb) -> tuple[list[arb], list[arb]]:
+    def _images(self, equations: Sequence[Equation]) -> list[tuple[list[arb], list[arb]]]:
+        """Newton images and slopes of omega on parts that cover the interval of sigma."""
+        found = []
+        parts = [(part, 0) for part in parts_of_interval(_PARTS)]
+        while parts:
+            part, halvings = parts.pop()
+            try:
+                found.append(self._newton(equations, part))
+            except IntegrationFailure:
+                if halvings == _HALVINGS:
+                    raise
+                parts += [(half, halvings + 1) for half in halves(part)]
+        return found
+
+    def _newton(self, equations: Sequence[Equation], part: arb) -> tuple[list[arb], list[arb]]:
         """Newton image and slope of omega on a part of the interval of sigma; raises if it is not inside the tube."""
-        size = len(functions)
-        matrix = [[function.slope(j, part) for j in range(size)] for function in functions]
-        residual = [function.value(part) for function in functions]
+        size = len(equations)
+        matrix = [[equation.slope(j, part) for j in range(size)] for equation in equations]
+        residual = [equation.value(part) for equation in equations]
         if not all_finite(residual) or not all_finite(entry for row in matrix for entry in row):
             raise IntegrationFailure("newton", "the half return was not enclosed", "give a narrower piece")
         if not is_regular(matrix):
-            raise IntegrationFailure(
-                "newton", "the derivative across the curve may be singular",
-                "give a narrower tube or piece; the curve may bifurcate or turn",
-            )  # fmt: skip
+            remedy = "give a narrower tube or piece; the curve may bifurcate or turn"
+            raise IntegrationFailure("newton", "the derivative across the curve may be singular", remedy)
         image = newton_image(matrix, residual)
-        if not all(is_inside(ball, _TUBE / _MARGIN) for ball in image):
-            raise IntegrationFailure(
-                "newton", f"the Newton image, {_size_text(image)} of the tube, is not well inside of it",
-                "give a better polynomial, a wider tube or a narrower piece",
-            )  # fmt: skip
-        change = [function.wide_derivative(image, part, self.divided) for function in functions]
-        slope = newton_image(matrix, change)
+        if not all(is_inside(ball, TUBE / _MARGIN) for ball in image):
+            far = ", ".join(f"{float(ball.abs_upper() / enclose(TUBE)):.3g}" for ball in image)
+            message = f"the Newton image, {far} of the tube, is not well inside of it"
+            raise IntegrationFailure("newton", message, "give a better polynomial, a wider tube or a narrower piece")
+        slope = newton_image(matrix, [equation.wide_derivative(image, part, self.divided) for equation in equations])
         scale = enclose(self.radius * self.radius if self.divided else self.radius)
         return image, [value / scale for value in slope]
 
-
-class _Equation:
-    """F(sigma, omega) = known part + unknown parts, with its derivatives on parts of the interval."""
-
-    def __init__(self, element: Series) -> None:
-        arithmetic = element.arithmetic
-        self.polynomials = [
-            arb_poly([arb(c) * arb(2) ** -scale for c in packed.coeffs()])
-            for packed, scale in zip(element.coefs, arithmetic.scales, strict=True)
-        ]
-        self.order = [arithmetic.grading.variable(j) for j in range(len(arithmetic.grading.weights))]
-        self.errors = [arb(e) for e in element.errors]
-        self.inside = 1 / enclose(_BEYOND)
-
-    def value(self, part: arb) -> arb:
-        """F(sigma, 0)."""
-        return _over(self.polynomials[0], part) + arb(0, 1) * self.errors[0]
-
-    def slope(self, variable: int, part: arb) -> arb:
-        """dF/d omega_variable for all omega in the tube.
-
-        A monomial of degree n >= 2 in omega changes by at most n 2^(1-n) <= 1 on the tube.
-        """
-        return self._linear(variable, part) + arb(0, 1) * (self.errors[1] + self.errors[2])
-
-    def _linear(self, variable: int, part: arb) -> arb:
-        position = self.order[variable]
-        assert position is not None
-        return _over(self.polynomials[position], part)
-
-    def wide_derivative(self, omega: Sequence[arb], part: arb, divided: bool) -> arb:
-        """dF/d sigma, or that divided by sigma for an even F, at omega in given balls of the tube.
-
-        With |sigma| <= r a power sigma^j of the unknown part changes by at most j r^(j-1) <= 1/(1 - r).
-        """
-        result = self._slope_of(self.polynomials[0], part, divided)
-        for variable, ball in enumerate(omega):
-            position = self.order[variable]
-            assert position is not None
-            result += self._slope_of(self.polynomials[position], part, divided) * ball
-        unknown = self.errors[0] + self.errors[1] + self.errors[2]
-        factor = 1 / (1 - self.inside)
-        if divided:
-            factor = factor / self.inside
-        return result + arb(0, 1) * (unknown * factor)
-
-    @staticmethod
-    def _slope_of(polynomial: arb_poly, part: arb, divided: bool) -> arb:
-        derivative = polynomial.derivative()
-        if divided:
-            # Odd coefficients of an even function are not there; what is known of them is rounding.
-            derivative = arb_poly([c if n % 2 == 0 else arb(0) for n, c in enumerate(derivative.coeffs()[1:])])
-        return _over(derivative, part)
-
-
-def divided_by_wide(element: Series) -> Series:
-    """F/sigma for a function F that is odd in sigma.
-
-    The even part of what is known is none of F, and the odd part of what is unknown is not larger than all of it.
-    """
-    arithmetic = element.arithmetic
-    coefs = []
-    for packed in element.coefs:
-        values = packed.coeffs()
-        coefs.append(type(packed)([value if n % 2 == 0 else 0 for n, value in enumerate(values[1:])]))
-    return Series(arithmetic, coefs, element.errors)
-
-
-def recentred(coefficients: Sequence[Fraction], middle: Fraction, radius: Fraction) -> list[Fraction]:
-    """Coefficients in sigma of a polynomial in s = middle + radius * sigma, exactly."""
-    if middle == 0:
-        return [value * radius**n for n, value in enumerate(coefficients)]
-    result = [Fraction(0)] * len(coefficients)
-    for n, value in enumerate(coefficients):
-        for j in range(n + 1):
-            result[j] += value * comb(n, j) * middle ** (n - j)
-    return [value * radius**j for j, value in enumerate(result)]
-
-
-def _parts(number: int) -> list[arb]:
-    inside = 1 / enclose(_BEYOND)
-    return [inside * (arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
-
-
-def _halves(part: arb) -> list[arb]:
-    """Two balls that cover a ball."""
-    middle, quarter = part.mid(), part.rad() / 2
-    return [middle + sign * quarter + arb(0, 1) * quarter for sign in (-1, 1)]
-
-
-def _over(polynomial: arb_poly, part: arb) -> arb:
-    """Values on a ball, by Taylor's theorem of order 2 about its middle."""
-    middle = part.mid()
-    away = part - middle
-    first = polynomial.derivative()
-    return polynomial(middle) + (first(middle) + first.derivative()(part) * away / 2) * away
+    def _in_units(self, bounds: Sequence[arb]) -> tuple[Fraction, ...]:
+        """Bounds of omega_j as bounds of p_j, with few bits."""
+        return tuple(_above(enclose(width) * bound) for width, bound in zip(self.tube, bounds, strict=True))
 
 
 def _largest(balls: Sequence[arb]) -> arb:
@@ -390,7 +301,3 @@ def _above(bound: arb) -> Fraction:
     mantissa, exponent = bound.abs_upper().man_exp()
     shift = max(0, int(mantissa).bit_length() - 24)
     return Fraction(-(-int(mantissa) >> shift)) * Fraction(2) ** (int(exponent) + shift)
-
-
-def _size_text(image: Sequence[arb]) -> str:
-    return ", ".join(f"{float(ball.abs_upper() / enclose(_TUBE)):.3g}" for ball in image)

@@ -1,81 +1,91 @@
-"""How to integrate a piece of a curve, and what is then known of it (sections 15.2, 15.3)."""
+"""What became of an interval of a piece, of a curve or of a surface (sections 15.3 and 17.2)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
-from flint import arb
+import numpy as np
 
 from orbitproof.shared.numbers import format_exact
-from orbitproof.verify.evidence import ball_to_json
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, Reason, Theorem
+
+Interval = tuple[Fraction, Fraction]
+Computation = dict[str, float | int | str]
+"""Settings of the integrator, steps, coordinates and seconds, by name."""
+
+
+class Results(Protocol):
+    """What is known of a piece on an interval that is proved."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Its part of the JSON object of the result; all numbers that carry proof are exact."""
+
+
+Known = TypeVar("Known", bound=Results, covariant=True)
 
 
 @dataclass(frozen=True)
-class PieceLimits:
-    """How to integrate a piece.
-
-    Attributes:
-        precision: fractional bits of the fixed-point format.
-        order: degree of the time expansions.
-        width: degree in s.
-    """
-
-    precision: int = 80
-    order: int = 40
-    width: int = 40
-
-    def __post_init__(self) -> None:
-        if min(self.precision, self.order) < 16 or self.width < 1:
-            raise ValueError(f"precision {self.precision}, order {self.order}, width {self.width} are too small")
-
-
-@dataclass(frozen=True)
-class PieceResult:
-    """What is known of a piece on an interval of s.
+class PieceResult(Generic[Known]):
+    """What was found for a piece on an interval of s.
 
     Attributes:
         piece: its id.
-        interval: within [-1, 1]; that of the proof may be longer than what was asked for.
-        deviation: for each s the p_j of the orbit in the tube differ from polynomial_j(s) by at most this.
-        slope_deviation: bounds of the derivatives of these differences d_j in s; of d_j'(s)/s for a symmetric piece.
-        time: half periods of the orbits.
-        reason: why it is not proved; `None` if it is.
-        remedy: what may help.
-        condition: what was not shown, in one word.
-        computation: precision, order, width, steps, coordinates, seconds.
+        interval: the one that was asked for; what is proved may hold on a longer one.
+        outcome: whether the claim of the piece is proved for all s of the interval.
+        computation: how.
     """
 
     piece: str
-    interval: tuple[Fraction, Fraction]
-    deviation: tuple[Fraction, ...] = ()
-    slope_deviation: tuple[Fraction, ...] = ()
-    time: arb | None = None
-    reason: str | None = None
-    remedy: str | None = None
-    condition: str = ""
-    computation: Mapping[str, float | int | str] = field(default_factory=dict)
+    interval: Interval
+    outcome: Outcome[Known]
+    computation: Mapping[str, float | int | str]
 
     @property
     def is_proved(self) -> bool:
         """Whether the claim of the piece is proved on the interval."""
-        return self.reason is None
+        return isinstance(self.outcome, Proved)
 
     def to_json(self) -> dict[str, Any]:
-        """The JSON object of the result; all numbers that carry proof are exact."""
-        result: dict[str, Any] = {
+        """The JSON object of the result."""
+        outcome = self.outcome
+        proved = isinstance(outcome, Proved)
+        return {
             "piece": self.piece,
-            "interval": [format_exact(end) for end in self.interval],
-            "verdict": "proved" if self.is_proved else "not proved",
+            "interval": interval_to_json(self.interval),
+            "verdict": "proved" if proved else "not proved",
             "computation": dict(self.computation),
+            **(outcome.results.to_json() if isinstance(outcome, Proved) else {"reason": outcome.reason.to_json()}),
         }
-        if self.reason is not None:
-            reason = {"condition": self.condition, "message": self.reason, "remedy": self.remedy or ""}
-            return result | {"reason": reason}
-        return result | {
-            "deviation": [format_exact(value) for value in self.deviation],
-            "slope_deviation": [format_exact(value) for value in self.slope_deviation],
-            "time": ball_to_json(self.time if self.time is not None else arb(float("nan"))),
-        }
+
+
+def interval_to_json(interval: Interval) -> list[str]:
+    """The ends of an interval, exactly."""
+    return [format_exact(end) for end in interval]
+
+
+def attempt(
+    piece: str,
+    interval: Interval,
+    theorem: Theorem,
+    computation: Computation,
+    check: Callable[[Checklist], Known],
+) -> PieceResult[Known]:
+    """What comes of `check`, which goes through the hypotheses and completes `computation`."""
+    checklist = Checklist()
+    outcome: Outcome[Known]
+    start = time.monotonic()
+    try:
+        # Bounds that overflow are infinite, and what is infinite proves nothing.
+        with np.errstate(all="ignore"):
+            outcome = Proved(theorem, check(checklist), tuple(checklist.hypotheses))
+    except NotEstablishedError as error:
+        outcome = NotProved(error.reason, tuple(checklist.hypotheses))
+    except (ArithmeticError, ValueError) as error:
+        message = " ".join(f"the verification broke off: {type(error).__name__}: {error}".split())
+        outcome = NotProved(Reason("verification", message, "give a narrower piece"), tuple(checklist.hypotheses))
+    computation["seconds"] = round(time.monotonic() - start, 3)
+    return PieceResult(piece, interval, outcome, computation)

@@ -1,4 +1,4 @@
-"""Results of the intervals of a piece, as far as they count (section 15.3)."""
+"""What is proved of a piece on intervals of s, and which stored results count (section 15.3)."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.evidence import ball_from_json
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify.curve.piece_result import interval_to_json
+from orbitproof.verify.evidence import ball_from_json, ball_to_json
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,15 @@ class ProvedInterval:
     deviation: tuple[Fraction, ...]
     slope_deviation: tuple[Fraction, ...]
     time: arb = field(default_factory=lambda: arb(float("nan")))
+
+    def to_json(self) -> dict[str, Any]:
+        """Its part of the JSON object of a result; all numbers that carry proof are exact."""
+        return {
+            "interval": interval_to_json((self.start, self.end)),
+            "deviation": [format_exact(value) for value in self.deviation],
+            "slope_deviation": [format_exact(value) for value in self.slope_deviation],
+            "time": ball_to_json(self.time),
+        }
 
     def mirrored(self) -> ProvedInterval:
         """The same for -s, which S gives on a symmetric piece."""

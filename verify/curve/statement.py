@@ -9,12 +9,11 @@ from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import format_exact
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, signs_of
+from orbitproof.verify.claim import signs_on
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
+from orbitproof.verify.curve.conclusion import Ends
 from orbitproof.verify.curve.libration import meaning
 from orbitproof.verify.evidence import decimal_interval
-
-Ends = Mapping[str, Mapping[str, arb]]
-"""Enclosures of the coordinates of the first point, "start", and of the last one, "end"."""
 
 _DIGITS = 18
 
@@ -96,7 +95,8 @@ def _increasing(atlas: Atlas, ends: Ends) -> str:
         return f"From the first of these points to the second, along the half of the pieces: {_grow(claim.increasing)}."
     if claim.kind != "symmetric-arc":
         return f"Along it {_grow(claim.increasing)}."
-    signs = dict(zip(atlas.system.centre_coordinates, signs_of(atlas, str(claim.symmetry)), strict=True))
+    names = atlas.system.centre_coordinates
+    signs = dict(zip(names, signs_on(atlas.system, str(claim.symmetry), names), strict=True))
     negated = [name for name in claim.increasing if signs[name] == -1]
     fixed = [name for name in claim.increasing if signs[name] == 1]
     sentences = [f"From end to end {_grow(negated)}."] if negated else []

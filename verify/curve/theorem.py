@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from flint import arb, ctx
@@ -10,16 +11,19 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Examine, Partner, place_bifurcation
-from orbitproof.verify.curve.conclusion import Conclusion
+from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
 from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.other_point import other_point
-from orbitproof.verify.curve.statement import Ends, bifurcation_statement, curve_statement
+from orbitproof.verify.curve.statement import bifurcation_statement, curve_statement
 from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
     NotEstablishedError,
+    NotProved,
+    Proved,
     Reason,
+    Theorem,
     all_finite,
     hull,
     meet,
@@ -29,13 +33,29 @@ PRECISION = 256
 """Bits of the ball arithmetic: far more than double numbers in the pieces, and certificates, have."""
 
 
+@dataclass(frozen=True)
+class ProvedCurve:
+    """A curve, and enclosures of the coordinates of its first and last point."""
+
+    chain: Chain
+    ends: Ends
+
+    def stretches_to_json(self) -> list[dict[str, Any]]:
+        """The JSON objects of the parts of the pieces that it runs along."""
+        return [stretch.to_json() for stretch in self.chain.stretches]
+
+    def joints_to_json(self) -> list[dict[str, Any]]:
+        """The JSON objects of the places where pieces meet."""
+        return [joint.to_json() for joint in self.chain.joints]
+
+
 def conclude(
     atlas: Atlas,
     results: Sequence[Mapping[str, Any]],
     bifurcations: Sequence[Certificate] = (),
     examine: Examine = recheck,
     partner: Partner = other_point,
-) -> Conclusion:
+) -> Conclusion[ProvedCurve]:
     """The theorem that proved pieces give, or the first hypothesis that is not shown.
 
     Args:
@@ -46,25 +66,21 @@ def conclude(
         partner: encloses the other point of a symmetric orbit on Fix(R), by integration.
     """
     checklist = Checklist()
-    chain: Chain | None = None
-    ends: Ends = {}
-    reason, statement = None, ""
     with ctx.workprec(PRECISION):
         try:
             chain = check_curve(checklist, atlas, results)
         except NotEstablishedError as error:
-            reason = error.reason
+            placed = tuple(place_bifurcation(atlas, None, entry, examine, partner) for entry in bifurcations)
+            return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)), placed)
         placed = tuple(place_bifurcation(atlas, chain, entry, examine, partner) for entry in bifurcations)
-        if chain is not None:
-            try:
-                ends = _ends(atlas, chain, placed)
-                texts = (curve_statement(atlas, ends, _half_period(chain)), bifurcation_statement(atlas, placed))
-                statement = "\n".join(text for text in texts if text)
-            except EmptyIntersectionError as error:
-                reason = Reason("ends", f"curve and certificates contradict each other: {error}", "report this")
-    return Conclusion(
-        atlas.id, statement, reason, tuple(checklist.hypotheses), chain, ends, placed, hypotheses_of(atlas)
-    )
+        try:
+            curve = ProvedCurve(chain, _ends(atlas, chain, placed))
+        except EmptyIntersectionError as error:
+            reason = Reason("ends", f"curve and certificates contradict each other: {error}", "report this")
+            return Conclusion(NotProved(reason, tuple(checklist.hypotheses)), placed)
+        texts = (curve_statement(atlas, curve.ends, _half_period(chain)), bifurcation_statement(atlas, placed))
+        theorem = Theorem("\n".join(text for text in texts if text), hypotheses_of(atlas))
+    return Conclusion(Proved(theorem, curve, tuple(checklist.hypotheses)), placed)
 
 
 def _ends(atlas: Atlas, chain: Chain, placed: Sequence[Bifurcation]) -> Ends:

@@ -15,8 +15,9 @@ from typing import Any
 from flint import arb, arb_poly, fmpq, fmpq_mat
 
 from orbitproof.shared.formats import Piece
+from orbitproof.verify.algebra import ball_polynomial, values_around
 from orbitproof.verify.curve.proved_intervals import Refusal, Run, read_results
-from orbitproof.verify.evidence import dot, enclose, exact_value, is_inside, is_positive, symmetric, total
+from orbitproof.verify.evidence import dot, enclose, exact_value, is_inside, is_positive, symmetric
 
 _BISECTIONS = 12
 """How often an interval is halved at most to find the sign of a function on it."""
@@ -51,7 +52,7 @@ class Tube:
 
     @cached_property
     def _polynomials(self) -> tuple[arb_poly, ...]:
-        return tuple(_ball_polynomial(row) for row in self.piece.polynomial)
+        return tuple(ball_polynomial(row) for row in self.piece.polynomial)
 
     @cached_property
     def _inverse_frame(self) -> list[list[Fraction]]:
@@ -164,21 +165,14 @@ def read_tube(piece: Piece, results: Sequence[Mapping[str, Any]]) -> Tube:
     return Tube(piece, *read_results(piece, results))
 
 
-def _ball_polynomial(coefficients: Sequence[Fraction]) -> arb_poly:
-    return arb_poly([enclose(value) for value in coefficients])
-
-
 def _is_positive_on(coefficients: Sequence[Fraction], error: Fraction, lower: Fraction, upper: Fraction) -> bool:
     """Whether a polynomial exceeds `error` on all of [lower, upper]; the interval is halved as often as it takes."""
-    polynomial, allowance = _ball_polynomial(coefficients), enclose(error)
+    polynomial, allowance = ball_polynomial(coefficients), enclose(error)
     pending = [(lower, upper, 0)]
     while pending:
         first, last, depth = pending.pop()
         middle, radius = (first + last) / 2, (last - first) / 2
-        # p(m + r v) = sum c_n v^n with |v| <= 1 lies within sum of |c_n|, n >= 1, of c_0.
-        around = polynomial(arb_poly([enclose(middle), enclose(radius)])).coeffs()
-        value = around[0] if around else arb(0)
-        if is_positive(value - total(abs(c) for c in around[1:]) - allowance):
+        if is_positive(values_around(polynomial, enclose(middle), enclose(radius)) - allowance):
             continue
         if depth == _BISECTIONS or not is_positive(polynomial(enclose(middle)) - allowance):
             return False

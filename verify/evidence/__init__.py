@@ -29,7 +29,6 @@ from orbitproof.verify.evidence.comparisons import (
 )
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import (
-    BifurcationResults,
     Checklist,
     Evidence,
     Hypothesis,
@@ -39,7 +38,7 @@ from orbitproof.verify.evidence.outcome import (
     Proved,
     Reason,
     Theorem,
-    hypothesis_to_json,
+    outcome_to_json,
     show,
 )
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
@@ -47,7 +46,6 @@ from orbitproof.verify.evidence.sources import software
 
 __all__ = [
     "GUARD_BITS",
-    "BifurcationResults",
     "Checklist",
     "EmptyIntersectionError",
     "Evidence",
@@ -73,12 +71,12 @@ __all__ = [
     "excludes_zero",
     "guarded",
     "hull",
-    "hypothesis_to_json",
     "is_below",
     "is_inside",
     "is_outside",
     "is_positive",
     "meet",
+    "outcome_to_json",
     "show",
     "sign",
     "software",

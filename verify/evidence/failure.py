@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+from orbitproof.verify.evidence.outcome import NotEstablishedError, Reason
 
-class IntegrationFailure(Exception):
+
+class IntegrationFailure(NotEstablishedError):
     """The integrator could not enclose what was asked for: the claim is not proved.
 
-    Attributes:
-        condition: short key of what failed.
-        message: what happened.
-        remedy: what to try.
-        needs_precision: whether more precision may mend it.
-        enough_precision: bits that are expected to be enough, where that is known.
+    The arguments are those of `Reason`, which the exception carries.
     """
 
-    def __init__(self, condition: str, message: str, remedy: str, needs_precision: bool = False) -> None:
-        """Describe the failure; set `enough_precision` afterwards where it is known."""
-        super().__init__(f"{message}; {remedy}")
-        self.condition = condition
-        self.message = message
-        self.remedy = remedy
-        self.needs_precision = needs_precision
-        self.enough_precision: int | None = None
+    def __init__(
+        self,
+        condition: str,
+        message: str,
+        remedy: str,
+        needs_precision: bool = False,
+        enough_precision: int | None = None,
+    ) -> None:
+        super().__init__(Reason(condition, message, remedy, needs_precision, enough_precision))
+
+    def __str__(self) -> str:
+        return f"{self.reason.message}; {self.reason.remedy}"

@@ -1,7 +1,7 @@
 """What a verification returns: `Proved` or `NotProved`, with every hypothesis and its enclosures.
 
-A `Proved` cannot be made unless the hypotheses are exactly those of the theorem, in order, and all
-of them hold; a check that was left out can therefore never lead to it.
+Rows, pieces, curves and surfaces all end in one of the two. A `Proved` cannot be made unless the hypotheses are
+exactly those of the theorem, in order, and all of them hold; a check that was left out can therefore never lead to it.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from flint import arb
 
@@ -62,32 +62,21 @@ class Reason:
     needs_precision: bool = False
     enough_precision: int | None = None
 
+    def to_json(self) -> dict[str, str]:
+        """The JSON object."""
+        return {"condition": self.condition, "message": self.message, "remedy": self.remedy}
 
-@dataclass(frozen=True)
-class BifurcationResults:
-    """What is known about a proved bifurcation.
 
-    Attributes:
-        point: enclosure of the bifurcation point, by coordinate name.
-        parameter_name: the bifurcation parameter, family parameter or first integral.
-        parameter: its enclosure.
-        side: "above", "below" or "both": parameter values at which the new orbits exist.
-        normal_form: enclosures of the coefficients alpha and beta, and of the derivatives behind them.
-    """
-
-    point: Mapping[str, arb]
-    parameter_name: str
-    parameter: arb
-    side: str
-    normal_form: Mapping[str, arb]
+Results = TypeVar("Results", covariant=True)
+"""What is known of what is proved."""
 
 
 @dataclass(frozen=True)
-class Proved:
-    """The theorem holds for the candidate. Raises `ValueError` if the hypotheses are not all there."""
+class Proved(Generic[Results]):
+    """The theorem holds, and gives the results. Raises `ValueError` if the hypotheses are not all there."""
 
     theorem: Theorem
-    results: BifurcationResults
+    results: Results
     hypotheses: tuple[Hypothesis, ...]
 
     def __post_init__(self) -> None:
@@ -106,7 +95,7 @@ class NotProved:
     hypotheses: tuple[Hypothesis, ...] = ()
 
 
-Outcome = Proved | NotProved
+Outcome = Proved[Results] | NotProved
 
 
 class NotEstablishedError(Exception):
@@ -180,12 +169,19 @@ def show(ball: arb) -> str:
     return decimal_interval(ball, 4)
 
 
-def hypothesis_to_json(hypothesis: Hypothesis) -> dict[str, Any]:
-    """The JSON object of a hypothesis and its enclosures."""
+def outcome_to_json(outcome: Outcome[object]) -> dict[str, Any]:
+    """The JSON object of an outcome: verdict, reason and hypotheses with their enclosures, without the results."""
     return {
-        "name": hypothesis.name,
-        "statement": hypothesis.statement,
-        "section": hypothesis.section,
-        "holds": hypothesis.holds,
-        "enclosures": balls_to_json(hypothesis.enclosures),
+        "verdict": "proved" if isinstance(outcome, Proved) else "not proved",
+        "reason": None if isinstance(outcome, Proved) else outcome.reason.to_json(),
+        "hypotheses": [
+            {
+                "name": hypothesis.name,
+                "statement": hypothesis.statement,
+                "section": hypothesis.section,
+                "holds": hypothesis.holds,
+                "enclosures": balls_to_json(hypothesis.enclosures),
+            }
+            for hypothesis in outcome.hypotheses
+        ],
     }

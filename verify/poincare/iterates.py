@@ -226,14 +226,13 @@ class _Integration:
         for begin, now, wanted in zip(self.first_error_bits, self._error_bits(), self.accuracy, strict=True):
             missing = max(missing, ceil(wanted - begin + (begin - now) * k / number))
         if missing > 0:
-            failure = IntegrationFailure(
+            raise IntegrationFailure(
                 "precision",
                 f"{self.arithmetic.bits} bits are too few: at the last crossing {missing} would be missing",
                 "give --max-precision more",
                 needs_precision=True,
+                enough_precision=self.arithmetic.bits + 8 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1),
             )
-            failure.enough_precision = self.arithmetic.bits + 8 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1)
-            raise failure
 
     def _combine(self, image: Sequence[Series], row: Sequence[Fraction]) -> Series:
         result = self._zero()

@@ -9,17 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any
 
-from flint import arb, arb_mat, arb_poly
+from flint import arb, arb_mat
 
 from orbitproof.shared.formats import SurfacePiece, evaluate
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.algebra import ball_polynomial, values_around
 from orbitproof.verify.evidence import (
     Evidence,
     all_finite,
-    ball_from_json,
     ball_to_json,
     dot,
     enclose,
@@ -27,19 +26,10 @@ from orbitproof.verify.evidence import (
     is_inside,
     is_positive,
 )
+from orbitproof.verify.surface.proved_parts import ProvedPart
 
 _SLOPE_PARTS = 32
 _BISECTIONS = 80
-
-
-@dataclass(frozen=True)
-class ProvedPart:
-    """For each s in [start, end] the piece's box has one symmetry breaking, at p in `point`, halo orbits on `side`."""
-
-    start: Fraction
-    end: Fraction
-    point: tuple[arb, ...]
-    side: str
 
 
 @dataclass(frozen=True)
@@ -67,9 +57,9 @@ class Sheet:
 
     def increases(self) -> bool:
         """Whether the parameter certainly increases with s on [-1, 1]."""
-        slope = arb_poly([enclose(c) for c in self.parameter]).derivative()
-        edges = [Fraction(2 * k, _SLOPE_PARTS) - 1 for k in range(_SLOPE_PARTS + 1)]
-        return all(is_positive(slope(hull(enclose(a), enclose(b)))) for a, b in pairwise(edges))
+        slope, reach = ball_polynomial(self.parameter).derivative(), arb(1) / _SLOPE_PARTS
+        middles = (Fraction(2 * k + 1, _SLOPE_PARTS) - 1 for k in range(_SLOPE_PARTS))
+        return all(is_positive(values_around(slope, enclose(middle), reach)) for middle in middles)
 
     def place(self, value: Fraction) -> tuple[Fraction, Fraction]:
         """An interval that contains the s with this parameter; it increases, and takes the value."""
@@ -122,7 +112,7 @@ class Sheet:
 
 
 def _value(coefficients: Sequence[Fraction], s: arb) -> arb:
-    return arb_poly([enclose(c) for c in coefficients])(s)
+    return ball_polynomial(coefficients)(s)
 
 
 @dataclass(frozen=True)
@@ -156,13 +146,11 @@ def read_sheet(piece: SurfacePiece, parameter: str, results: Sequence[Mapping[st
     for result in results:
         if result["verdict"] != "proved":
             continue
-        for entry in result["parts"]:
-            start, end = (parse_exact(text) for text in entry["interval"])
-            point = tuple(ball_from_json(ball) for ball in entry["point"])
-            if not -1 <= start < end <= 1 or len(point) != len(piece.radii):
+        for part in map(ProvedPart.from_json, result["parts"]):
+            if not -1 <= part.start < part.end <= 1 or len(part.point) != len(piece.radii):
                 raise ValueError(f"piece {piece.id}: a part of a result is not within [-1, 1], or has no point")
-            if all_finite(point):
-                parts.append(ProvedPart(start, end, point, str(entry["side"])))
+            if all_finite(part.point):
+                parts.append(part)
     return Sheet(piece, piece.parameters[parameter], tuple(sorted(parts, key=lambda part: (part.start, part.end))))
 
 

@@ -10,15 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import zip_longest
 from math import floor, log2, prod
 
 from flint import arb, arb_poly
 
 from orbitproof.shared.formats import SurfacePiece
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Grading, Series
-from orbitproof.verify.curve import recentred
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, plus, recentred, values_around
+from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import IntegrationFailure, enclose, guarded
 from orbitproof.verify.poincare import DerivativeTable, Returns, evaluate, table_of
 
@@ -26,8 +25,6 @@ _RATIO = Fraction(1, 2)
 """The box is this fraction of the polydisc on which the orbits are enclosed: large boxes ask for a large one."""
 
 _MAX_STEPS = 200
-
-Interval = tuple[Fraction, Fraction]
 
 
 @dataclass(frozen=True)
@@ -79,25 +76,17 @@ class SurfaceReturn:
         """Tables of pi_q P and of the first integral that hold for every s in `part`, a part of the interval."""
         low, high = self.interval
         middle, half = (low + high) / 2, (high - low) / 2
-        centre, reach = ((part[0] + part[1]) / 2 - middle) / half, (part[1] - part[0]) / 2 / half
+        centre, reach = enclose(((part[0] + part[1]) / 2 - middle) / half), enclose((part[1] - part[0]) / 2 / half)
 
         def table(element: Series) -> DerivativeTable:
             arithmetic = element.arithmetic
             values = [
-                _over([arb(c) * arb(2) ** -scale for c in polynomial.coeffs()], centre, reach)
+                values_around(arb_poly([arb(c) * arb(2) ** -scale for c in polynomial.coeffs()]), centre, reach)
                 for polynomial, scale in zip(element.coefs, arithmetic.scales, strict=True)
             ]
             return table_of(arithmetic.grading, values, element.errors, self.scales, _RATIO)
 
         return tuple(table(element) for element in self.kernel), table(self.level)
-
-
-def _over(coefficients: Sequence[arb], centre: Fraction, reach: Fraction) -> arb:
-    """Values of a polynomial at all t within `reach` of `centre`, from its expansion there."""
-    values = arb_poly(list(coefficients))(arb_poly([enclose(centre), enclose(reach)])).coeffs()
-    if not values:
-        return arb(0)
-    return values[0] + arb(0, sum((abs(value).upper() for value in values[1:]), arb(0)).upper())
 
 
 def enclose_surface(
@@ -181,9 +170,3 @@ def coordinate_terms(piece: SurfacePiece, row: Sequence[Fraction]) -> dict[tuple
     for j, polynomial in zip((0, *across), piece.bend, strict=bool(piece.bend)):
         terms[square] = plus(terms.get(square, ()), polynomial, row[j])
     return terms
-
-
-def plus(left: Sequence[Fraction], right: Sequence[Fraction], factor: Fraction) -> tuple[Fraction, ...]:
-    """Coefficients of left + factor * right."""
-    zero = Fraction(0)
-    return tuple(a + factor * b for a, b in zip_longest(left, right, fillvalue=zero))

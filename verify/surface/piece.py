@@ -7,33 +7,18 @@ is what takes the time, is not repeated.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
-from typing import Any
-
-import numpy as np
-from flint import arb
+from itertools import pairwise
 
 from orbitproof.shared.formats import Candidate, SurfacePiece, evaluate
-from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.bifurcation import prove
-from orbitproof.verify.certificate import check_exactly
-from orbitproof.verify.evidence import (
-    Checklist,
-    IntegrationFailure,
-    NotEstablishedError,
-    NotProved,
-    Proved,
-    Reason,
-    ball_to_json,
-    guarded,
-)
-from orbitproof.verify.surface.half_return import Interval, SurfaceLimits, SurfaceReturn, enclose_surface
-
-__all__ = ["SurfaceLimits", "SurfacePart", "SurfaceResult", "candidate_at", "check_exact_claim", "prove_surface_piece"]
+from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, prove
+from orbitproof.verify.curve import Computation, Interval, PieceResult, attempt
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Theorem, guarded
+from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, enclose_surface
+from orbitproof.verify.surface.proved_parts import ProvedPart, ProvedParts
 
 _END = Fraction(1, 64)
 """Length of the first and of the last part, relative to the interval."""
@@ -41,77 +26,11 @@ _END = Fraction(1, 64)
 _HALVINGS = 14
 """How often an interval of s is halved at most to show the hypotheses on its parts."""
 
-
-@dataclass(frozen=True)
-class SurfacePart:
-    """What is proved for every s of a part of an interval.
-
-    Attributes:
-        interval: of s.
-        point: enclosures of the coordinates p of the bifurcation point.
-        side: levels of the first integral at which the halo orbits live.
-        enclosures: of what the hypotheses are about, by hypothesis and name.
-    """
-
-    interval: Interval
-    point: tuple[arb, ...]
-    side: str
-    enclosures: Mapping[str, Mapping[str, arb]]
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        return {
-            "interval": [format_exact(end) for end in self.interval],
-            "point": [ball_to_json(ball) for ball in self.point],
-            "side": self.side,
-            "hypotheses": {
-                name: {key: ball_to_json(ball) for key, ball in balls.items() if ball.is_finite()}
-                for name, balls in self.enclosures.items()
-            },
-        }
-
-
-@dataclass(frozen=True)
-class SurfaceResult:
-    """What is known of a piece on an interval of s.
-
-    Attributes:
-        piece: its id.
-        interval: within [-1, 1].
-        parts: cover the interval, in order, if the claim is proved on it.
-        time: half periods of the orbits.
-        reason: why it is not proved; `None` if it is.
-        remedy: what may help.
-        computation: precision, order, width, top, steps, coordinates, seconds.
-    """
-
-    piece: str
-    interval: Interval
-    parts: tuple[SurfacePart, ...] = ()
-    time: arb | None = None
-    reason: str | None = None
-    remedy: str | None = None
-    computation: Mapping[str, float | int | str] = field(default_factory=dict)
-
-    @property
-    def is_proved(self) -> bool:
-        """Whether the claim of the piece is proved on the interval."""
-        return self.reason is None
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object of the result; all numbers that carry proof are exact."""
-        result: dict[str, Any] = {
-            "piece": self.piece,
-            "interval": [format_exact(end) for end in self.interval],
-            "verdict": "proved" if self.is_proved else "not proved",
-            "computation": dict(self.computation),
-        }
-        if self.reason is not None:
-            return result | {"reason": {"message": self.reason, "remedy": self.remedy or ""}}
-        return result | {
-            "parts": [part.to_json() for part in self.parts],
-            "time": ball_to_json(self.time if self.time is not None else arb(float("nan"))),
-        }
+THEOREM = Theorem(
+    "for every s of the interval the box of the piece contains exactly one symmetry breaking, as the candidate at s "
+    "claims it",
+    ("piece", "half-return", "parts"),
+)
 
 
 def candidate_at(system: ReversibleSystem, piece: SurfacePiece, s: Fraction, symmetry: str) -> Candidate:
@@ -137,7 +56,7 @@ def prove_surface_piece(
     limits: SurfaceLimits | None = None,
     progress: Callable[[float], None] | None = None,
     symmetry: str = "S",
-) -> SurfaceResult:
+) -> PieceResult[ProvedParts]:
     """Prove the claim of a piece for all s in an interval within [-1, 1], or say why it is not proved.
 
     Args:
@@ -145,49 +64,45 @@ def prove_surface_piece(
         symmetry: name of the symmetry that breaks.
     """
     limits = SurfaceLimits() if limits is None else limits
-    start = time.monotonic()
-    steps, coordinates = 0, ""
-    try:
-        check_exact_claim(system, piece, interval, symmetry)
-        with np.errstate(all="ignore"):
+    computation: Computation = {**asdict(limits), "steps": 0, "coordinates": ""}
+
+    def check(checklist: Checklist) -> ProvedParts:
+        _check_claim(checklist, system, piece, interval, symmetry)
+        with checklist.hypothesis(
+            "half-return", "17.2", "the orbits of the piece meet the section again and are enclosed", "narrower pieces"
+        ) as evidence:
             returned = enclose_surface(system, piece, interval, limits, progress)
-        steps, coordinates = returned.steps, returned.coordinates
-        with guarded(limits.precision):
-            parts = tuple(
-                part
-                for first in _sections(interval)
-                for part in _parts(system, piece, returned, first, symmetry, _HALVINGS)
+            computation.update(steps=returned.steps, coordinates=returned.coordinates)
+            evidence.record("half period", returned.time)
+            evidence.require(returned.time.is_finite(), "the half periods are not enclosed")
+        with checklist.hypothesis(
+            "parts", "17.2", "the theorem on symmetry breaking holds on parts that cover the interval", "other radii"
+        ) as evidence:
+            proof = _Parts(system, piece, returned, symmetry)
+            parts = [part for section in _sections(interval) for part in proof.cover(section, _HALVINGS)]
+            evidence.require(
+                (parts[0].start, parts[-1].end) == interval and all(a.end == b.start for a, b in pairwise(parts)),
+                "the parts leave a gap",
             )
-        found = SurfaceResult(piece.id, interval, parts, returned.time)
-    except NotEstablishedError as error:
-        found = SurfaceResult(piece.id, interval, reason=error.reason.message, remedy=error.reason.remedy)
-    except IntegrationFailure as error:
-        found = SurfaceResult(piece.id, interval, reason=error.message, remedy=error.remedy)
-    except (ArithmeticError, ValueError) as error:
-        reason = " ".join(f"the verification broke off: {type(error).__name__}: {error}".split())
-        found = SurfaceResult(piece.id, interval, reason=reason, remedy="give a narrower piece")
-    computation: dict[str, float | int | str] = {
-        "precision": limits.precision, "order": limits.order, "width": limits.width, "top": limits.top,
-        "steps": steps, "coordinates": coordinates, "seconds": round(time.monotonic() - start, 3),
-    }  # fmt: skip
-    return SurfaceResult(
-        found.piece, found.interval, found.parts, found.time, found.reason, found.remedy, computation
-    )  # fmt: skip
+        return ProvedParts(tuple(parts), returned.time)
+
+    with guarded(limits.precision):
+        return attempt(piece.id, interval, THEOREM, computation, check)
 
 
-def check_exact_claim(system: ReversibleSystem, piece: SurfacePiece, interval: Interval, symmetry: str) -> None:
-    """The exact conditions on a piece that are meant for all s; raises `IntegrationFailure`."""
-    start, end = interval
-    if not -1 <= start < end <= 1:
-        raise IntegrationFailure("interval", f"[{start}, {end}] is no interval within [-1, 1]", "correct it")
-    signs = system.symmetries.get(symmetry)
-    if signs is None:
-        raise IntegrationFailure("symmetry", f"{system.name} has no symmetry {symmetry}", "name one that it has")
-    for name, row in zip(system.centre_coordinates, piece.centre, strict=True):
-        if signs[system.state.index(name)] < 0 and any(row):
-            raise IntegrationFailure(
-                "symmetry", f"{symmetry} negates {name}, and the centre moves along it", "set it to 0"
-            )
+def _check_claim(
+    checklist: Checklist, system: ReversibleSystem, piece: SurfacePiece, interval: Interval, symmetry: str
+) -> None:
+    """The exact conditions that are meant for all s; those on the frames are checked on every part."""
+    statement = "the interval is one of the piece, and the symmetry fixes the centre for every s"
+    with checklist.hypothesis("piece", "17.2", statement, "correct the piece") as evidence:
+        start, end = interval
+        evidence.require(-1 <= start < end <= 1, f"[{start}, {end}] is no interval within [-1, 1]")
+        signs = system.symmetries.get(symmetry)
+        evidence.require(signs is not None, f"{system.name} has no symmetry {symmetry}")
+        for name, row in zip(system.centre_coordinates, piece.centre, strict=True):
+            moves = signs is not None and signs[system.state.index(name)] < 0 and any(row)
+            evidence.require(not moves, f"{symmetry} negates {name}, and the centre moves along it")
 
 
 def _sections(interval: Interval) -> list[Interval]:
@@ -197,49 +112,37 @@ def _sections(interval: Interval) -> list[Interval]:
     return [(start, start + margin), (start + margin, end - margin), (end - margin, end)]
 
 
-def _parts(
-    system: ReversibleSystem,
-    piece: SurfacePiece,
-    returned: SurfaceReturn,
-    interval: Interval,
-    symmetry: str,
-    halvings: int,
-) -> Iterator[SurfacePart]:
-    """Parts that cover the interval, each proved; raises `NotEstablishedError` for one that cannot be."""
-    middle = (interval[0] + interval[1]) / 2
-    found = _prove_part(system, piece, returned, interval, symmetry)
-    if isinstance(found, SurfacePart):
-        yield found
-    elif halvings == 0:
-        where = f"for s in [{float(interval[0]):.6g}, {float(interval[1]):.6g}]: "
-        raise NotEstablishedError(Reason(found.condition, where + found.message, found.remedy))
-    else:
-        for half in ((interval[0], middle), (middle, interval[1])):
-            yield from _parts(system, piece, returned, half, symmetry, halvings - 1)
+@dataclass(frozen=True)
+class _Parts:
+    """The theorem on symmetry breaking on parts of the interval on which the half return is enclosed."""
 
+    system: ReversibleSystem
+    piece: SurfacePiece
+    returned: SurfaceReturn
+    symmetry: str
 
-def _prove_part(
-    system: ReversibleSystem, piece: SurfacePiece, returned: SurfaceReturn, part: Interval, symmetry: str
-) -> SurfacePart | Reason:
-    """The theorem for every s of a part: its hypotheses do not ask for more than the tables and the exact frames."""
-    candidate = candidate_at(system, piece, (part[0] + part[1]) / 2, symmetry)
-    checklist = Checklist()
-    try:
-        check_exactly(checklist, candidate)
-    except NotEstablishedError as error:
-        return error.reason
-    kernel, level = returned.tables(part)
-    outcome = prove(candidate, checklist, [kernel], level, [returned.time])
-    if isinstance(outcome, NotProved):
-        return outcome.reason
-    return SurfacePart(part, _point(outcome), outcome.results.side, _enclosures(outcome))
+    def cover(self, interval: Interval, halvings: int) -> Iterator[ProvedPart]:
+        """Parts that cover the interval, each proved; raises `NotEstablishedError` for one that cannot be."""
+        start, end = interval
+        outcome = self._outcome(interval)
+        if not isinstance(outcome, NotProved):
+            enclosures = {entry.name: entry.enclosures for entry in outcome.hypotheses if entry.enclosures}
+            yield ProvedPart(start, end, outcome.results.local, outcome.results.side, enclosures)
+        elif halvings == 0:
+            where = f"for s in [{float(start):.6g}, {float(end):.6g}]: "
+            raise NotEstablishedError(replace(outcome.reason, message=where + outcome.reason.message))
+        else:
+            middle = (start + end) / 2
+            yield from self.cover((start, middle), halvings - 1)
+            yield from self.cover((middle, end), halvings - 1)
 
-
-def _enclosures(outcome: Proved) -> dict[str, Mapping[str, arb]]:
-    return {hypothesis.name: hypothesis.enclosures for hypothesis in outcome.hypotheses if hypothesis.enclosures}
-
-
-def _point(outcome: Proved) -> tuple[arb, ...]:
-    """The coordinates p of the bifurcation point: the hypothesis `point` encloses them."""
-    balls = _enclosures(outcome)["point"]
-    return tuple(balls[f"p_{j}"] for j in range(len(outcome.results.point)))
+    def _outcome(self, part: Interval) -> Outcome[BifurcationResults]:
+        """The theorem for every s of a part: its hypotheses ask for no more than the tables and the exact frames."""
+        candidate = candidate_at(self.system, self.piece, (part[0] + part[1]) / 2, self.symmetry)
+        checklist = Checklist()
+        try:
+            check_exactly(checklist, candidate)
+        except NotEstablishedError as error:
+            return NotProved(error.reason, tuple(checklist.hypotheses))
+        kernel, level = self.returned.tables(part)
+        return prove(candidate, checklist, [kernel], level, [self.returned.time])

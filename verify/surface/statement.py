@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -14,10 +14,8 @@ from flint import arb
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import HILL
+from orbitproof.verify.curve import Ends
 from orbitproof.verify.evidence import decimal_interval
-
-Ends = Mapping[str, Mapping[str, arb]]
-"""Enclosures of the parameter and of the bifurcation point at the first and the last parameter, "start" and "end"."""
 
 _DIGITS = 12
 _SIDES = {"below": "less than at it", "above": "greater than at it"}

@@ -11,22 +11,22 @@ from typing import Any
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas, evaluate
-from orbitproof.verify.claim import check_symmetries, determinant
+from orbitproof.verify.claim import check_symmetries, determinant, is_adapted, signs_on
+from orbitproof.verify.curve import Conclusion, Ends
 from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
     Evidence,
-    Hypothesis,
-    IntegrationFailure,
     NotEstablishedError,
+    NotProved,
+    Proved,
     Reason,
+    Theorem,
     ball_from_json,
-    balls_to_json,
     hull,
-    hypothesis_to_json,
 )
 from orbitproof.verify.surface.gluing import Sheet, SurfaceJoint, glue, read_sheet
-from orbitproof.verify.surface.statement import Ends, Height, surface_statement
+from orbitproof.verify.surface.statement import Height, surface_statement
 
 PRECISION = 256
 """Bits of the ball arithmetic."""
@@ -35,55 +35,19 @@ _REMEDY = "write the atlas again with narrower pieces or other radii"
 
 
 @dataclass(frozen=True)
-class SurfaceConclusion:
-    """What the pieces of a surface prove together. Raises `ValueError` if it says more than its hypotheses show.
+class ProvedSurface:
+    """Where its pieces meet, and enclosures of the parameter and the bifurcation point at the ends of the range."""
 
-    Attributes:
-        atlas: id of the atlas.
-        statement: the theorem in words; empty if it is not proved.
-        reason: why it is not proved, or `None` if it is.
-        hypotheses: what was checked, in order, with enclosures.
-        joints: where pieces meet.
-        ends: enclosures of the parameter and of the bifurcation point at the ends of the range.
-        expected: names of the hypotheses that the claim takes, in order.
-    """
-
-    atlas: str
-    statement: str
-    reason: Reason | None
-    hypotheses: tuple[Hypothesis, ...]
     joints: tuple[SurfaceJoint, ...]
     ends: Ends
-    expected: tuple[str, ...]
 
-    def __post_init__(self) -> None:
-        names = tuple(hypothesis.name for hypothesis in self.hypotheses)
-        shown = bool(names) and names == self.expected and all(h.holds is True for h in self.hypotheses)
-        if self.is_proved and not shown:
-            raise ValueError(f"hypotheses {names} do not prove what takes {self.expected}")
-        if self.is_proved != bool(self.statement):
-            raise ValueError("a statement belongs to what is proved, and to nothing else")
+    def stretches_to_json(self) -> list[dict[str, Any]]:
+        """None: a surface runs over all of its pieces."""
+        return []
 
-    @property
-    def is_proved(self) -> bool:
-        """Whether the surface is proved."""
-        return self.reason is None
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact numbers and balls with decimals beside them."""
-        reason = self.reason
-        return {
-            "verdict": "proved" if self.is_proved else "not proved",
-            "statement": self.statement,
-            "reason": None
-            if reason is None
-            else {"condition": reason.condition, "message": reason.message, "remedy": reason.remedy},
-            "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in self.hypotheses],
-            "stretches": [],
-            "joints": [joint.to_json() for joint in self.joints],
-            "ends": {end: balls_to_json(coordinates) for end, coordinates in self.ends.items()},
-            "bifurcations": [],
-        }
+    def joints_to_json(self) -> list[dict[str, Any]]:
+        """The JSON objects of the places where pieces meet."""
+        return [joint.to_json() for joint in self.joints]
 
 
 def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
@@ -91,29 +55,25 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
     return ("symmetries", "frames", "pieces", "parameter", "glued", *(("covers",) if atlas.claim.covers else ()))
 
 
-def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> SurfaceConclusion:
+def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Conclusion[ProvedSurface]:
     """The theorem that proved pieces give, or the first hypothesis that is not shown.
 
-    `results`: the JSON object of one `SurfaceResult` for each interval of each piece; that they are about the pieces
-    of the atlas as they are is for the caller.
+    `results`: the JSON object of one result of `prove_surface_piece` for each interval of each piece; that they are
+    about the pieces of the atlas as they are is for the caller.
     """
     checklist = Checklist()
-    joints: tuple[SurfaceJoint, ...] = ()
-    ends: Ends = {}
-    reason, statement = None, ""
     with ctx.workprec(PRECISION):
         try:
             sheets, joints = _check(checklist, atlas, results)
-            ends = _ends(atlas, sheets)
+            surface = ProvedSurface(joints, _ends(atlas, sheets))
             sides = {part.side for sheet in sheets for part in sheet.parts}
-            statement = surface_statement(atlas, ends, heights(atlas), sides, _half_period(results))
+            statement = surface_statement(atlas, surface.ends, heights(atlas), sides, _half_period(results))
         except NotEstablishedError as error:
-            reason = error.reason
+            return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)))
         except (EmptyIntersectionError, ValueError, KeyError) as error:
             reason = Reason("results", f"the results contradict the atlas or each other: {error}", "prove it again")
-    return SurfaceConclusion(
-        atlas.id, statement, reason, tuple(checklist.hypotheses), joints, ends, hypotheses_of(atlas)
-    )
+            return Conclusion(NotProved(reason, tuple(checklist.hypotheses)))
+    return Conclusion(Proved(Theorem(statement, hypotheses_of(atlas)), surface, tuple(checklist.hypotheses)))
 
 
 def heights(atlas: Atlas) -> list[Height]:
@@ -197,7 +157,7 @@ def _check_covers(checklist: Checklist, atlas: Atlas, sheets: Sequence[Sheet]) -
 def _symmetries_hold(atlas: Atlas) -> bool:
     try:
         check_symmetries(atlas.system, atlas.claim.symmetry)
-    except (IntegrationFailure, KeyError):
+    except (NotEstablishedError, KeyError):
         return False
     return atlas.claim.symmetry is not None
 
@@ -206,24 +166,15 @@ def _require_adapted(evidence: Evidence, atlas: Atlas) -> None:
     """As `verify.claim.frames.check_adapted_frames`, for all s: the centre stays in the set that the symmetry fixes."""
     system = atlas.system
     signs = system.symmetries[atlas.claim.symmetry or ""]
-    parity = [signs[system.state.index(name)] for name in system.centre_coordinates]
+    parity = signs_on(system, atlas.claim.symmetry or "", system.centre_coordinates)
     kernel = [signs[i] for i in system.kernel_coordinates]
     evidence.require(parity.count(-1) == 1, "the symmetry does not negate exactly one coordinate of Fix(R)")
     for piece in atlas.surface_pieces():
+        centred = not any(value for row, sign in zip(piece.centre, parity, strict=True) if sign < 0 for value in row)
         evidence.require(
-            not any(value for row, sign in zip(piece.centre, parity, strict=True) if sign < 0 for value in row)
-            and not any(
-                value
-                for row, sign in zip(piece.frame, parity, strict=True)
-                for column, value in enumerate(row)
-                if sign != (-1 if column == 1 else 1)
-            )
-            and not any(
-                value
-                for number, row in enumerate(piece.kernel_frame)
-                for value, sign in zip(row, kernel, strict=True)
-                if sign != (-1 if number == 0 else 1)
-            ),
+            centred
+            and is_adapted(piece.frame, parity, 1)
+            and is_adapted(tuple(zip(*piece.kernel_frame, strict=True)), kernel, 0),
             f"centre or frames of {piece.id} are not adapted to the symmetry",
         )
 

@@ -1,0 +1,98 @@
+"""The equation of a curve on a piece, F(sigma, omega) = 0, and its derivatives (section 15.2).
+
+|sigma| <= 1 is the enlarged interval of s and |omega_j| <= 1 the enlarged tube on which the flow is enclosed. What is
+proved is proved for |sigma| <= 1/BEYOND, and |omega_j| <= TUBE is the tube.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import arb, arb_poly
+
+from orbitproof.verify.algebra import Series, values_around
+from orbitproof.verify.evidence import enclose
+
+BEYOND = Fraction(17, 16)
+TUBE = Fraction(1, 2)
+
+
+class Equation:
+    """F(sigma, omega) = known part + unknown parts, with its derivatives on parts of the interval."""
+
+    def __init__(self, element: Series) -> None:
+        arithmetic = element.arithmetic
+        self.polynomials = [
+            arb_poly([arb(c) * arb(2) ** -scale for c in packed.coeffs()])
+            for packed, scale in zip(element.coefs, arithmetic.scales, strict=True)
+        ]
+        self.order = [arithmetic.grading.variable(j) for j in range(len(arithmetic.grading.weights))]
+        self.errors = [arb(e) for e in element.errors]
+        self.inside = 1 / enclose(BEYOND)
+
+    def value(self, part: arb) -> arb:
+        """F(sigma, 0)."""
+        return _over(self.polynomials[0], part) + arb(0, 1) * self.errors[0]
+
+    def slope(self, variable: int, part: arb) -> arb:
+        """dF/d omega_variable for all omega in the tube.
+
+        A monomial of degree n >= 2 in omega changes by at most n 2^(1-n) <= 1 on the tube.
+        """
+        return _over(self._linear(variable), part) + arb(0, 1) * (self.errors[1] + self.errors[2])
+
+    def _linear(self, variable: int) -> arb_poly:
+        position = self.order[variable]
+        assert position is not None
+        return self.polynomials[position]
+
+    def wide_derivative(self, omega: Sequence[arb], part: arb, divided: bool) -> arb:
+        """dF/d sigma, or that divided by sigma for an even F, at omega in given balls of the tube.
+
+        With |sigma| <= r a power sigma^j of the unknown part changes by at most j r^(j-1) <= 1/(1 - r).
+        """
+        result = _slope_of(self.polynomials[0], part, divided)
+        for variable, ball in enumerate(omega):
+            result += _slope_of(self._linear(variable), part, divided) * ball
+        unknown = self.errors[0] + self.errors[1] + self.errors[2]
+        factor = 1 / (1 - self.inside)
+        if divided:
+            factor = factor / self.inside
+        return result + arb(0, 1) * (unknown * factor)
+
+
+def _slope_of(polynomial: arb_poly, part: arb, divided: bool) -> arb:
+    derivative = polynomial.derivative()
+    if divided:
+        # Odd coefficients of an even function are not there; what is known of them is rounding.
+        derivative = arb_poly([c if n % 2 == 0 else arb(0) for n, c in enumerate(derivative.coeffs()[1:])])
+    return _over(derivative, part)
+
+
+def _over(polynomial: arb_poly, part: arb) -> arb:
+    return values_around(polynomial, part.mid(), part.rad())
+
+
+def divided_by_wide(element: Series) -> Series:
+    """F/sigma for a function F that is odd in sigma.
+
+    The even part of what is known is none of F, and the odd part of what is unknown is not larger than all of it.
+    """
+    coefs = []
+    for packed in element.coefs:
+        values = packed.coeffs()
+        coefs.append(type(packed)([value if n % 2 == 0 else 0 for n, value in enumerate(values[1:])]))
+    return Series(element.arithmetic, coefs, element.errors)
+
+
+def parts_of_interval(number: int) -> list[arb]:
+    """Balls that cover |sigma| <= 1/BEYOND."""
+    inside = 1 / enclose(BEYOND)
+    return [inside * (arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
+
+
+def halves(part: arb) -> list[arb]:
+    """Two balls that cover a ball."""
+    middle, quarter = part.mid(), part.rad() / 2
+    return [middle + sign * quarter + arb(0, 1) * quarter for sign in (-1, 1)]

@@ -1,0 +1,39 @@
+"""Exact conditions on a piece, for its proof and for the theorem about the curve (section 15.2)."""
+
+from __future__ import annotations
+
+from orbitproof.shared.formats import Piece
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.claim import determinant, is_adapted, signs_on
+from orbitproof.verify.evidence import Evidence
+
+
+def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:
+    """Require that a piece belongs to the system, has a regular frame and a tube, and if symmetric the symmetry."""
+    size, across = len(system.centre_coordinates), len(system.kernel_coordinates)
+    evidence.require(piece.kind in ("regular", "symmetric"), f"piece {piece.id} has the unknown kind {piece.kind}")
+    sizes = (len(piece.polynomial), len(piece.tube), len(piece.centre), len(piece.frame), *map(len, piece.frame))
+    if sizes != (across, across, *[size] * (size + 2)):
+        evidence.require(False, f"piece {piece.id} does not have {size} coordinates, as {system.name} takes")
+        return
+    evidence.require(determinant(piece.frame) != 0, f"the frame of piece {piece.id} is singular")
+    evidence.require(
+        min(piece.half_width, *piece.tube) > 0, f"half_width and tube of piece {piece.id} have to be positive"
+    )
+    if piece.kind != "symmetric":
+        return
+    if symmetry is None or symmetry not in system.symmetries:
+        evidence.require(False, f"piece {piece.id} is symmetric, and {symmetry} is no symmetry of {system.name}")
+        return
+    signs = signs_on(system, symmetry, system.centre_coordinates)
+    centred = all(value == 0 for value, sign in zip(piece.centre, signs, strict=True) if sign < 0)
+    evidence.require(
+        centred and is_adapted(piece.frame, signs, 0),
+        f"piece {piece.id} is not symmetric: {symmetry} does not fix its centre and negate column 0 only",
+    )
+    evidence.require(
+        not any(value for coefficients in piece.polynomial for value in coefficients[1::2]),
+        f"it is not symmetric: a polynomial of piece {piece.id} has an odd coefficient",
+    )
+    odd = [index for index in system.kernel_coordinates if system.symmetries[symmetry][index] < 0]
+    evidence.require(bool(odd), f"piece {piece.id} is not symmetric: {symmetry} negates no equation")
