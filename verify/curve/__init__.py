@@ -2,11 +2,11 @@
 
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.piece_result import Computation, Interval, PieceResult, attempt, interval_to_json
+from orbitproof.verify.curve.piece_result import Account, Interval, PieceResult, attempt, interval_to_json
 from orbitproof.verify.curve.theorem import conclude
 
 __all__ = [
-    "Computation",
+    "Account",
     "Conclusion",
     "Ends",
     "Interval",

@@ -27,7 +27,7 @@ from orbitproof.verify.curve.equation import (
 )
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.curve.piece_claim import require_piece
-from orbitproof.verify.curve.piece_result import Computation, Interval, PieceResult, attempt
+from orbitproof.verify.curve.piece_result import Account, Interval, PieceResult, attempt
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.evidence import (
     Checklist,
@@ -156,7 +156,7 @@ class _Proof:
 
     def result(self, progress: Progress | None) -> PieceResult[ProvedInterval]:
         """Whether the piece is proved."""
-        computation: Computation = {**asdict(self.limits), "steps": 0, "coordinates": ""}
+        computation: Account = {**asdict(self.limits), "steps": 0, "coordinates": ""}
         with guarded(self.limits.precision):
             return attempt(
                 self.piece.id,
@@ -166,7 +166,7 @@ class _Proof:
                 lambda checklist: self.check_all(checklist, computation, progress),
             )
 
-    def check_all(self, checklist: Checklist, computation: Computation, progress: Progress | None) -> ProvedInterval:
+    def check_all(self, checklist: Checklist, computation: Account, progress: Progress | None) -> ProvedInterval:
         """Check every hypothesis; raises `NotEstablishedError` at the first that is not shown."""
         self.check_claim(checklist)
         with checklist.hypothesis(
@@ -227,7 +227,7 @@ class _Proof:
             result[name] = self.arithmetic.polynomial(terms)
         return result
 
-    def _half_return(self, computation: Computation, progress: Progress | None) -> tuple[list[Series], arb]:
+    def _half_return(self, computation: Account, progress: Progress | None) -> tuple[list[Series], arb]:
         """The kernel coordinates at the first return, and the half periods."""
         system, arithmetic = self.system, self.arithmetic
         point = self._initial()

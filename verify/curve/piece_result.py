@@ -14,7 +14,7 @@ from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, Reason, Theorem
 
 Interval = tuple[Fraction, Fraction]
-Computation = dict[str, float | int | str]
+Account = dict[str, float | int | str]
 """Settings of the integrator, steps, coordinates and seconds, by name."""
 
 
@@ -71,7 +71,7 @@ def attempt(
     piece: str,
     interval: Interval,
     theorem: Theorem,
-    computation: Computation,
+    computation: Account,
     check: Callable[[Checklist], Known],
 ) -> PieceResult[Known]:
     """What comes of `check`, which goes through the hypotheses and completes `computation`."""

@@ -15,7 +15,7 @@ from itertools import pairwise
 from orbitproof.shared.formats import Candidate, SurfacePiece, evaluate
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, prove
-from orbitproof.verify.curve import Computation, Interval, PieceResult, attempt
+from orbitproof.verify.curve import Account, Interval, PieceResult, attempt
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Theorem, guarded
 from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, enclose_surface
 from orbitproof.verify.surface.proved_parts import ProvedPart, ProvedParts
@@ -64,7 +64,7 @@ def prove_surface_piece(
         symmetry: name of the symmetry that breaks.
     """
     limits = SurfaceLimits() if limits is None else limits
-    computation: Computation = {**asdict(limits), "steps": 0, "coordinates": ""}
+    computation: Account = {**asdict(limits), "steps": 0, "coordinates": ""}
 
     def check(checklist: Checklist) -> ProvedParts:
         _check_claim(checklist, system, piece, interval, symmetry)
