@@ -11,7 +11,7 @@ CHECKS = {
     check.__name__: check
     for check in (
         chapters.wrong_citations, chapters.repeated_numbers, chapters.unnamed_modules, chapters.wrong_module_names,
-        chapters.wrong_cover, chapters.broken_links, chapters.ill_formed,
+        chapters.lost_paths, chapters.wrong_cover, chapters.broken_links, chapters.ill_formed,
     )
 }  # fmt: skip
 SEEDS = {
@@ -36,6 +36,8 @@ SEEDS = {
     "the cover lists a section elsewhere": ("wrong_cover", "docs/method.md", "7, 7.2 to 7.4", "7, 7.1 to 7.4"),
     "a chapter has no row on the cover": ("wrong_cover", "docs/method.md", "../verify/flow/README.md", "flow"),
     "a link leads nowhere": ("broken_links", "docs/method.md", "../shared/README.md", "../shared/statement.md"),
+    "a document names a file that is not there": (
+        "lost_paths", "docs/completeness.md", "`explore/orbits/stability.py`", "`explore/stability.py`"),
     "a proof does not end": ("ill_formed", "verify/newton/README.md", "theorem. QED", "theorem."),
     "a lemma has no proof": ("ill_formed", "verify/newton/README.md", "*Proof.* For y", "For y"),
     "a heading skips a level": ("ill_formed", "verify/newton/README.md", "\n## 7. Tools", "\n#### 7. Tools"),
@@ -54,7 +56,8 @@ def test_a_mistake_is_found(seed: str, tmp_path: Path) -> None:
     kept = shutil.ignore_patterns("__pycache__", "images", "*.npz", "*.mplstyle")
     for folder in ("docs", "shared", "verify", "explore", "figures"):
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=kept)
-    shutil.copytree(ROOT / "docs" / "images", tmp_path / "docs" / "images")
+    for folder in ("docs/images", "tests/benchmarks"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
     shutil.copy(ROOT / "README.md", tmp_path)
     path = tmp_path / file
     text = path.read_text("utf-8")

@@ -45,6 +45,10 @@ def chapters(root: Path) -> dict[Path, str]:
     return {path: path.read_text("utf-8") for path in paths}
 
 
+def _documents(root: Path) -> list[Path]:
+    return [root / "README.md", *sorted((root / "docs").glob("*.md")), *list(chapters(root))[1:]]
+
+
 def sections(root: Path) -> Counter[str]:
     """How often each section is there."""
     return Counter(number for text in chapters(root).values() for number in _SECTION_HEADING.findall(_prose(text)))
@@ -63,8 +67,7 @@ def formulas(root: Path) -> Counter[str]:
 
 def citations(root: Path) -> Iterator[Citation]:
     """Everything that code, certificates and documents cite."""
-    documents = [*chapters(root), root / "README.md", *(root / "docs").glob("*.md")]
-    for path in documents:
+    for path in _documents(root):
         yield from _in_text(path.read_text("utf-8"), path, brackets=path in chapters(root))
     for folder in ("shared", "verify", "explore", "figures"):
         for path in sorted((root / folder).rglob("*.py")):
@@ -128,6 +131,16 @@ def wrong_module_names(root: Path) -> list[str]:
     return found
 
 
+def lost_paths(root: Path) -> list[str]:
+    """Files and folders of the project that documents name and that are not there."""
+    found = set()
+    for path in _documents(root):
+        for name in re.findall(r"`((?:explore|verify|figures|shared|tests)/[\w./-]*)`", path.read_text("utf-8")):
+            if not (root / name).exists():
+                found.add(f"{path.relative_to(root)}: `{name}` is not there")
+    return sorted(found)
+
+
 def wrong_cover(root: Path) -> list[str]:
     """Rows of the cover's table whose folder or sections are not those of the chapter."""
     (cover, text), *rest = chapters(root).items()
@@ -146,9 +159,8 @@ def wrong_cover(root: Path) -> list[str]:
 
 def broken_links(root: Path) -> list[str]:
     """Local links that lead nowhere."""
-    documents = [*chapters(root), root / "README.md", *(root / "docs").glob("*.md")]
     found = []
-    for path in documents:
+    for path in _documents(root):
         for target in _LINK.findall(path.read_text("utf-8")):
             if not re.match(r"[a-z]+:|#", target) and not (path.parent / target.split("#")[0]).exists():
                 found.append(f"{path.relative_to(root)}: link to {target}")
