@@ -7,42 +7,70 @@ import pytest
 from support import chapters
 
 ROOT = Path(__file__).resolve().parents[2]
-CHECKS = {
-    check.__name__: check
-    for check in (
-        chapters.wrong_citations, chapters.repeated_numbers, chapters.unnamed_modules, chapters.wrong_module_names,
-        chapters.lost_paths, chapters.wrong_cover, chapters.broken_links, chapters.ill_formed,
-    )
-}  # fmt: skip
+CHECKS = {check.__name__: check for check in chapters.CHECKS}
 SEEDS = {
     "a docstring cites a section that is not there": (
-        "wrong_citations", "verify/flow/gronwall.py", "(section 4)", "(section 4.9)"),
+        "wrong_citations",
+        "verify/flow/gronwall.py",
+        "(section 4)",
+        "(section 4.9)",
+    ),
     "a hypothesis cites a section that is not there": (
-        "wrong_citations", "verify/bifurcation/conditions.py", '"8.5"', '"8.8"'),
+        "wrong_citations",
+        "verify/bifurcation/conditions.py",
+        '"8.5"',
+        '"8.8"',
+    ),
     "a comment cites a lemma that is not there": (
-        "wrong_citations", "verify/curve/gluing.py", "\n\nfrom __future__", "\n\n# By Lemma 15.9.\nfrom __future__"),
+        "wrong_citations",
+        "verify/curve/gluing.py",
+        "\n\nfrom __future__",
+        "\n\n# By Lemma 15.9.\nfrom __future__",
+    ),
     "a chapter cites a section that is not there": (
-        "wrong_citations", "verify/newton/README.md", "## 7. Tools\n", "## 7. Tools\n\nBy sections 2 and 4.8.\n"),
+        "wrong_citations",
+        "verify/newton/README.md",
+        "## 7. Tools\n",
+        "## 7. Tools\n\nBy sections 2 and 4.8.\n",
+    ),
     "a formula is cited that is not there": (
-        "wrong_citations", "verify/newton/README.md", "## 7. Tools\n", "## 7. Tools\n\nBy (8.9).\n"),
+        "wrong_citations",
+        "verify/newton/README.md",
+        "## 7. Tools\n",
+        "## 7. Tools\n\nBy (8.9).\n",
+    ),
     "a section is lost": ("wrong_citations", "verify/flow/README.md", "### 4.2 Bounds", "### Bounds"),
     "a lemma is lost": ("wrong_citations", "verify/newton/README.md", "**Lemma 5.**", "**Lemma.**"),
-    "a section stands in two chapters": (
-        "repeated_numbers", "verify/newton/README.md", "### 7.2 ", "### 8.2 "),
+    "a section stands in two chapters": ("repeated_numbers", "verify/newton/README.md", "### 7.2 ", "### 8.2 "),
     "two lemmas have one number": ("repeated_numbers", "verify/flow/README.md", "**Lemma 2.**", "**Lemma 1.**"),
     "a module is not in its chapter": ("unnamed_modules", "verify/flow/README.md", "| `step` |", "| `steps` |"),
-    "a heading names an old module": (
-        "wrong_module_names", "verify/newton/README.md", "(`jets`)", "(`expansion`)"),
+    "a heading names an old module": ("wrong_module_names", "verify/newton/README.md", "(`jets`)", "(`expansion`)"),
+    "a chapter names a function that is not there": (
+        "unknown_names",
+        "verify/newton/README.md",
+        "`is_regular`",
+        "`is_invertible`",
+    ),
+    "a citation goes by way of the cover": (
+        "roundabout_citations",
+        "verify/flow/gronwall.py",
+        "(section 4)",
+        "(docs/method.md, section 4)",
+    ),
     "the cover lists a section elsewhere": ("wrong_cover", "docs/method.md", "7, 7.2 to 7.4", "7, 7.1 to 7.4"),
     "a chapter has no row on the cover": ("wrong_cover", "docs/method.md", "../verify/flow/README.md", "flow"),
     "a link leads nowhere": ("broken_links", "docs/method.md", "../shared/README.md", "../shared/statement.md"),
     "a document names a file that is not there": (
-        "lost_paths", "docs/completeness.md", "`explore/orbits/stability.py`", "`explore/stability.py`"),
+        "lost_paths",
+        "docs/completeness.md",
+        "`explore/orbits/stability.py`",
+        "`explore/stability.py`",
+    ),
     "a proof does not end": ("ill_formed", "verify/newton/README.md", "theorem. QED", "theorem."),
     "a lemma has no proof": ("ill_formed", "verify/newton/README.md", "*Proof.* For y", "For y"),
     "a heading skips a level": ("ill_formed", "verify/newton/README.md", "\n## 7. Tools", "\n#### 7. Tools"),
     "a table has a row too short": ("ill_formed", "verify/flow/README.md", "| module | what it does |", "| module |"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("check", CHECKS)

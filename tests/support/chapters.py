@@ -131,6 +131,24 @@ def wrong_module_names(root: Path) -> list[str]:
     return found
 
 
+def unknown_names(root: Path) -> list[str]:
+    """Names in the chapters, `like_this`, that occur nowhere in the code."""
+    code = "\n".join(path.read_text("utf-8") for room in _ROOMS for path in sorted((root / room).rglob("*.py")))
+    known = set(re.findall(r"\w+", code)) | {path.stem for room in _ROOMS for path in (root / room).rglob("*")}
+    found = []
+    for path, text in chapters(root).items():
+        names = {name.removesuffix("_j") for name in re.findall(r"`([a-z][a-z_0-9]{2,})`", text)}
+        found += [f"{path.relative_to(root)}: `{name}` is nowhere in the code" for name in sorted(names - known)]
+    return found
+
+
+def roundabout_citations(root: Path) -> list[str]:
+    """In the rooms whose chapters these are, "section 8.4" is all it takes; docs/method.md is only the way to it."""
+    paths = [path for room in _ROOMS for path in sorted((root / room).rglob("*.py"))]
+    found = [path for path in paths if re.search(r"method\.md, +[Ss]ections? \d", path.read_text("utf-8"))]
+    return [f"{path.relative_to(root)}: cites a section of docs/method.md" for path in found]
+
+
 def lost_paths(root: Path) -> list[str]:
     """Files and folders of the project that documents name and that are not there."""
     found = set()
@@ -178,8 +196,8 @@ def ill_formed(root: Path) -> list[str]:
         levels = [len(marks) for marks in re.findall(r"^(#+) ", prose, re.MULTILINE)]
         if levels[:1] != [1] or any(b > a + 1 or b == 1 for a, b in pairwise(levels)):
             found.append(f"{name}: headings skip a level")
-        found += [f"{name}: not a section heading: {line}" for line in re.findall(r"^#+ .*", prose, re.MULTILINE)[1:]
-                  if re.match(r"#+ \d", line) and not _SECTION_HEADING.match(line)]  # fmt: skip
+        numbered = re.findall(r"^#+ \d.*", prose, re.MULTILINE)
+        found += [f"{name}: not a section heading: {line}" for line in numbered if not _SECTION_HEADING.match(line)]
         for table in re.findall(r"(?:^\|.*\n)+", prose, re.MULTILINE):
             cells = {len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()}
             if len(cells) > 1:
@@ -262,3 +280,18 @@ def _is_module(root: Path, folder: Path, name: str) -> bool:
                 if not rest or (len(rest) == 1 and re.search(rf"\b{rest[0]}\b", module.read_text("utf-8"))):
                     return True
     return False
+
+
+CHECKS = (
+    wrong_citations,
+    repeated_numbers,
+    unnamed_modules,
+    wrong_module_names,
+    unknown_names,
+    roundabout_citations,
+    lost_paths,
+    wrong_cover,
+    broken_links,
+    ill_formed,
+)
+"""All checks; each takes the root of the project and returns what it finds wrong."""

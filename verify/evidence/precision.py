@@ -1,6 +1,6 @@
 """Precision of the ball arithmetic: bits beyond those of what the balls come from.
 
-Any precision gives enclosures (docs/method.md, section 7.1); these bits keep rounding from widening them.
+Any precision gives enclosures (section 7.1); these bits keep rounding from widening them.
 """
 
 from __future__ import annotations
