@@ -497,6 +497,16 @@ def test_a_symmetry_breaking_in_the_plane_is_the_symmetric_point() -> None:
     assert "symmetric point of piece p000" in conclusion.statement
 
 
+def test_the_other_end_of_a_symmetric_arc_of_one_piece_is_not_its_symmetric_point() -> None:
+    point = {"x": arb(1, 2**-80), "z": arb(0), "vy": arb(2, 2**-80)}
+    case = circle(Claim("symmetric-arc", "S"), [0.0], (0,))
+    conclusion = concluded(case, certificate(point, kind="symmetry_breaking", k=1, symmetry="S"))
+    assert conclusion.bifurcations[0].place is not None
+    ends = proof(conclusion).ends
+    assert ends["start"]["vy"].rad() < 2**-79
+    assert ends["end"]["z"].overlaps(arb(2) / 5)
+
+
 FOREIGN: dict[str, tuple[dict[str, Any], str]] = {
     "of another mass": (certificate(circle_point(0.7), parameters={"mu": "0.0125000001"}), "another value of mu"),
     "of another system": (certificate({"beta": arb(1), "y": arb(1)}), "another system"),

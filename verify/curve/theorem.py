@@ -90,8 +90,9 @@ def _ends(atlas: Atlas, chain: Chain, placed: Sequence[Bifurcation]) -> Ends:
     for entry in placed:
         if entry.place is None or entry.place.other_point or not entry.place.s.is_zero():
             continue
-        for key, stretch in (("start", chain.stretches[0]), ("end", chain.stretches[-1])):
-            if stretch.tube.is_symmetric and entry.place.piece == stretch.tube.piece.id:
+        first, last = chain.stretches[0], chain.stretches[-1]
+        for key, stretch, s in (("start", first, first.enters), ("end", last, last.leaves)):
+            if s == 0 and stretch.tube.is_symmetric and entry.place.piece == stretch.tube.piece.id:
                 result[key] = {name: meet(ball, entry.point[name]) for name, ball in result[key].items()}
     return result
 
