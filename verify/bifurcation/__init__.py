@@ -1,9 +1,22 @@
 """Lyapunov-Schmidt reduction, conditions and theorems (sections 8, 9, 11)."""
 
 from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
-from orbitproof.verify.bifurcation.level_forms import coordinates_in_box, in_box, level_form, level_spread
+from orbitproof.verify.bifurcation.level_forms import (
+    check_own_box,
+    coordinates_in_box,
+    in_box,
+    level_form,
+    level_spread,
+)
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family
-from orbitproof.verify.bifurcation.theorem import BifurcationResults, check_exactly, prepare, prove, theorem_of
+from orbitproof.verify.bifurcation.theorem import (
+    BifurcationResults,
+    check_exactly,
+    in_own_box,
+    prepare,
+    prove,
+    theorem_of,
+)
 
 __all__ = [
     "BifurcationFunction",
@@ -14,9 +27,11 @@ __all__ = [
     "check_enclosures",
     "check_exactly",
     "check_family",
+    "check_own_box",
     "check_reduction",
     "coordinates_in_box",
     "in_box",
+    "in_own_box",
     "level_form",
     "level_spread",
     "locate",

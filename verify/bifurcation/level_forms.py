@@ -18,12 +18,15 @@ from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.claim import determinant, quadratic_coefficient
 from orbitproof.verify.evidence import (
     GUARD_BITS,
+    Checklist,
+    Evidence,
     IntegrationFailure,
     dot,
     enclose,
     exact_value,
     guarded,
     is_inside,
+    show,
     symmetric,
 )
 from orbitproof.verify.poincare import DerivativeTable, enclose_first_integral
@@ -47,14 +50,8 @@ def level_form(candidate: Candidate) -> Candidate | None:
         return None
     kept = [i for i, name in enumerate(candidate.coordinates) if name != system.level_coordinate]
     dropped = candidate.coordinates.index(system.level_coordinate)
-    bits = GUARD_BITS + 2 * max(_bits_below_one(radius) for radius in candidate.radii)
-    if bits > _MOST_BITS:
-        return None
-    try:
-        table = enclose_first_integral(candidate, bits)
-    except (IntegrationFailure, ArithmeticError, ValueError):
-        return None
-    if table is None or not _is_finite(table) or not candidate.centre[dropped]:
+    bits, table = _first_integral(candidate)
+    if table is None or not candidate.centre[dropped]:
         return None
     size = len(candidate.radii)
     slopes = [_derivative(table, size, i) for i in range(size)]
@@ -83,9 +80,50 @@ def level_form(candidate: Candidate) -> Candidate | None:
         radii=_radii(candidate.radii, slopes, table, tilt),
         level_sign=1 if candidate.centre[dropped] > 0 else -1,
     )
+    return form if _is_own_box(Evidence(""), candidate, form, bits, table) else None
+
+
+def check_own_box(checklist: Checklist, candidate: Candidate, form: Candidate, point: Mapping[str, arb]) -> None:
+    """What is proved of the box of a level form holds for the candidate's own box, `point` being the bifurcation's."""
+    statement = "the box of the level form contains the candidate's own box, on which the level coordinate has one sign"
+    with checklist.hypothesis("level-box", "12.3", statement, "choose smaller radii") as evidence:
+        bits, table = _first_integral(candidate)
+        evidence.require(table is not None, "the first integral was not enclosed on the candidate's box")
+        if table is not None:
+            _is_own_box(evidence, candidate, form, bits, table)
+    statement = "the bifurcation point lies in the candidate's own box"
+    with checklist.hypothesis(
+        "candidate-box", "12.3", statement, "move the centre to the bifurcation point"
+    ) as evidence:
+        for j, (ball, radius) in enumerate(zip(coordinates_in_box(candidate, point), candidate.radii, strict=True)):
+            evidence.record(f"p_{j}", ball)
+            evidence.require(is_inside(ball, radius), f"p_{j} in {show(ball)} is not shown to be inside it")
+
+
+def _first_integral(candidate: Candidate) -> tuple[int, DerivativeTable | None]:
+    """Bits that are enough for the box, and finite enclosures of the derivatives of H on it, or `None`."""
+    bits = GUARD_BITS + 2 * max(_bits_below_one(radius) for radius in candidate.radii)
+    if bits > _MOST_BITS:
+        return bits, None
+    try:
+        table = enclose_first_integral(candidate, bits)
+    except (IntegrationFailure, ArithmeticError, ValueError):
+        return bits, None
+    return bits, table if table is not None and _is_finite(table) else None
+
+
+def _is_own_box(evidence: Evidence, candidate: Candidate, form: Candidate, bits: int, table: DerivativeTable) -> bool:
+    """Whether the form's box contains the candidate's, on which the level coordinate keeps its sign; adds evidence."""
+    names = candidate.coordinates
+    dropped = names.index(str(candidate.system.level_coordinate))
     with guarded(bits):
-        contained = _contains(form, candidate, table, kept) and _keeps_sign(candidate, dropped)
-    return form if contained else None
+        images = _images(form, candidate, table, [i for i in range(len(names)) if i != dropped])
+        evidence.require(images is not None, "a frame is singular")
+        for j, (ball, radius) in enumerate(zip(images or (), form.radii, strict=False)):
+            evidence.record(f"p_{j} of the candidate's box", ball)
+            evidence.require(is_inside(ball, radius), f"p_{j} in {show(ball)} on it is not inside the form's")
+    evidence.require(_keeps_sign(candidate, dropped), f"{names[dropped]} may change its sign on it")
+    return evidence.holds
 
 
 def _keeps_sign(candidate: Candidate, dropped: int) -> bool:
@@ -136,8 +174,8 @@ def _radii(
     return tuple(round_dyadic(value * _MARGIN, _RADIUS_BITS) for value in wide)
 
 
-def _contains(form: Candidate, candidate: Candidate, table: DerivativeTable, kept: Sequence[int]) -> bool:
-    """Whether the box of `form` contains that of `candidate`; `table` are derivatives of H on the latter.
+def _images(form: Candidate, candidate: Candidate, table: DerivativeTable, kept: Sequence[int]) -> list[arb] | None:
+    """The coordinates p of `form` on the box of `candidate`; `table` are derivatives of H on the latter.
 
     With h = H(0) + sum s_j p_j + Q, Q in the second-order remainder, and T the inverse of the new frame,
     p_i' = T_i0 (H(0) - h_c + Q) + sum_j (T_i0 s_j + L_ij) p_j, where L is T times the kept rows of the old frame.
@@ -152,11 +190,12 @@ def _contains(form: Candidate, candidate: Candidate, table: DerivativeTable, kep
             index = tuple((i == n) + (j == n) for n in range(size))
             remainder = remainder + table.box[index] * sides[i] * sides[j] / 2
     offset = table.centre[(0,) * size] - enclose(form.centre[0]) + remainder
-    for i, radius in enumerate(form.radii):
+    images = []
+    for i in range(size):
         rows = [column[i] if column is not None else None for column in inverse]
         first, *others = rows
         if first is None or any(value is None for value in others):
-            return False
+            return None
         value = enclose(first) * offset
         for j, side in enumerate(sides):
             direct = sum(
@@ -164,9 +203,8 @@ def _contains(form: Candidate, candidate: Candidate, table: DerivativeTable, kep
             )
             unit = tuple(int(j == n) for n in range(size))
             value = value + (enclose(first) * table.centre[unit] + enclose(direct)) * side
-        if not is_inside(value, radius):
-            return False
-    return True
+        images.append(value)
+    return images
 
 
 def coordinates_in_box(candidate: Candidate, point: Mapping[str, arb]) -> list[arb]:

@@ -76,8 +76,14 @@ class BifurcationResults:
         }
 
 
-def theorem_of(candidate: Candidate) -> Theorem | Reason:
-    """The theorem that a candidate claims, or why none of those that can be checked applies."""
+def theorem_of(candidate: Candidate, form: Candidate | None = None) -> Theorem | Reason:
+    """The theorem that a candidate claims, or why none of those that can be checked applies.
+
+    `form` is its level form, if that is what is checked.
+    """
+    if form is not None:
+        theorem = theorem_of(form)
+        return theorem if isinstance(theorem, Reason) else in_own_box(theorem)
     kind, k = candidate.kind, candidate.k
     if (kind == "symmetry_breaking") != (k == 1):
         return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking has k = 1, the other kinds k > 1")
@@ -89,6 +95,12 @@ def theorem_of(candidate: Candidate) -> Theorem | Reason:
         message = f"at odd k = {k} >= 5 the second derivative G_11 vanishes: touch-and-go cannot happen"
         return Reason("theorem", message, "claim period_tupling for odd k >= 5 (section 11)")
     return Theorem(_statement(candidate), _hypotheses(candidate))
+
+
+def in_own_box(theorem: Theorem) -> Theorem:
+    """A theorem about a level form as one about the box of the candidate that was rewritten (section 12.3)."""
+    statement = f"{theorem.statement} The candidate's own box lies in this box and contains the bifurcation point."
+    return Theorem(statement, (*theorem.hypotheses, "level-box", "candidate-box"))
 
 
 def _hypotheses(candidate: Candidate) -> tuple[str, ...]:

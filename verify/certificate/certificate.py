@@ -272,7 +272,7 @@ def is_proof_of(certificate: Certificate, candidate: Candidate) -> bool:
     """Whether a stored certificate proves exactly this candidate, by exactly this software."""
     entry = certificate.to_json()
     form = level_form(candidate) if "level_form" in entry["statement"] else None
-    theorem = theorem_of(form or candidate)
+    theorem = theorem_of(candidate, form)
     return (
         isinstance(theorem, Theorem)
         and certificate.proved

@@ -18,8 +18,9 @@ from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import (
     BifurcationResults,
     check_exactly,
+    check_own_box,
     coordinates_in_box,
-    in_box,
+    in_own_box,
     level_form,
     level_spread,
     prove,
@@ -65,7 +66,7 @@ _MOST_BITS_ACROSS = 32
 """It is not if P_2 is narrower than P_0 by more bits than that."""
 
 _AT_THE_PARAMETER = (
-    *("candidate-box", "C2", "C3", "C4", "HC2", "HC3", "HC4", "point"),
+    *("level-box", "candidate-box", "C2", "C3", "C4", "HC2", "HC3", "HC4", "point"),
     *("dH/dp_0", "h_fp'", "h_b'", "h_b''", "G_11", "G_01", "G_111"),
 )
 """Hypotheses that depend on what the bifurcation parameter is; the others fail in both forms."""
@@ -373,18 +374,24 @@ def _attempt(
 
 
 def for_origin(origin: Candidate, outcome: Outcome[BifurcationResults], precision: int) -> Outcome[BifurcationResults]:
-    """The outcome for a candidate whose level form was checked: the point has to lie in its own box too."""
+    """The outcome for a candidate whose level form was checked: that it holds for its own box has to be shown too."""
     if isinstance(outcome, NotProved):
         return outcome
+    form = level_form(origin)
+    if form is None:
+        reason = Reason("level-box", "the candidate has no level form", "verify it with --level coordinates")
+        return NotProved(reason, outcome.hypotheses)
+    checklist = Checklist()
+    checklist.hypotheses += outcome.hypotheses
     with guarded(precision):
-        if in_box(origin, outcome.results.point):
-            return outcome
-        missing = _missing_bits(origin, outcome.results.point)
-    message = "the bifurcation is in the box of the level form, but was not shown to be in the candidate's own box"
-    reason = Reason("candidate-box", message, "move the centre to the bifurcation point")
-    if missing is not None:
-        reason = replace(reason, needs_precision=True, enough_precision=precision + missing)
-    return NotProved(reason, outcome.hypotheses)
+        try:
+            check_own_box(checklist, origin, form, outcome.results.point)
+        except NotEstablishedError as error:
+            reason, missing = error.reason, _missing_bits(origin, outcome.results.point)
+            if reason.condition == "candidate-box" and missing is not None:
+                reason = replace(reason, needs_precision=True, enough_precision=precision + missing)
+            return NotProved(reason, tuple(checklist.hypotheses))
+    return Proved(in_own_box(outcome.theorem), outcome.results, tuple(checklist.hypotheses))
 
 
 def _missing_bits(origin: Candidate, point: Mapping[str, arb]) -> int | None:
