@@ -134,8 +134,13 @@ def write_atlas(path: Path, atlas: Atlas) -> None:
     write_text(path, rest.replace('\n "pieces": []', f'\n "pieces": [\n{pieces}\n ]', 1) + "\n")
 
 
-def atlas_from_json(entry: Mapping[str, Any], source: str) -> Atlas:
-    """An `Atlas` from a schema-valid JSON document; `source` begins the text of errors (`InputError`)."""
+def atlas_from_json(
+    entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = BRANCH_SYSTEMS
+) -> Atlas:
+    """An `Atlas` about one of `systems` from a schema-valid JSON document; `source` begins the text of errors.
+
+    Raises `InputError`.
+    """
 
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}: field {name}: {why}; {remedy}")
@@ -148,12 +153,12 @@ def atlas_from_json(entry: Mapping[str, Any], source: str) -> Atlas:
         why = "a surface has its parameters in its pieces" if surface else "missing"
         refuse("parameters", why, "leave it out here" if surface else "give all but the family parameter")
     if surface:
-        found = BRANCH_SYSTEMS.get(entry["system"])
+        found = systems.get(entry["system"])
         if found is None:
-            refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(BRANCH_SYSTEMS)}")
+            refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(systems)}")
         system, parameters = found, dict[str, Fraction]()
     else:
-        system, parameters = read_system(entry, f"{source}: field atlas", BRANCH_SYSTEMS)
+        system, parameters = read_system(entry, f"{source}: field atlas", systems)
         for name, value in parameters.items():
             check_length(value, f"{source}: field parameters.{name}")
     claim = claim_from_json(entry["claim"], system, f"{source}: field claim")

@@ -229,13 +229,15 @@ def read_system(
     return system, parameters
 
 
-def candidate_from_json(entry: Mapping[str, Any], source: str) -> Candidate:
-    """A `Candidate` from a schema-valid JSON object; raises `InputError` that names the field."""
+def candidate_from_json(
+    entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
+) -> Candidate:
+    """A `Candidate` about one of `systems`, from a schema-valid JSON object; `InputError` names the field."""
 
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    system, parameters = read_system(entry, source)
+    system, parameters = read_system(entry, source, systems)
     if not entry["id"].isprintable():
         refuse("id", f"{entry['id']!r} has characters that cannot be printed", "use letters, digits and signs")
     kind, k = entry["kind"], entry["k"]

@@ -1,7 +1,7 @@
 """Systems: vector field, symmetries, section, parameters, as values and as straight-line programs."""
 
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS
-from orbitproof.shared.systems.program import Program, record
+from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
 from orbitproof.shared.systems.system import (
     CR3BP,
@@ -10,6 +10,7 @@ from orbitproof.shared.systems.system import (
     MASS_PARAMETERS,
     SYSTEMS,
     DerivedParameter,
+    ParameterRange,
     ReversibleSystem,
 )
 
@@ -23,8 +24,10 @@ __all__ = [
     "REGULARISATIONS",
     "SYSTEMS",
     "DerivedParameter",
+    "ParameterRange",
     "Program",
     "Regularisation",
     "ReversibleSystem",
+    "Variable",
     "record",
 ]

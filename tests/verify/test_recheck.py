@@ -8,17 +8,18 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import orbitproof.verify.certificate.rechecking
 import pytest
 from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
+from orbitproof.verify.certificate.rechecking import Recheck, recheck
 
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate, digest, write_certificates
 from orbitproof.verify.certificate.certify import Limits, certify
-from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
@@ -171,11 +172,11 @@ FORGERIES: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "an enclosure left out": (lambda e: hypothesis(e, "C3")["enclosures"].pop("g_0"), "g_0"),
     "an enclosure added": (lambda e: hypothesis(e, "C3")["enclosures"].update(more=e["results"]["parameter"]), "more"),
     "words of a hypothesis": (lambda e: hypothesis(e, "C3").update(statement="anything"), "C3"),
-    "name of a hypothesis": (lambda e: hypothesis(e, "C3").update(name="C5"), "C3"),
+    "name of a hypothesis": (lambda e: hypothesis(e, "C3").update(name="C5"), "hypotheses"),
     "a hypothesis left out": (lambda e: e["hypotheses"].remove(hypothesis(e, "regular-2")), "hypotheses"),
     "a hypothesis added": (lambda e: e["hypotheses"].append(hypothesis(e, "C3")), "hypotheses"),
-    "k": (lambda e: e["statement"]["candidate"].update(k=4, kind="period_tupling"), "verdict"),
-    "kind": (lambda e: e["statement"]["candidate"].update(kind="period_tupling"), "verdict"),
+    "k": (lambda e: e["statement"]["candidate"].update(k=4, kind="period_tupling"), "hypotheses"),
+    "kind": (lambda e: e["statement"]["candidate"].update(kind="period_tupling"), "statement.candidate"),
     "radii that are too small": (lambda e: e["statement"]["candidate"].update(radii=["0x1p-80", "0x1p-90"]), "verdict"),
     "radii that are a little smaller": (
         lambda e: e["statement"]["candidate"].update(radii=["9.9e-12", "1e-15"]), "hypothesis",

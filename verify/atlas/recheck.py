@@ -1,111 +1,276 @@
-"""Certificates of atlases checked again: from what they carry, or by another integration.
+"""Certificates of atlases checked again: curves, libration families, surfaces (section 13).
 
-The first level integrates nothing: the conclusion is evaluated again from the stored results, and compared. The second
-one proves every stored interval again, at another precision and order, and concludes from that. It is what finds a
-certificate in which pieces or results were changed together with the digest.
+The form: digest, schema, names of the hypotheses, and the certificates that the file rests on. The conclusion: it is
+made again from the stored results and from the certificates that the file carries, and the certificate that results is
+compared with the stored one in every word and number. The integration: every stored interval is proved again, at
+another precision, order and width; the bounds and enclosures that are found have to lie within the stored ones; and so
+have the certificates of the bifurcations on the curve.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
-from orbitproof.verify.atlas.certificate import AtlasCertificate, Result
+from orbitproof.shared.formats import Atlas, atlas_from_json, validate_document
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import BRANCH_SYSTEMS
+from orbitproof.verify.atlas.certificate import SCHEMA, Result, make_atlas_certificate
 from orbitproof.verify.atlas.splitting import covers, interval_of
 from orbitproof.verify.atlas.task import RunLimits, result_of, task_of
-from orbitproof.verify.curve import PieceLimits
-from orbitproof.verify.engines import Answer, Display, Engine, Task, Work
+from orbitproof.verify.certificate import (
+    UNKNOWN,
+    CannotBeCheckedError,
+    Certificate,
+    Examination,
+    Finding,
+    Recheck,
+    climb,
+    confirmed,
+    differences,
+    digest_findings,
+    other_software,
+    statement_differences,
+    systems_with,
+)
+from orbitproof.verify.curve import PieceLimits, curve_hypotheses
+from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.evidence import ball_from_json
-from orbitproof.verify.surface import SurfaceLimits
+from orbitproof.verify.surface import SurfaceLimits, surface_hypotheses, unshown
 
 _MORE_BITS = 32
 _MORE_ORDER = 4
-_NOT_COMPARED = ("ends", "statement", "bifurcations")
-"""What depends on the bifurcations that are asked about."""
+_MORE_WIDTH = 8
+"""What the second integration has more: it has to find bounds that are no larger than the stored ones."""
 
-Conclusion = Mapping[str, Any]
+_LARGEST = 4096
+"""No setting of the integrator is larger."""
+
+Document = Mapping[str, Any]
 
 
-def differences(stored: AtlasCertificate, again: Conclusion, with_bifurcations: bool) -> list[str]:
-    """What the stored conclusion says otherwise than `again`, which was made of the stored results.
+@dataclass(frozen=True)
+class Means:
+    """How a check has done what takes time.
 
-    `with_bifurcations`: whether `again` is about the same bifurcations.
+    Attributes:
+        conclude: what results and certificates of bifurcations give together, as JSON.
+        prove: does tasks, in any order; the second argument is called with each answer.
+        recheck: certificates of bifurcations, with another integration.
+        timeout: seconds for an interval, or `None`.
     """
-    document = stored.document
-    before = document["conclusion"]
-    if before is None:
-        return ["the run was not finished, so there is no conclusion; run the same command again"]
-    same = [key for key in again if with_bifurcations or key not in _NOT_COMPARED]
-    found = [f"{key}: differs from what the results give" for key in same if before.get(key) != again[key]]
-    if document["verdict"] != again["verdict"]:
-        found.append(f"verdict: stored is {document['verdict']!r}, the results give {again['verdict']!r}")
-    if document["statement"].get("theorem", "") != before["statement"]:
-        found.append("theorem: is not the statement of the conclusion")
-    return found
+
+    conclude: Callable[[Atlas, Sequence[Result], Sequence[Certificate]], Document]
+    prove: Callable[[Sequence[Task], Callable[[Answer], str]], None]
+    recheck: Callable[[Sequence[Certificate]], Sequence[Recheck]]
+    timeout: float | None = None
 
 
-def proved_again(
-    stored: AtlasCertificate, engine: Engine, display: Display, work: Work, timeout: float | None
-) -> tuple[list[Result], list[str]]:
-    """The proved intervals, proved once more with other settings; and for which of them that failed."""
-    atlas = stored.atlas
+def recheck_atlas(document: Document, given: Sequence[Certificate], integrate: bool, means: Means) -> Recheck:
+    """Check the certificate of an atlas that fits the schema again.
+
+    `given` are certificates of bifurcations from elsewhere: a file of before, which carries none, rests on them.
+    """
+    steps = [partial(_form, document), partial(_conclusion, document, given, means)]
+    if integrate:
+        steps.append(partial(_integration, document, given, means))
+    return climb(str(document["id"]), str(document["verdict"]), steps)
+
+
+def atlas_of(document: Document) -> Atlas:
+    """The claim of a certificate. Raises `InputError`, `ValueError` or `CannotBeCheckedError` if there is none."""
+    stated, where = document["statement"]["atlas"], "statement.atlas"
+    validate_document(stated, "atlas", where)
+    return atlas_from_json(stated, where, systems_with(BRANCH_SYSTEMS, document["statement"], stated))
+
+
+def _form(document: Document, examination: Examination) -> Iterator[Finding]:
+    yield from digest_findings(document)
+    validate_document(document, SCHEMA, "the certificate")
+    atlas = atlas_of(document)
+    known = {piece.id for piece in atlas.pieces}
+    for index, result in enumerate(document["results"]):
+        if result["piece"] not in known:
+            yield Finding(f"results[{index}].piece", "no such piece in the atlas")
+        settings = (result["computation"].get(name, 1) for name in ("precision", "order", "width", "top", "steps"))
+        if not all(0 <= value <= _LARGEST for value in settings):
+            yield Finding(f"results[{index}].computation", "the settings of the integrator are not possible")
+    conclusion = document["conclusion"]
+    if conclusion is None:
+        yield Finding("conclusion", "the run was not finished, so there is none; run the same command again")
+        return
+    for index, entry in enumerate(document.get("rests_on", ())):
+        Certificate.from_json(entry, f"rests_on[{index}]")
+    if "rests_on" in document:
+        listed = [entry["id"] for entry in conclusion["bifurcations"]]
+        carried = [entry["id"] for entry in document["rests_on"]]
+        if listed != carried:
+            yield Finding("rests_on", f"carries {', '.join(carried) or 'nothing'}; listed: {', '.join(listed)}")
+    names = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
+    expected = list((surface_hypotheses if atlas.is_surface else curve_hypotheses)(atlas))
+    if document["verdict"] == "proved" and names != expected:
+        yield Finding("hypotheses", f"stored are {', '.join(names)}; the theorem takes {', '.join(expected)}")
+
+
+def _conclusion(
+    document: Document, given: Sequence[Certificate], means: Means, examination: Examination
+) -> Iterator[Finding]:
+    atlas = atlas_of(document)
+    if atlas.system.name not in BRANCH_SYSTEMS:
+        examination.notes += (f"{atlas.system.name}: {UNKNOWN}",)
+    bifurcations = _rests_on(document, given, examination)
+    yield from _other_certificates(document, given)
+    if atlas.is_surface:
+        pieces = {piece.id: piece for piece in atlas.surface_pieces()}
+        for index, result in enumerate(document["results"]):
+            for number, part in enumerate(result.get("parts", ())):
+                place = f"results[{index}].parts[{number}]"
+                yield from (Finding(place, text) for text in unshown(pieces[result["piece"]], part))
+    conclusion = means.conclude(atlas, document["results"], bifurcations)
+    examination.hypotheses = len(conclusion["hypotheses"])
+    again = make_atlas_certificate(atlas, document["results"], conclusion, bifurcations)
+    # The statement is compared by itself; what made the file may differ; of older files the notes say what they lack.
+    apart = ("statement", "software", "digest", "rests_on")
+    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, again))
+    found = [
+        *statement_differences(document["statement"], again["statement"]),
+        *differences(old, new, ""),
+    ]
+    yield from found
+    if found:
+        yield from other_software(document)
+
+
+def _rests_on(document: Document, given: Sequence[Certificate], examination: Examination) -> Sequence[Certificate]:
+    """The certificates of bifurcations that the conclusion was made with."""
+    if "rests_on" in document:
+        return [Certificate.from_json(entry, "rests_on") for entry in document["rests_on"]]
+    listed = document["conclusion"]["bifurcations"]
+    if listed and not given:
+        raise CannotBeCheckedError(
+            f"it rests on the certificates of {len(listed)} bifurcations and, an older file, does not carry them: "
+            "give them with --bifurcations FILE"
+        )
+    if given:
+        note = "an older file, it does not record which certificates it rests on; those that were given are used"
+        examination.notes += (note,) if note not in examination.notes else ()
+    return given
+
+
+def _other_certificates(document: Document, given: Sequence[Certificate]) -> Iterator[Finding]:
+    """Where a file carries other certificates than those that were given beside it."""
+    if "rests_on" not in document or not given:
+        return
+    carried = {entry["id"]: entry["digest"] for entry in document["rests_on"]}
+    beside = {entry.id: entry.to_json().get("digest") for entry in given}
+    for name in sorted({*carried, *beside}):
+        if carried.get(name) != beside.get(name):
+            yield Finding("rests_on", f"{name}: the certificate is {carried.get(name)}, given is {beside.get(name)}")
+
+
+def _integration(
+    document: Document, given: Sequence[Certificate], means: Means, examination: Examination
+) -> Iterator[Finding]:
+    atlas = atlas_of(document)
+    tasks, before = _tasks(document, atlas, means.timeout)
+    examination.precision = min((task.argument["integrator"]["precision"] for task in tasks), default=0)
+    results: list[Result] = []
+    findings: list[Finding] = []
+
+    def finished(answer: Answer) -> str:
+        fresh = result_of(answer)
+        results.append(fresh)
+        findings.extend(_interval_findings(before[answer.task.name], fresh))
+        return f"{fresh['verdict']} again"
+
+    means.prove(tasks, finished)
+    yield from findings
+    if findings or document["verdict"] != "proved":
+        return
+    conclusion = means.conclude(atlas, results, [])
+    if conclusion["verdict"] != "proved":
+        yield Finding("integration", f"the theorem is not proved again: {conclusion['reason']['message']}")
+    on_curve = {entry["id"] for entry in document["conclusion"]["bifurcations"] if entry["on_curve"]}
+    bifurcations = [entry for entry in _rests_on(document, given, examination) if entry.id in on_curve]
+    for check in means.recheck(bifurcations):
+        problems = check.findings or ((Finding("the certificate", check.obstacle),) if check.obstacle else ())
+        yield from (Finding(f"bifurcation {check.id}, {entry.place}", entry.message) for entry in problems)
+
+
+def _tasks(document: Document, atlas: Atlas, timeout: float | None) -> tuple[list[Task], dict[str, Result]]:
+    """The proved intervals as tasks with other settings, and the stored result of each by the name of its task."""
     pieces = {piece.id: piece for piece in atlas.pieces}
     names = asdict(SurfaceLimits() if atlas.is_surface else PieceLimits())
-    waiting: list[Task] = []
-    before: dict[tuple[str, tuple[str, ...]], Result] = {}
-    for result in proved_of(stored):
-        settings = {name: int(result["computation"].get(name, value)) for name, value in names.items()}
-        settings = {
-            **settings,
-            "precision": settings["precision"] + _MORE_BITS,
-            "order": settings["order"] + _MORE_ORDER,
-        }
-        steps = int(result["computation"].get("steps", 1))
-        limits = RunLimits({}, timeout)
-        task = task_of(atlas, pieces[result["piece"]], interval_of(result), settings, limits, max(1, steps))
-        before[result["piece"], tuple(task.argument["interval"])] = result
-        waiting.append(task)
-    results: list[Result] = []
-    findings: list[str] = []
-
-    def source() -> Task | None:
-        return waiting.pop(0) if waiting else None
-
-    def finished(answer: Answer) -> None:
-        fresh = result_of(answer)
-        asked = answer.task.argument["interval"]
-        where = f"piece {fresh['piece']}, s in [{', '.join(asked)}]"
-        if fresh["verdict"] != "proved":
-            findings.append(f"{where}: is not proved again: {fresh['reason']['message']}")
-        else:
-            results.append(fresh)
-            findings.extend(f"{where}: {text}" for text in _contradictions(before[fresh["piece"], tuple(asked)], fresh))
-        display.finish(name_of(fresh["piece"], asked), f"{fresh['verdict']} again")
-
-    def progress(name: str, fraction: float, label: str) -> None:
-        """Which interval of the piece it is does not matter to the estimate."""
-
-    engine.run(work, source, progress, finished)
-    return results, findings
+    more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
+    tasks, before = [], {}
+    for number, result in enumerate(entry for entry in document["results"] if entry["verdict"] == "proved"):
+        made = result["computation"]
+        settings = {name: int(made.get(name, value)) + more.get(name, 0) for name, value in names.items()}
+        steps = max(1, int(made.get("steps", 1)))
+        task = task_of(atlas, pieces[result["piece"]], interval_of(result), settings, RunLimits({}, timeout), steps)
+        argument = dict(task.argument)
+        if atlas.system.name not in BRANCH_SYSTEMS:
+            argument["stated"] = _stated(document)
+        if "parts" in result:
+            argument["parts"] = [part["interval"] for part in result["parts"]]
+        name = f"{number + 1}: {result['piece']} [{', '.join(result['interval'])}]"
+        tasks.append(Task(name, argument))
+        before[name] = result
+    return tasks, before
 
 
-def proved_of(stored: AtlasCertificate) -> Sequence[Result]:
-    """The results that say "proved"."""
-    return [result for result in stored.results if result["verdict"] == "proved"]
+def _stated(document: Document) -> dict[str, Any]:
+    """What a process needs to have the system of the file."""
+    claim = document["statement"]["atlas"]
+    return {
+        "statement": {key: value for key, value in document["statement"].items() if key not in ("atlas", "theorem")},
+        "claim": {**claim, "pieces": claim["pieces"][:1]},
+    }
 
 
-def name_of(piece: str, interval: Sequence[str]) -> str:
-    """What progress calls an interval."""
-    return f"{piece} [{', '.join(interval)}]"
-
-
-def _contradictions(stored: Result, fresh: Result) -> list[str]:
-    found = []
+def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
+    """What a new proof of an interval does not confirm."""
+    place = f"piece {stored['piece']}, s in [{', '.join(stored['interval'])}]"
+    if fresh["verdict"] != "proved":
+        yield Finding(place, f"is not proved again: {fresh['reason']['message']}")
+        return
     if not covers([interval_of(fresh)], interval_of(stored)):
-        found.append("is proved on less than that")
-    if "time" in stored and "time" in fresh:
-        old, new = (ball_from_json(result["time"]) for result in (stored, fresh))
-        if old.overlaps(new) is not True:
-            found.append("the half periods have no common point")
-    return found
+        yield Finding(place, "is proved on less than that")
+    yield from confirmed(ball_from_json(stored["time"]), ball_from_json(fresh["time"]), f"{place}, half period")
+    for key in ("deviation", "slope_deviation"):
+        if len(stored.get(key, ())) != len(fresh.get(key, ())):
+            yield Finding(place, f"another number of bounds {key}")
+        for j, (old, new) in enumerate(zip(stored.get(key, ()), fresh.get(key, ()), strict=False), start=1):
+            if parse_exact(new) > parse_exact(old):
+                sizes = (
+                    f"stored is {float(parse_exact(old)):.6g}, the new integration finds {float(parse_exact(new)):.6g}"
+                )
+                yield Finding(f"{place}, {key} {j}", sizes)
+    for part in stored.get("parts", ()):
+        inside = [entry for entry in fresh["parts"] if covers([interval_of(part)], interval_of(entry))]
+        where = f"{place}, part [{', '.join(part['interval'])}]"
+        if not covers([interval_of(entry) for entry in inside], interval_of(part)):
+            yield Finding(where, "is not proved again on all of it")
+        for entry in inside:
+            yield from _part_findings(part, entry, where)
+
+
+def _part_findings(stored: Document, fresh: Document, place: str) -> Iterator[Finding]:
+    if stored["side"] != fresh["side"]:
+        yield Finding(f"{place}, side", f"stored is {stored['side']!r}, found {fresh['side']!r}")
+    balls: list[tuple[str, Any, Any]] = [
+        (f"p_{i}", old, new) for i, (old, new) in enumerate(zip(stored["point"], fresh["point"], strict=True))
+    ]
+    if list(stored["hypotheses"]) != list(fresh["hypotheses"]):
+        yield Finding(place, f"stored hypotheses are {', '.join(stored['hypotheses'])}")
+        return
+    for name, old_balls in stored["hypotheses"].items():
+        new_balls = fresh["hypotheses"][name]
+        if set(old_balls) != set(new_balls):
+            yield Finding(f"{place}, {name}", "has other enclosures than the new proof")
+            continue
+        balls += [(f"{name}, {key}", old, new_balls[key]) for key, old in old_balls.items()]
+    for name, old, new in balls:
+        yield from confirmed(ball_from_json(old), ball_from_json(new), f"{place}, {name}")

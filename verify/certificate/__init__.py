@@ -14,8 +14,20 @@ from orbitproof.verify.certificate.certify import (
     LEVELS,
     Limits,
 )
-from orbitproof.verify.certificate.rechecking import Recheck, recheck
+from orbitproof.verify.certificate.levels import (
+    CannotBeCheckedError,
+    Examination,
+    Finding,
+    Level,
+    Recheck,
+    climb,
+    confirmed,
+    differences,
+    other_software,
+)
+from orbitproof.verify.certificate.rechecking import UNKNOWN, digest_findings, recheck, statement_differences
 from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
+from orbitproof.verify.certificate.stated_system import system_names, systems_with
 from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table
 
@@ -23,17 +35,30 @@ __all__ = [
     "GREATEST_PRECISION",
     "LEAST_PRECISION",
     "LEVELS",
+    "UNKNOWN",
+    "CannotBeCheckedError",
     "Certificate",
     "Computation",
+    "Examination",
+    "Finding",
+    "Level",
     "Limits",
     "Recheck",
     "certify_all",
+    "climb",
+    "confirmed",
+    "differences",
     "digest",
+    "digest_findings",
     "is_proof_of",
+    "other_software",
     "read_certificates",
     "recheck",
     "recheck_all",
     "recheck_table",
+    "statement_differences",
+    "system_names",
+    "systems_with",
     "tables_from_json",
     "verdict_table",
     "write_certificates",

@@ -24,6 +24,7 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.verify.bifurcation import BifurcationResults, level_form, theorem_of
+from orbitproof.verify.certificate.stated_system import system_names
 from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import (
@@ -225,6 +226,7 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
         "reversing_symmetry": list(system.reversing_symmetry),
         "symmetry": None if candidate.symmetry is None else list(system.symmetries[candidate.symmetry]),
         "section": system.section,
+        "names": system_names(system),
     }
     if form is not None:
         claim["level_form"] = form.to_json(provenance=False)

@@ -1,22 +1,23 @@
-"""Certificates checked again (section 13): from what they carry, or by another integration.
+"""Certificates of candidates checked again (section 13).
 
-The first level integrates nothing. It evaluates every hypothesis again from the stored tables of
-derivatives, by the functions that made the certificate, and compares all that is stored with what
-comes out. The second level encloses the tables again, at another precision and order: the new
-enclosures have to overlap the stored ones and to prove the claim again.
+The form: digest, schema, the names of the hypotheses. The conclusion: every hypothesis is evaluated again from the
+stored tables of derivatives, by the functions that made the certificate, and the certificate that results is compared
+with the stored one in every word and number. The integration: the tables are enclosed again, at another precision and
+order; they have to overlap the stored ones, prove the claim again, and confirm the results.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
-from flint import arb
 
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
-from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, level_form, prove
+from orbitproof.shared.formats import Candidate, candidate_from_json, validate_document
+from orbitproof.shared.systems import SYSTEMS
+from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, level_form, prove, theorem_of
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certify import (
     GREATEST_PRECISION,
@@ -24,6 +25,17 @@ from orbitproof.verify.certificate.certify import (
     broken_off,
     for_origin,
 )
+from orbitproof.verify.certificate.levels import (
+    Examination,
+    Finding,
+    Recheck,
+    climb,
+    confirmed,
+    differences,
+    other_software,
+    overlap,
+)
+from orbitproof.verify.certificate.stated_system import systems_with
 from orbitproof.verify.certificate.tables import derivative_name, tables_from_json
 from orbitproof.verify.evidence import (
     Checklist,
@@ -32,10 +44,9 @@ from orbitproof.verify.evidence import (
     NotProved,
     Outcome,
     Proved,
+    Theorem,
     ball_from_json,
-    decimal_interval,
     guarded,
-    software,
 )
 from orbitproof.verify.poincare import DerivativeTable, Enclosures, IntegratorSettings, enclose_iterates
 
@@ -44,101 +55,66 @@ _LEAST_MORE_PRECISION = 32
 _MORE_ORDER = 6
 """The second integration has an eighth more bits, and a sixth more terms in time."""
 
-Entry = dict[str, Any]
+Entry = Mapping[str, Any]
 """A certificate as JSON."""
 
 _WITHOUT_INTEGRATION = ("symmetries", "frames", "adapted-frames")
 
-
-@dataclass(frozen=True)
-class Finding:
-    """Something in a certificate that is not as it should be: where it stands, and what is wrong."""
-
-    place: str
-    message: str
-
-
-@dataclass(frozen=True)
-class Recheck:
-    """What checking one certificate again has shown; it stands if there is no finding.
-
-    Attributes:
-        id: the certificate's id.
-        verdict: the stored verdict.
-        hypotheses: how many hypotheses were evaluated again.
-        findings: everything that is not as it should be, in the order of checking.
-        precision: bits of the second integration, 0 without one.
-    """
-
-    id: str
-    verdict: str
-    hypotheses: int
-    findings: tuple[Finding, ...]
-    precision: int = 0
-
-    @property
-    def stands(self) -> bool:
-        """Whether all that was checked is as it should be."""
-        return not self.findings
+_WITHOUT_TABLES = "nothing shows why it is not proved: it carries no enclosures"
 
 
 def recheck(
     certificate: Certificate, integrate: bool = False, progress: Callable[[float], None] | None = None
 ) -> Recheck:
-    """Check a certificate again; with `integrate`, the second level too.
+    """Check a certificate again, up to the conclusion; with `integrate`, the last level too.
 
     An exception of any kind is a finding: what could not be checked does not stand.
     """
-    try:
-        return _recheck(certificate.to_json(), integrate, progress)
-    except Exception as error:
-        finding = Finding("the check", broken_off("check", error).message)
-        return Recheck(certificate.id, certificate.verdict, 0, (finding,))
+    entry = certificate.to_json()
+    steps = [partial(_form, entry), partial(_conclusion, entry)]
+    if integrate:
+        steps.append(partial(_integration, entry, progress))
+    return climb(certificate.id, certificate.verdict, steps)
 
 
-def _recheck(certificate: Entry, integrate: bool, progress: Callable[[float], None] | None) -> Recheck:
-    name, verdict = str(certificate["id"]), str(certificate["verdict"])
-    findings = list(_digest_findings(certificate))
-    try:
-        candidate = candidate_from_json(_stored_candidate(certificate), "statement.candidate")
-        form = level_form(candidate) if "level_form" in certificate["statement"] else None
-        stored = _stored_enclosures(certificate, candidate)
-    except (InputError, ValueError) as error:
-        return Recheck(name, verdict, 0, (*findings, Finding("the certificate", str(error))))
-    if verdict == "proved" and stored is None:
-        findings.append(Finding("enclosures", "there are none, so nothing shows that the claim is proved"))
-        return Recheck(name, verdict, 0, tuple(findings))
-    precision = certificate["computation"]["precision"]
-    claim = form or candidate
-    outcome = _conclude(claim, precision if stored else LEAST_PRECISION, stored)
-    if form is not None:
-        outcome = for_origin(candidate, outcome, precision)
-    again = make_certificate(candidate, outcome, certificate["computation"], stored, form).to_json()
-    differences = list(_compare(certificate, again, stored is not None))
-    findings += [*differences, *_other_software(certificate)] if differences else []
-    if not integrate or stored is None or findings:
-        return Recheck(name, verdict, len(outcome.hypotheses), tuple(findings))
-    settings = IntegratorSettings(
-        precision + max(_LEAST_MORE_PRECISION, precision // _MORE_PRECISION),
-        stored.order + max(1, stored.order // _MORE_ORDER),
-    )
-    findings += _integrate_again(certificate, claim, stored, settings, progress)
-    return Recheck(name, verdict, len(outcome.hypotheses), tuple(findings), settings.precision)
-
-
-def _digest_findings(certificate: Entry) -> Iterator[Finding]:
-    if "digest" not in certificate:
-        yield Finding("digest", "is missing; verify the candidates again to have certificates that can be checked")
-    elif certificate["digest"] != digest(certificate):
+def digest_findings(document: Mapping[str, Any]) -> Iterator[Finding]:
+    """Whether a certificate of any kind was changed after it was written."""
+    if "digest" not in document:
+        yield Finding("digest", "is missing; prove the claim again to have a certificate that can be checked")
+    elif document["digest"] != digest(document):
         yield Finding("digest", "does not fit the content: the certificate was changed after it was written")
 
 
-def _stored_candidate(certificate: Entry) -> dict[str, Any]:
-    """The candidate of the statement. Raises `ValueError` if it does not fit the schema of candidates."""
-    entry = certificate["statement"]["candidate"]
+@dataclass(frozen=True)
+class _Stated:
+    """A certificate's claim and tables, read.
+
+    Attributes:
+        candidate: the claim.
+        form: its level form, if the hypotheses are about that.
+        enclosures: the tables, if there are any.
+    """
+
+    candidate: Candidate
+    form: Candidate | None
+    enclosures: Enclosures | None
+
+    @property
+    def claim(self) -> Candidate:
+        """What the hypotheses are about."""
+        return self.form or self.candidate
+
+
+def _read(certificate: Entry) -> _Stated:
+    """Raises `ValueError` or `InputError` for what cannot be read, `CannotBeCheckedError` as `systems_with`."""
+    statement = certificate["statement"]
+    entry = statement["candidate"]
     document = {"format": "orbitproof-candidates", "version": 1, "candidates": [entry]}
     validate_document(document, "candidates", "statement.candidate")
-    return dict(entry)
+    systems = systems_with(SYSTEMS, statement, entry)
+    candidate = candidate_from_json(dict(entry), "statement.candidate", systems)
+    form = level_form(candidate) if "level_form" in statement else None
+    return _Stated(candidate, form, _stored_enclosures(certificate, candidate))
 
 
 def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Enclosures | None:
@@ -150,6 +126,48 @@ def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Enclosures |
     if not 1 <= computation["order"] <= GREATEST_PRECISION:
         raise ValueError(f"computation.order: {computation['order']} is not possible")
     return tables_from_json(entry, len(candidate.radii), computation)
+
+
+def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
+    yield from digest_findings(certificate)
+    document = {"format": "orbitproof-certificates", "version": 1, "software": {}, "certificates": [certificate]}
+    validate_document(document, "certificates", "the certificate")
+    stated = _read(certificate)
+    if certificate["verdict"] != "proved":
+        return
+    if stated.enclosures is None:
+        yield Finding("enclosures", "there are none, so nothing shows that the claim is proved")
+    theorem = theorem_of(stated.claim)
+    names = tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"])
+    if not isinstance(theorem, Theorem):
+        yield Finding("statement.candidate", f"{theorem.message}: {theorem.remedy}")
+    elif names != theorem.hypotheses:
+        texts = (", ".join(entries) for entries in (names, theorem.hypotheses))
+        yield Finding("hypotheses", "stored are {}; the theorem takes {}".format(*texts))
+
+
+def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Finding]:
+    stated = _read(certificate)
+    precision = certificate["computation"]["precision"]
+    outcome = _conclude(stated.claim, precision if stated.enclosures else LEAST_PRECISION, stated.enclosures)
+    if stated.form is not None:
+        outcome = for_origin(stated.candidate, outcome, precision)
+    again = make_certificate(
+        stated.candidate, outcome, certificate["computation"], stated.enclosures, stated.form
+    ).to_json()
+    examination.hypotheses = len(outcome.hypotheses)
+    if stated.candidate.system.name not in SYSTEMS:
+        examination.notes += (f"{stated.candidate.system.name}: {UNKNOWN}",)
+    if certificate["verdict"] != "proved" and stated.enclosures is None:
+        examination.notes += (_WITHOUT_TABLES,)
+    found = list(_compare(certificate, again, stated.enclosures is not None))
+    yield from found
+    if found:
+        yield from other_software(certificate)
+
+
+UNKNOWN = "not known here; checked as the file's own program describes it, its name is a name only"
+"""What is said of a system that this installation does not know."""
 
 
 def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | None) -> Outcome[BifurcationResults]:
@@ -167,10 +185,8 @@ def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | Non
 
 def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding]:
     """Differences between a certificate and the one that its tables give."""
-    yield from _differences(stored["id"], again["id"], "id")
-    claim = {key: value for key, value in stored["statement"].items() if key != "theorem"}
-    expected = {key: value for key, value in again["statement"].items() if key != "theorem"}
-    yield from _differences(claim, expected, "statement")
+    yield from differences(stored["id"], again["id"], "id")
+    yield from statement_differences(stored["statement"], again["statement"], ("theorem",))
     old, new = stored["hypotheses"], again["hypotheses"]
     if from_tables:
         yield from _verdict_differences(stored, again)
@@ -181,19 +197,25 @@ def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding
         yield Finding(f"hypothesis {old[len(new)]['name']}", "nothing is stored from which it could be evaluated")
     for left, right in zip(old, new, strict=False):
         if from_tables or right["name"] in _WITHOUT_INTEGRATION:
-            yield from _differences(left, right, f"hypothesis {right['name']}")
+            yield from differences(left, right, f"hypothesis {right['name']}")
     if stored["verdict"] == "proved" and again["verdict"] == "proved":
-        yield from _differences(stored["statement"].get("theorem"), again["statement"]["theorem"], "theorem")
-        yield from _differences(stored["results"], again["results"], "results")
+        yield from differences(stored["statement"].get("theorem"), again["statement"]["theorem"], "theorem")
+        yield from differences(stored["results"], again["results"], "results")
 
 
-def _other_software(certificate: Entry) -> Iterator[Finding]:
-    """What may explain differences: another version rounds or words differently."""
-    made_by = certificate.get("software", {})
-    other = [f"{name} {made_by.get(name)}, here {version}" for name, version in software().items()
-             if made_by.get(name) != version]  # fmt: skip
-    if other:
-        yield Finding("software", f"the certificate was made with {'; '.join(other)}: verify the candidates again")
+def statement_differences(
+    stored: Mapping[str, Any], again: Mapping[str, Any], left_out: tuple[str, ...] = ()
+) -> Iterator[Finding]:
+    """Where the statement of a certificate of any kind differs from what its claim gives.
+
+    Certificates of before have no `names`; those words then stand in the theorem alone, which is compared as well.
+    """
+    optional = set() if "names" in stored else {"names"}
+    old, new = (
+        {key: value for key, value in entry.items() if key not in left_out and key not in optional}
+        for entry in (stored, again)
+    )
+    yield from differences(old, new, "statement")
 
 
 def _verdict_differences(stored: Entry, again: Entry) -> Iterator[Finding]:
@@ -207,80 +229,61 @@ def _verdict_differences(stored: Entry, again: Entry) -> Iterator[Finding]:
         )
 
 
-def _differences(stored: Any, again: Any, place: str) -> Iterator[Finding]:
-    """Where two JSON values differ; a ball is one value."""
-    if stored == again and type(stored) is type(again):
-        return
-    if isinstance(stored, dict) and isinstance(again, dict) and "rad" not in stored:
-        for key in sorted({*stored, *again}):
-            inner = f"{place}, {key}"
-            if key not in stored:
-                yield Finding(inner, "is missing")
-            elif key not in again:
-                yield Finding(inner, "does not belong here")
-            else:
-                yield from _differences(stored[key], again[key], inner)
-        return
-    yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}")
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, dict) and {"mid", "rad"} <= set(value):
-        try:
-            return decimal_interval(ball_from_json(value), _SHOWN_DIGITS)
-        except ValueError:
-            return "not a ball"
-    text = repr(value)
-    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]} ..."
-
-
-_SHOWN_DIGITS = 45
-_LONGEST_SHOWN = 100
-
-
-def _integrate_again(
-    certificate: Entry,
-    candidate: Candidate,
-    stored: Enclosures,
-    settings: IntegratorSettings,
-    progress: Callable[[float], None] | None,
+def _integration(
+    certificate: Entry, progress: Callable[[float], None] | None, examination: Examination
 ) -> Iterator[Finding]:
-    """Whether another integration gives enclosures that overlap the stored ones and prove the claim."""
+    """Whether another integration gives enclosures that overlap the stored ones, and proves and confirms the claim."""
+    stated = _read(certificate)
+    stored = stated.enclosures
+    if stored is None:
+        return
+    precision = certificate["computation"]["precision"]
+    settings = IntegratorSettings(
+        precision + max(_LEAST_MORE_PRECISION, precision // _MORE_PRECISION),
+        stored.order + max(1, stored.order // _MORE_ORDER),
+    )
+    examination.precision = settings.precision
     place = f"integration with {settings.precision} bits and order {settings.order}"
     try:
         with np.errstate(all="ignore"):
-            fresh = enclose_iterates(candidate, settings, progress)
+            fresh = enclose_iterates(stated.claim, settings, progress)
     except IntegrationFailure as error:
         yield Finding(place, error.reason.message)
         return
     except Exception as error:
         yield Finding(place, broken_off("integration", error).message)
         return
-    tables = list(_pairs(stored, fresh))
-    if len(tables) != sum(len(components) for components in stored.iterates) + (stored.first_integral is not None):
-        yield Finding(place, "the tables do not belong to each other")
-    for name, old, new in tables:
-        for part, before, now in (("box", old.box, new.box), ("centre", old.centre, new.centre)):
-            for index, ball in before.items():
-                yield from _overlap(ball, now[index], f"{place}, {derivative_name(index)} of {name}, {part}")
-    if len(stored.return_times) != len(fresh.return_times):
-        yield Finding(place, "another number of crossings")
-    for number, (left, right) in enumerate(zip(stored.return_times, fresh.return_times, strict=False), start=1):
-        yield from _overlap(left, right, f"{place}, time of crossing {number}")
+    yield from _contradictions(stored, fresh, place)
     if certificate["verdict"] != "proved":
         return
-    outcome = _conclude(candidate, settings.precision, fresh)
+    outcome = _conclude(stated.claim, settings.precision, fresh)
+    if stated.form is not None:
+        outcome = for_origin(stated.candidate, outcome, settings.precision)
     if not isinstance(outcome, Proved):
         yield Finding(place, f"the claim is not proved again: {outcome.reason.condition}: {outcome.reason.message}")
         return
     results, found = certificate["results"], outcome.results
     if results["side"] != found.side:
         yield Finding(f"{place}, side", f"stored is {results['side']!r}, found {found.side!r}")
-    yield from _overlap(ball_from_json(results["parameter"]), found.parameter, f"{place}, {found.parameter_name}")
+    yield from confirmed(ball_from_json(results["parameter"]), found.parameter, f"{place}, {found.parameter_name}")
     for group, balls in (("point", found.point), ("normal_form", found.normal_form)):
         for name, ball in balls.items():
             if name in results[group]:
-                yield from _overlap(ball_from_json(results[group][name]), ball, f"{place}, {name}")
+                yield from confirmed(ball_from_json(results[group][name]), ball, f"{place}, {name}")
+
+
+def _contradictions(stored: Enclosures, fresh: Enclosures, place: str) -> Iterator[Finding]:
+    tables = list(_pairs(stored, fresh))
+    if len(tables) != sum(len(components) for components in stored.iterates) + (stored.first_integral is not None):
+        yield Finding(place, "the tables do not belong to each other")
+    for name, old, new in tables:
+        for part, before, now in (("box", old.box, new.box), ("centre", old.centre, new.centre)):
+            for index, ball in before.items():
+                yield from overlap(ball, now[index], f"{place}, {derivative_name(index)} of {name}, {part}")
+    if len(stored.return_times) != len(fresh.return_times):
+        yield Finding(place, "another number of crossings")
+    for number, (left, right) in enumerate(zip(stored.return_times, fresh.return_times, strict=False), start=1):
+        yield from overlap(left, right, f"{place}, time of crossing {number}")
 
 
 def _pairs(stored: Enclosures, fresh: Enclosures) -> Iterator[tuple[str, DerivativeTable, DerivativeTable]]:
@@ -289,9 +292,3 @@ def _pairs(stored: Enclosures, fresh: Enclosures) -> Iterator[tuple[str, Derivat
             yield f"q_{j}(P^{i})", left, right
     if stored.first_integral is not None and fresh.first_integral is not None:
         yield "the first integral", stored.first_integral, fresh.first_integral
-
-
-def _overlap(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
-    if stored.overlaps(fresh) is not True or not fresh.is_finite():
-        shown = (decimal_interval(ball, _SHOWN_DIGITS) for ball in (stored, fresh))
-        yield Finding(place, "stored is {}, disjoint from {}".format(*shown))

@@ -13,7 +13,8 @@ from orbitproof.shared.formats import Candidate, candidate_from_json
 from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, broken_off, certify, not_proved
-from orbitproof.verify.certificate.rechecking import Finding, Recheck, recheck
+from orbitproof.verify.certificate.levels import Finding, Recheck
+from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.engines import Answer, Failure, Processes, Progress, Report, Task
 from orbitproof.verify.evidence import Reason
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.rechecking import Recheck
+from orbitproof.verify.certificate.levels import MEANINGS, Level, Recheck
 from orbitproof.verify.engines import aligned
 from orbitproof.verify.evidence import certain_digits
 
@@ -41,21 +41,38 @@ def verdict_table(
 
 
 def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
-    """What checking certificates again has shown, as plain text; then every finding, or the first ones."""
-    rows = [("certificate", "verdict", "check", "hypotheses", "integrated again")]
-    findings = []
+    """What checking certificates again has shown, as plain text; then every finding, or the first ones.
+
+    Last, for the levels that were climbed, what was checked, how, and what remains to be believed.
+    """
+    rows = [("certificate", "verdict", "check", "level passed", "hypotheses", "integrated again")]
+    remarks: list[str] = []
     for name in names:
         result = rechecks.get(name)
         if result is None:
-            rows.append((name, "", "not finished", "", ""))
+            rows.append((name, "", "not finished", "", "", ""))
             continue
         integrated = f"{result.precision} bits" if result.precision else "no"
-        word = "stands" if result.stands else "DOES NOT STAND"
-        rows.append((name, result.verdict, word, str(result.hypotheses), integrated))
-        findings += [f"{name}: {entry.place}: {entry.message}" for entry in result.findings[:_SHOWN_FINDINGS]]
+        level = f"{result.level:d} {result.level.name.lower()}"
+        rows.append((name, result.verdict, result.word, level, str(result.hypotheses), integrated))
+        remarks += [f"{name}: {entry.place}: {entry.message}" for entry in result.findings[:_SHOWN_FINDINGS]]
         further = len(result.findings) - _SHOWN_FINDINGS
-        findings += [f"{name}: and {further} more"] if further > 0 else []
-    return "\n".join([*aligned(rows), *([""] if findings else []), *findings])
+        remarks += [f"{name}: and {further} more"] if further > 0 else []
+        remarks += [f"{name}: {text}" for text in (result.obstacle, *result.notes) if text]
+    tables = [aligned(rows), remarks, _levels_table(rechecks)]
+    return "\n\n".join("\n".join(lines) for lines in tables if lines)
+
+
+def _levels_table(rechecks: Mapping[str, Recheck]) -> list[str]:
+    """What the levels mean that certificates have passed, up to the highest; nothing if none has."""
+    highest = max((result.level for result in rechecks.values()), default=Level.NONE)
+    if highest is Level.NONE:
+        return []
+    rows = [("level", "what was checked", "how", "what remains to be believed")]
+    for level in list(Level)[1 : highest + 1]:
+        meaning = MEANINGS[level]
+        rows.append((f"{level:d} {level.name.lower()}", meaning.checked, meaning.how, meaning.remains))
+    return aligned(rows)
 
 
 _SHOWN_FINDINGS = 5

@@ -1,0 +1,206 @@
+"""The three levels at which every certificate is checked again: form, conclusion, integration (section 13).
+
+What a certificate is about differs from kind to kind, and so does what the levels do; their order, what passing one
+means, and how stored and new values are compared is the same for all and stands here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import InputError
+from orbitproof.verify.evidence import ball_from_json, bounds, decimal_interval, software
+
+_SHOWN_DIGITS = 45
+_LONGEST_SHOWN = 100
+
+_TOLERANCE = Fraction(1, 2**20)
+"""The part of its own width by which a stored ball may be exceeded: radii are rounded up to 30 bits."""
+
+
+class Level(IntEnum):
+    """How far a certificate was checked; each level includes those before it."""
+
+    NONE = 0
+    FORM = 1
+    CONCLUSION = 2
+    INTEGRATION = 3
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a level looks at, how, and what is still to be believed after it."""
+
+    checked: str
+    how: str
+    remains: str
+
+
+MEANINGS: Mapping[Level, Meaning] = {
+    Level.FORM: Meaning(
+        "schema, digest, names and order of the hypotheses",
+        "read",
+        "all numbers and words",
+    ),
+    Level.CONCLUSION: Meaning(
+        "every word and number that is stated or printed",
+        "derived from what is stored, with the system of the file's own program",
+        "what is stored: that the tables of derivatives, and the proved intervals of curves and surfaces, are true",
+    ),
+    Level.INTEGRATION: Meaning(
+        "what is stored, and what it rests on",
+        "integrated with more bits and a higher order: proved again, and the stored numbers are confirmed",
+        "the theorems, this software, FLINT, Python, the processor",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something in a certificate that is not as it should be: where it stands, and what is wrong."""
+
+    place: str
+    message: str
+
+
+class CannotBeCheckedError(Exception):
+    """Nothing is wrong with a certificate as far as can be seen, but it cannot be checked here; says why."""
+
+
+@dataclass(frozen=True)
+class Recheck:
+    """What checking one certificate again has shown.
+
+    Attributes:
+        id: the certificate's id.
+        verdict: the stored verdict.
+        hypotheses: how many hypotheses were evaluated again.
+        findings: everything that is not as it should be, in the order of checking.
+        precision: least bits of the second integration, 0 without one.
+        level: the last level that it has passed.
+        obstacle: why it cannot be checked further, empty if it can.
+        notes: what a reader should know although nothing is wrong.
+    """
+
+    id: str
+    verdict: str
+    hypotheses: int
+    findings: tuple[Finding, ...]
+    precision: int = 0
+    level: Level = Level.NONE
+    obstacle: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def stands(self) -> bool:
+        """Whether all levels that were asked for were passed."""
+        return not self.findings and not self.obstacle
+
+    @property
+    def word(self) -> str:
+        """The outcome in words."""
+        if self.findings:
+            return "DOES NOT STAND"
+        return "cannot be checked here" if self.obstacle else "stands"
+
+
+@dataclass
+class Examination:
+    """What the levels leave for the result while they are climbed; see `Recheck`."""
+
+    hypotheses: int = 0
+    precision: int = 0
+    notes: tuple[str, ...] = ()
+
+
+Step = Callable[[Examination], Iterable[Finding]]
+"""One level of one certificate. Raises `CannotBeCheckedError` where it must; every other exception is a finding."""
+
+
+def climb(name: str, verdict: str, steps: Sequence[Step]) -> Recheck:
+    """Take the levels one after the other, from `Level.FORM` on, up to the first at which something is found."""
+    examination, level = Examination(), Level.NONE
+    findings: list[Finding] = []
+    obstacle = ""
+    for number, step in enumerate(steps, start=1):
+        try:
+            findings.extend(step(examination))
+        except CannotBeCheckedError as error:
+            obstacle = str(error)
+        except (InputError, ValueError) as error:
+            findings.append(Finding("the certificate", str(error)))
+        except Exception as error:
+            message = f"the check broke off: {type(error).__name__}: {error}"
+            findings.append(Finding("the check", " ".join(message.split()).removesuffix(":")))
+        if findings or obstacle:
+            break
+        level = Level(number)
+    return Recheck(
+        name, verdict, examination.hypotheses, tuple(findings), examination.precision, level, obstacle,
+        examination.notes,
+    )  # fmt: skip
+
+
+def differences(stored: Any, again: Any, place: str) -> Iterator[Finding]:
+    """Where two JSON values differ; a ball is one value."""
+    if stored == again and type(stored) is type(again):
+        return
+    if isinstance(stored, Mapping) and isinstance(again, Mapping) and "rad" not in stored:
+        for key in sorted({*stored, *again}):
+            inner = f"{place}, {key}" if place else key
+            if key not in stored:
+                yield Finding(inner, "is missing")
+            elif key not in again:
+                yield Finding(inner, "does not belong here")
+            else:
+                yield from differences(stored[key], again[key], inner)
+        return
+    if isinstance(stored, list) and isinstance(again, list) and len(stored) == len(again):
+        for index, (left, right) in enumerate(zip(stored, again, strict=True)):
+            yield from differences(left, right, f"{place}[{index}]")
+        return
+    yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}")
+
+
+def other_software(certificate: Mapping[str, Any]) -> Iterator[Finding]:
+    """What may explain differences: another version rounds or words differently."""
+    made_by = certificate.get("software", {})
+    other = [f"{name} {made_by.get(name)}, here {version}" for name, version in software().items()
+             if made_by.get(name) != version]  # fmt: skip
+    if other:
+        yield Finding("software", f"the certificate was made with {'; '.join(other)}: prove it again with this one")
+
+
+def overlap(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
+    """A finding unless two enclosures of the same number have a common point."""
+    if stored.overlaps(fresh) is not True or not fresh.is_finite():
+        shown = (decimal_interval(ball, _SHOWN_DIGITS) for ball in (stored, fresh))
+        yield Finding(place, "stored is {}, disjoint from {}".format(*shown))
+
+
+def confirmed(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
+    """A finding unless `stored` contains the new enclosure, up to a millionth part of its own width."""
+    if not (stored.is_finite() and fresh.is_finite()):
+        yield Finding(place, "is not finite")
+        return
+    (low, high), (new_low, new_high) = bounds(stored), bounds(fresh)
+    margin = _TOLERANCE * (high - low)
+    if not low - margin <= new_low <= new_high <= high + margin:
+        shown = (decimal_interval(ball, _SHOWN_DIGITS) for ball in (stored, fresh))
+        yield Finding(place, "stored is {}, which the new integration does not confirm: it finds {}".format(*shown))
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, Mapping) and {"mid", "rad"} <= set(value):
+        try:
+            return decimal_interval(ball_from_json(value), _SHOWN_DIGITS)
+        except ValueError:
+            return "not a ball"
+    text = repr(value)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]} ..."

@@ -1,0 +1,115 @@
+"""The system that a certificate states, from the certificate alone (section 13.2).
+
+A certificate carries the vector field and the first integral as straight-line programs, and the signs of R and S. That
+is all that the verifier uses of a system, so a certificate can be checked where its system is not known. Programs are
+read as data. What a system is called is a name: nothing is concluded from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from orbitproof.shared.systems import ParameterRange, Program, ReversibleSystem, Variable
+from orbitproof.verify.certificate.levels import CannotBeCheckedError
+from orbitproof.verify.claim import level_program, quadratic_coefficient
+
+_ANY = ParameterRange(None, None)
+
+
+def system_names(system: ReversibleSystem) -> dict[str, str]:
+    """What a statement calls its system and the first integral: words of the theorem."""
+    names = {"system": system.title}
+    return names if system.first_integral_name is None else {**names, "first_integral": system.first_integral_name}
+
+
+def systems_with(
+    known: Mapping[str, ReversibleSystem], statement: Mapping[str, Any], claim: Mapping[str, Any]
+) -> Mapping[str, ReversibleSystem]:
+    """`known` and the system of a statement, if it is none of them.
+
+    Args:
+        statement: of a certificate that fits its schema.
+        claim: its candidate or atlas.
+
+    Raises:
+        CannotBeCheckedError: if the statement does not describe its system completely.
+        ValueError: if what it says cannot be a reversible system.
+    """
+    name = str(claim["system"])
+    return known if name in known else {**known, name: _stated(statement, claim, name)}
+
+
+def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -> ReversibleSystem:
+    where = f"the system {name!r} is not known here"
+    if "derived_parameters" in statement:
+        raise CannotBeCheckedError(f"{where}, and has parameters that follow from others: their ranges are not stated")
+    names = statement.get("names")
+    if names is None:
+        raise CannotBeCheckedError(f"{where}, and the certificate, an older one, does not state what it is called")
+    field = Program.from_text(statement["vector_field"])
+    text = statement.get("first_integral")
+    integral = None if text is None else Program.from_text(text)
+    size = len(field.outputs)
+    state, parameters = field.inputs[:size], field.inputs[size:]
+    if integral is not None and (integral.inputs != field.inputs or len(integral.outputs) != 1):
+        raise ValueError("statement.first_integral: is not a function of state and parameters of the vector field")
+    symmetry, signs = _symmetry_of(claim), statement.get("symmetry")
+    if (symmetry is None) != (signs is None):
+        raise ValueError("statement.symmetry: the claim names a symmetry and its signs are missing, or the other way")
+    given = claim.get("parameters")
+    if given is None:
+        given = claim["pieces"][0]["parameters"]
+    free = [parameter for parameter in parameters if parameter not in given]
+    if len(free) > 1 or (integral is None) != (len(free) == 1):
+        raise ValueError("parameters: all have to be given but the family parameter, if there is no first integral")
+    system = ReversibleSystem(
+        name=name,
+        title=str(names["system"]),
+        state=state,
+        parameters=dict.fromkeys(parameters, _ANY),
+        vector_field=_function(field, size),
+        reversing_symmetry=tuple(statement["reversing_symmetry"]),
+        section=str(statement["section"]),
+        symmetries={} if symmetry is None else {symmetry: tuple(signs or ())},
+        family_parameter=free[0] if free else None,
+        first_integral=None if integral is None else _function(integral, size),
+        first_integral_name=names.get("first_integral"),
+    )
+    return _with_level_coordinate(system, statement, claim)
+
+
+def _symmetry_of(claim: Mapping[str, Any]) -> str | None:
+    name = claim["claim"].get("symmetry") if "claim" in claim else claim.get("symmetry")
+    return None if name is None else str(name)
+
+
+def _function(program: Program, size: int) -> Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]:
+    """The program as plain arithmetic on (state, parameters), as `ReversibleSystem` takes it."""
+
+    def function(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        if len(state) != size:
+            raise ValueError(f"the program takes {size} state coordinates")
+        arguments = [*state, *parameters]
+        recorder = next((each.recorder for each in arguments if isinstance(each, Variable)), None)
+        # A constant is recorded as such, so that arithmetic with constants alone is an operation like any other.
+        return program.evaluate(arguments, Fraction if recorder is None else recorder.lift, pow)
+
+    return function
+
+
+def _with_level_coordinate(
+    system: ReversibleSystem, statement: Mapping[str, Any], claim: Mapping[str, Any]
+) -> ReversibleSystem:
+    """The system with the coordinate that follows from the first integral by the program that is stated for it."""
+    form = statement.get("level_form", claim)
+    sign, text = form.get("level_sign"), statement.get("level_coordinate")
+    if sign is None or text is None:
+        return system
+    for index in system.fixed_coordinates:
+        found = replace(system, level_coordinate=system.state[index])
+        if quadratic_coefficient(found) and level_program(found, int(sign)).text() == text:
+            return found
+    raise ValueError("statement.level_coordinate: does not follow from the first integral that is stated")

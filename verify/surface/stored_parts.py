@@ -1,0 +1,52 @@
+"""The inequalities of a stored part of a surface, from the enclosures that it carries (sections 8, 9, 17.2).
+
+A result says for each part of an interval what the hypotheses were found to be. Here they are compared with zero and
+with the radii once more, so that a part whose enclosures show nothing does not count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from orbitproof.shared.formats import SurfacePiece
+from orbitproof.verify.evidence import ball_from_json, excludes_zero, is_inside, sign
+
+_NAMES = ("poincare-map", "HC2", "HC3", "HC4", "point", "dH/dp_0", "h_fp'", "h_b''")
+"""The hypotheses with enclosures, in order."""
+
+_NOT_ZERO = {
+    "HC2": "d q_2(P^1) / d p_2",
+    "HC3": "g_0",
+    "HC4": "G_01 + G_11 p_1'",
+    "dH/dp_0": "dH/dp_0",
+    "h_fp'": "h_fp'",
+    "h_b''": "h_b''",
+}
+
+_INSIDE = {"HC2": {"p_2^H": 2, "p_1(P_0)": 1}, "HC3": {"p_0(P_1)": 0}, "point": {"p_0": 0, "p_1": 1, "p_2": 2}}
+"""Which enclosures lie inside which P_i."""
+
+
+def unshown(piece: SurfacePiece, part: Mapping[str, Any]) -> Iterator[str]:
+    """What the enclosures of a stored part do not show, or say twice in different ways; nothing if all is well."""
+    found = part.get("hypotheses", {})
+    if tuple(found) != _NAMES:
+        yield f"the hypotheses are {', '.join(found)}, not {', '.join(_NAMES)}"
+        return
+    try:
+        balls = {name: {key: ball_from_json(ball) for key, ball in entry.items()} for name, entry in found.items()}
+        for name, key in _NOT_ZERO.items():
+            if not excludes_zero(balls[name][key]):
+                yield f"{name}: {key} may be zero"
+        for name, inside in _INSIDE.items():
+            for key, i in inside.items():
+                if not is_inside(balls[name][key], piece.radii[i]):
+                    yield f"{name}: {key} is not inside P_{i}"
+        if part["point"] != [found["point"][f"p_{i}"] for i in range(len(piece.radii))]:
+            yield "the point is not that of the hypothesis"
+        side = {1: "above", -1: "below"}.get(sign(balls["h_b''"]["h_b''"]))
+        if part["side"] != side:
+            yield f"the side is {part['side']!r}, h_b'' says {side!r}"
+    except (KeyError, TypeError, ValueError) as error:
+        yield f"an enclosure cannot be read: {error}"
