@@ -8,18 +8,17 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import orbitproof.verify.certificate.rechecking
 import pytest
 from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
-from orbitproof.verify.certificate.rechecking import Recheck, recheck
 
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate, digest, write_certificates
 from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
