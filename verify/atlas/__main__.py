@@ -4,34 +4,38 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import Atlas, InputError, check_writable, read_atlas
+from orbitproof.shared.formats import SURFACE, Atlas, InputError, check_writable, read_atlas, read_document
 from orbitproof.shared.interrupts import run_command
 from orbitproof.verify.atlas.certificate import (
+    SCHEMA,
     Result,
     make_atlas_certificate,
     read_atlas_certificate,
     reusable,
     write_atlas_certificate,
 )
-from orbitproof.verify.atlas.recheck import differences, name_of, proved_again, proved_of
+from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.atlas.report import conclusion_text, piece_table
 from orbitproof.verify.atlas.run import AtlasRun
 from orbitproof.verify.atlas.splitting import Settings
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task
-from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all
+from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all, recheck_table
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.engines import (
     GRACE_SECONDS,
+    Answer,
     ArgumentParser,
     Display,
     Engine,
     Processes,
+    Task,
     Work,
     connected,
     positive_integer,
@@ -50,9 +54,9 @@ examples:
   orbitproof verify atlas atlas.json -o curve.json --scheduler tcp://192.0.2.1:8786
       hand the pieces to a cluster (dask.distributed)
   orbitproof verify atlas --recheck curve.json
-      check that the theorem follows from what the certificate carries, without integrating
+      check that every word and number follows from what the certificate carries
   orbitproof verify atlas --recheck --integrate curve.json --jobs 2
-      and prove every interval again, at another precision and order
+      and prove every interval, and the bifurcations on the curve, again in another way
 
 A piece that fails is tried with more precision, then split in two; what was proved is kept.
 exit codes: 0 the theorem is proved, and every bifurcation asked about lies on the curve; 1 not, or interrupted;
@@ -131,7 +135,7 @@ def _run(options: argparse.Namespace, work: Work) -> int:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     atlas = read_atlas(options.file)
     limits = _limits(options, atlas)
-    bifurcations = _bifurcations(options, atlas)
+    bifurcations = _bifurcations(options, atlas.is_surface)
     earlier = _earlier(options, atlas, attempts_of(atlas, limits))
     run = AtlasRun(atlas, limits, earlier)
     kept = frozenset(piece.id for piece in atlas.pieces) - frozenset(run.pending)
@@ -163,7 +167,7 @@ def _run(options: argparse.Namespace, work: Work) -> int:
         conclusion = _conclude(atlas, run.results, bifurcations, options)
     except KeyboardInterrupt:
         return _interrupted(options, run)
-    certificate = make_atlas_certificate(atlas, run.results, conclusion)
+    certificate = make_atlas_certificate(atlas, run.results, conclusion, bifurcations)
     print(f"\n{conclusion_text(certificate)}", flush=True)
     if options.output is not None:
         write_atlas_certificate(options.output, certificate)
@@ -220,11 +224,11 @@ def _earlier(options: argparse.Namespace, atlas: Atlas, attempts: Sequence[Setti
     return reusable(before, atlas, attempts)
 
 
-def _bifurcations(options: argparse.Namespace, atlas: Atlas) -> list[Certificate]:
+def _bifurcations(options: argparse.Namespace, is_surface: bool) -> list[Certificate]:
     """The certificates asked about, in the order of the files."""
     if options.only is not None and not options.bifurcations:
         raise InputError("--only: chooses among bifurcations; give their certificates with --bifurcations")
-    if options.bifurcations and atlas.is_surface:
+    if options.bifurcations and is_surface:
         raise InputError("--bifurcations: a surface is about all bifurcations over it; leave them out")
     found: dict[str, Certificate] = {}
     for path in options.bifurcations:
@@ -247,16 +251,7 @@ def _conclude(
     """What the results give together; the certificates of bifurcations are checked again, side by side."""
     if atlas.is_surface:
         return conclude_surface(atlas, results).to_json()
-    checks: dict[str, Recheck] = {}
-
-    def finished(check: Recheck) -> None:
-        checks[check.id] = check
-        display.finish(check.id, "certificate stands" if check.stands else "certificate does not stand")
-
-    if bifurcations:
-        display = Display({entry.id: 1.0 for entry in bifurcations}, options.quiet)
-        with display.shown():
-            recheck_all(bifurcations, False, options.jobs, display.advance, finished)
+    checks = {check.id: check for check in _checked(bifurcations, False, options)}
     placing = Display({entry.id: 1.0 for entry in bifurcations}, options.quiet)
     placed: list[str] = []
 
@@ -275,32 +270,56 @@ def _conclude(
 
 
 def _recheck(options: argparse.Namespace, work: Work) -> int:
-    """Whether the conclusion follows from the stored results, or from those of another integration."""
+    """Whether the certificate stands: its form, its conclusion, and with --integrate what it was made from."""
     for name in ("output", "fresh"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
-    stored = read_atlas_certificate(options.file)
-    atlas = stored.atlas
-    bifurcations = _bifurcations(options, atlas)
-    findings = differences(stored, _conclude(atlas, stored.results, bifurcations, options), bool(bifurcations))
+    document = read_document(options.file, SCHEMA)
+    is_surface = document["statement"]["atlas"].get("claim", {}).get("kind") == SURFACE
+    given = _bifurcations(options, is_surface)
+
+    def conclude_again(atlas: Atlas, results: Sequence[Result], entries: Sequence[Certificate]) -> Mapping[str, Any]:
+        return _conclude(atlas, results, entries, options)
+
+    def prove_again(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
+        display = Display(dict.fromkeys([task.name for task in tasks], 1.0), options.quiet)
+        waiting = deque(tasks)
+
+        def answered(answer: Answer) -> None:
+            display.finish(answer.task.name, finished(answer))
+
+        with _engine(options) as engine, display.shown():
+            engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)
+
+    def integrate_again(entries: Sequence[Certificate]) -> Sequence[Recheck]:
+        return _checked(entries, True, options)
+
+    means = Means(conclude_again, prove_again, integrate_again, options.timeout)
     try:
-        if options.integrate and not findings:
-            weights = {name_of(entry["piece"], entry["interval"]): 1.0 for entry in proved_of(stored)}
-            display = Display(weights, options.quiet)
-            with _engine(options) as engine, display.shown():
-                results, findings = proved_again(stored, engine, display, work, options.timeout)
-            if not findings and stored.is_proved:
-                conclusion = _conclude(atlas, results, [], options)
-                findings = [] if conclusion["verdict"] == "proved" else [f"not proved again: {conclusion['reason']}"]
+        found = recheck_atlas(document, given, options.integrate, means)
     except KeyboardInterrupt:
         print("interrupted: nothing is known yet", file=sys.stderr)
         return 1
-    for finding in findings:
-        print(f"FAILED {atlas.id}: {finding}", file=sys.stderr)
-    integrated = ", also with another integration" if options.integrate and not findings else ""
-    verdict = "DOES NOT STAND" if findings else "stands"
-    print(f"{atlas.id}: {stored.document['verdict']}: {verdict}{integrated}")
-    return 1 if findings else 0
+    print(recheck_table([found.id], {found.id: found}), flush=True)
+    for finding in found.findings[:1]:
+        print(f"FAILED {found.id}: {finding.place}: {finding.message}", file=sys.stderr)
+    return 0 if found.stands else 1
+
+
+def _checked(entries: Sequence[Certificate], integrate: bool, options: argparse.Namespace) -> Sequence[Recheck]:
+    """Certificates of bifurcations, checked again side by side, in their order."""
+    checks: dict[str, Recheck] = {}
+    if not entries:
+        return []
+    display = Display({entry.id: 1.0 for entry in entries}, options.quiet)
+
+    def finished(check: Recheck) -> None:
+        checks[check.id] = check
+        display.finish(check.id, "certificate stands" if check.stands else "certificate does not stand")
+
+    with display.shown():
+        recheck_all(entries, integrate, options.jobs, display.advance, finished)
+    return [checks[entry.id] for entry in entries]
 
 
 if __name__ == "__main__":

@@ -11,10 +11,10 @@ from typing import Any
 from orbitproof.shared.formats import Atlas, InputError, atlas_from_json, read_document, validate_document, write_text
 from orbitproof.shared.systems import record
 from orbitproof.verify.atlas.splitting import NOT_FOR_SPLITTING, Settings, condition_of, interval_of, made_with
-from orbitproof.verify.certificate import digest
+from orbitproof.verify.certificate import Certificate, digest, system_names
 from orbitproof.verify.evidence import software
 
-_SCHEMA = "atlas-certificate"
+SCHEMA = "atlas-certificate"
 
 Result = Mapping[str, Any]
 """What was found on one interval of a piece; the definition ``result`` of the schema."""
@@ -36,15 +36,20 @@ def statement_of(atlas: Atlas) -> dict[str, Any]:
         "reversing_symmetry": list(system.reversing_symmetry),
         "symmetry": None if symmetry is None else list(system.symmetries[symmetry]),
         "section": system.section,
+        "names": system_names(system),
     }
 
 
 def make_atlas_certificate(
-    atlas: Atlas, results: Sequence[Result], conclusion: Mapping[str, Any] | None
+    atlas: Atlas,
+    results: Sequence[Result],
+    conclusion: Mapping[str, Any] | None,
+    rests_on: Sequence[Certificate] = (),
 ) -> dict[str, Any]:
     """The certificate of an atlas, with the results in order along the curve.
 
     `conclusion` is what `verify.curve.theorem` makes of the results; `None` as long as intervals are missing.
+    `rests_on` are the certificates of bifurcations that it was made with.
     """
     place = {piece.id: number for number, piece in enumerate(atlas.pieces)}
     ordered = sorted(results, key=lambda result: (place[result["piece"]], interval_of(result)))
@@ -66,6 +71,7 @@ def make_atlas_certificate(
         "statement": statement,
         "results": ordered,
         "conclusion": conclusion,
+        "rests_on": [entry.to_json() for entry in rests_on],
         "computation": {
             "intervals": sum(result["verdict"] == "proved" for result in ordered),
             "seconds": round(sum(result["computation"]["seconds"] for result in ordered), 3),
@@ -101,7 +107,7 @@ class AtlasCertificate:
 
 def read_atlas_certificate(path: Path) -> AtlasCertificate:
     """Read a certificate. Raises `InputError` if it is not one, or was changed after it was written."""
-    document = read_document(path, _SCHEMA)
+    document = read_document(path, SCHEMA)
     if document["digest"] != digest(document):
         raise InputError(
             f"{path}: field digest: does not fit the content, which was changed; write it again with --fresh"
@@ -126,7 +132,7 @@ _texts: dict[int, tuple[Any, str]] = {}
 def write_atlas_certificate(path: Path, certificate: Mapping[str, Any]) -> None:
     """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
     fresh = [result for result in certificate["results"] if id(result) not in _texts]
-    validate_document({**certificate, "results": fresh}, _SCHEMA, f"{_SCHEMA} to be written")
+    validate_document({**certificate, "results": fresh}, SCHEMA, f"{SCHEMA} to be written")
     for result in fresh:
         # The result is kept with its text, so that its identity is not given to another one.
         _texts[id(result)] = (result, json.dumps(result, allow_nan=False))
@@ -137,11 +143,14 @@ def write_atlas_certificate(path: Path, certificate: Mapping[str, Any]) -> None:
         **certificate,
         "statement": {**certificate["statement"], "atlas": {**atlas, "pieces": []}},
         "results": [],
+        "rests_on": [],
     }
     text = json.dumps(hollow, indent=1, allow_nan=False)
-    # One piece and one result a line; in this layout the keys at these depths occur once.
+    # One piece, one result, one certificate a line; in this layout the keys at these depths occur once.
     text = _filled(text, '\n   "pieces": []', pieces, "    ", "   ")
     text = _filled(text, '\n "results": []', results, "  ", " ")
+    rests_on = [json.dumps(entry, allow_nan=False) for entry in certificate.get("rests_on", ())]
+    text = _filled(text, '\n "rests_on": []', rests_on, "  ", " ")
     write_text(path, text + "\n")
 
 

@@ -132,9 +132,10 @@ def _conclusion(
     examination.hypotheses = len(conclusion["hypotheses"])
     again = make_atlas_certificate(atlas, document["results"], conclusion, bifurcations)
     # The statement is compared by itself; what made the file may differ; of older files the notes say what they lack.
-    apart = ("statement", "software", "digest", "rests_on")
+    apart = ("verdict", "statement", "software", "digest", "rests_on")
     old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, again))
     found = [
+        *differences(document["verdict"], again["verdict"], "verdict"),
         *statement_differences(document["statement"], again["statement"]),
         *differences(old, new, ""),
     ]

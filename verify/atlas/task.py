@@ -9,8 +9,9 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas, Piece, SurfacePiece, piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem
 from orbitproof.verify.atlas.splitting import Interval, Settings
+from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.engines import Answer, Failure, Report, Task
 from orbitproof.verify.surface import SurfaceLimits, prove_surface_piece
@@ -74,7 +75,7 @@ class _OutOfTimeError(Exception):
 
 def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
     """What a process does: prove a piece on an interval; the JSON of the result."""
-    system = BRANCH_SYSTEMS[argument["system"]]
+    system = _system_of(argument)
     piece = piece_from_json(argument["piece"], system, "piece")
     start, end = (parse_exact(text) for text in argument["interval"])
     began = time.monotonic()
@@ -88,7 +89,10 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
     try:
         if isinstance(piece, SurfacePiece):
             limits = SurfaceLimits(**argument["integrator"])
-            return prove_surface_piece(system, piece, (start, end), limits, stepped, argument["symmetry"]).to_json()
+            parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
+            return prove_surface_piece(
+                system, piece, (start, end), limits, stepped, argument["symmetry"], parts
+            ).to_json()
         parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
         return prove_piece(
             system, parameters, piece, (start, end), PieceLimits(**argument["integrator"]), stepped,
@@ -100,6 +104,14 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
         # A defect costs one interval, not the run; it is retried by the next run.
         condition, message = "process", " ".join(f"broke off: {type(error).__name__}: {error}".split())
     return not_proved(argument, condition, message, time.monotonic() - began)
+
+
+def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:
+    """The system by its name, or, where it is not known, as a certificate states it."""
+    name, stated = argument["system"], argument.get("stated")
+    if stated is None:
+        return BRANCH_SYSTEMS[name]
+    return systems_with(BRANCH_SYSTEMS, stated["statement"], stated["claim"])[name]
 
 
 _REMEDIES = {"process": "free memory, or give fewer --jobs", "time": "give --timeout more seconds"}

@@ -17,7 +17,15 @@ from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration import PLANAR, certified_system, in_units_of_orbit, point_name
 from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.tube import lower_end, upper_end
-from orbitproof.verify.evidence import all_finite, ball_to_json, enclose, excludes_zero, is_below
+from orbitproof.verify.evidence import (
+    EmptyIntersectionError,
+    all_finite,
+    ball_to_json,
+    enclose,
+    excludes_zero,
+    is_below,
+    symmetric,
+)
 
 Examine = Callable[[Certificate], Recheck]
 Point = Mapping[str, arb]
@@ -159,6 +167,15 @@ def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breakin
     return min(misses, key=lambda miss: upper_end(miss[0]))[1]
 
 
+def _contradicts(stretch: Stretch, s: arb, offsets: Sequence[arb]) -> bool:
+    """Whether a symmetric orbit in the tube lies farther off the polynomial than the only one there can (15.8)."""
+    parts = stretch.run.between(lower_end(s), upper_end(s))
+    return not any(
+        all(ball.overlaps(symmetric(bound)) is True for ball, bound in zip(offsets, part.deviation, strict=True))
+        for part, _, _ in parts
+    )
+
+
 def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bool) -> arb | tuple[arb, str] | None:
     """s of the point if it certainly lies on the stretch; else how far off it is, and in words; `None` if far away."""
     tube, name = stretch.tube, stretch.tube.piece.id
@@ -175,6 +192,8 @@ def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bo
     if not all_finite(offsets):
         return None
     if tube.contains(s, p) and stretch.contains(s):
+        if _contradicts(stretch, s, tube.offsets(s, p)):
+            raise EmptyIntersectionError(f"the tube of {name} has no such point so far off its polynomial")
         return s
     most = max((abs(ball) for ball in offsets), key=upper_end)
     if lower_end(most) >= 1:

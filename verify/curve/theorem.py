@@ -70,13 +70,14 @@ def conclude(
         try:
             chain = check_curve(checklist, atlas, results)
         except NotEstablishedError as error:
-            placed = tuple(place_bifurcation(atlas, None, entry, examine, partner) for entry in bifurcations)
-            return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)), placed)
-        placed = tuple(place_bifurcation(atlas, chain, entry, examine, partner) for entry in bifurcations)
+            unplaced = tuple(place_bifurcation(atlas, None, entry, examine, partner) for entry in bifurcations)
+            return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)), unplaced)
+        placed: tuple[Bifurcation, ...] = ()
         try:
+            placed = tuple(place_bifurcation(atlas, chain, entry, examine, partner) for entry in bifurcations)
             curve = ProvedCurve(chain, _ends(atlas, chain, placed))
         except EmptyIntersectionError as error:
-            reason = Reason("ends", f"curve and certificates contradict each other: {error}", "report this")
+            reason = Reason("bifurcations", f"curve and certificates contradict each other: {error}", "report this")
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)), placed)
         texts = (curve_statement(atlas, curve.ends, _half_period(chain)), bifurcation_statement(atlas, placed))
         theorem = Theorem("\n".join(text for text in texts if text), hypotheses_of(atlas))

@@ -7,7 +7,7 @@ is what takes the time, is not repeated.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -56,12 +56,14 @@ def prove_surface_piece(
     limits: SurfaceLimits | None = None,
     progress: Callable[[float], None] | None = None,
     symmetry: str = "S",
+    sections: Sequence[Interval] = (),
 ) -> PieceResult[ProvedParts]:
     """Prove the claim of a piece for all s in an interval within [-1, 1], or say why it is not proved.
 
     Args:
         progress: called after every integration step with the number of steps; what it raises passes through.
         symmetry: name of the symmetry that breaks.
+        sections: parts that cover the interval, each proved as a whole or in halves; empty: as it suits.
     """
     limits = SurfaceLimits() if limits is None else limits
     computation: Account = {**asdict(limits), "steps": 0, "coordinates": ""}
@@ -79,7 +81,7 @@ def prove_surface_piece(
             "parts", "17.2", "the theorem on symmetry breaking holds on parts that cover the interval", "other radii"
         ) as evidence:
             proof = _Parts(system, piece, returned, symmetry)
-            parts = [part for section in _sections(interval) for part in proof.cover(section, _HALVINGS)]
+            parts = [part for section in sections or _sections(interval) for part in proof.cover(section, _HALVINGS)]
             evidence.require(
                 (parts[0].start, parts[-1].end) == interval and all(a.end == b.start for a, b in pairwise(parts)),
                 "the parts leave a gap",
