@@ -23,7 +23,7 @@ from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError, best_match
 
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
 
 KINDS = ("symmetry_breaking", "period_tupling", "touch_and_go")
 
@@ -135,8 +135,31 @@ def read_document(path: Path, name: str) -> dict[str, Any]:
         ) from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: {error}; write numbers as exact strings and every key once") from None
+    _refuse_other_format(document, name, path)
     validate_document(document, name, str(path))
     return document  # type: ignore[no-any-return]
+
+
+_FORMATS = {
+    "candidates": "candidates, to prove with: orbitproof verify {}",
+    "certificates": "certificates, to check again with: orbitproof verify --recheck {}",
+    "atlas": "an atlas, to prove with: orbitproof verify atlas {}",
+    "atlas-certificate": "the certificate of an atlas, to check again with: orbitproof verify atlas --recheck {}",
+    "family": "families, to search with: orbitproof explore candidates --from-family {}",
+    "branches": "branches",
+    "portraits": "portraits",
+    "mass-curve": "curves over the mass",
+    "published": "published values",
+}
+"""What a file of each format holds, and the command for it."""
+
+
+def _refuse_other_format(document: object, name: str, path: Path) -> None:
+    """Say what the file is if it is another one of ours."""
+    found = str(document.get("format")).removeprefix("orbitproof-") if isinstance(document, dict) else ""
+    if found != name and found in _FORMATS:
+        wanted = _FORMATS.get(name, name).partition(",")[0]
+        raise InputError(f"{path}: field format: needs {wanted}; the file holds {_FORMATS[found].format(path)}")
 
 
 def validate_document(document: object, name: str, source: str) -> None:
@@ -171,7 +194,9 @@ def _broken_rule(error: ValidationError) -> str:
         return f"key {next(key for key in wanted if key not in value)!r} is missing"
     if rule == "not" and "required" in wanted:
         return f"must not have the key {wanted['required'][0]!r}"
-    if rule == "pattern":
+    if isinstance(value, str) and value in MASS_PARAMETERS:
+        text = f"is the name of a mass parameter; write its value, {format_exact(MASS_PARAMETERS[value])}"
+    elif rule == "pattern":
         text = f"must have the form {wanted}"
     elif rule in ("const", "enum"):
         text = "must be " + " or ".join(json.dumps(choice) for choice in ([wanted] if rule == "const" else wanted))

@@ -21,16 +21,19 @@ _PATIENCE_SECONDS = 120.0
 def started(words: Sequence[str], sigint: Any = signal.default_int_handler, **options: Any) -> Iterator[Any]:
     """A Python process with these arguments, in a process group of its own that is ended whatever happens.
 
-    Ctrl-C works in it also where the tests run in the background of a script; `sigint` may be `signal.SIG_IGN`.
+    Signals work in it also where they are ignored in the tests (Ctrl-C in the background of a script, SIGHUP under
+    nohup); `sigint` may be `signal.SIG_IGN`.
     """
-    before = signal.signal(signal.SIGINT, sigint)
+    handling = {signal.SIGINT: sigint, signal.SIGHUP: signal.SIG_DFL, signal.SIGTERM: signal.SIG_DFL}
+    before = {number: signal.signal(number, handler) for number, handler in handling.items()}
     try:
         run = subprocess.Popen(
             [sys.executable, *words], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             start_new_session=True, **options,
         )  # fmt: skip
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
     with run:
         try:
             yield run
