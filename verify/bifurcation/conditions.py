@@ -13,6 +13,7 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
+from orbitproof.verify.bifurcation import remedies
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family, PeriodTwoFamily
 from orbitproof.verify.evidence import (
     Checklist,
@@ -127,7 +128,7 @@ def check_family(checklist: Checklist, problem: Problem) -> PeriodTwoFamily:
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 1, 1, "P")
         evidence.require(graph.is_regular(), "D_(p_1, p_2) pi_q P may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:1]), start=1):
-            _require_inside(evidence, f"p_{position}", ball, problem.radii[position])
+            _require_inside(evidence, f"p_{position}", ball, problem.radii[position], (position, 0))
     return PeriodTwoFamily(graph)
 
 
@@ -154,9 +155,9 @@ def check_reduction(checklist: Checklist, problem: Problem, family: Family | Non
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 2, 2, f"P^{problem.k}")
         evidence.require(graph.is_regular(), "D_p2 pi_q2 P^k may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:2]), start=2):
-            _require_inside(evidence, f"p_{position}^H", ball, problem.radii[position])
+            _require_inside(evidence, f"p_{position}^H", ball, problem.radii[position], (position, 1))
         slope = arb(0) if family is None else family.over(problem.box[0])[1]
-        _require_inside(evidence, "p_1(P_0)", slope, problem.radii[1])
+        _require_inside(evidence, "p_1(P_0)", slope, problem.radii[1], (1, 0))
     return BifurcationFunction(component, graph)
 
 
@@ -171,9 +172,9 @@ def check_reduced_function(
         slope = family.jet(family.over(p_0)).slope
         jet = reduction.jet(reduction.over(p_0, p_1))
         g_0 = evidence.record("g_0", jet.derivative(1, 1) + jet.derivative(0, 2) * slope / 2)
-        evidence.require(excludes_zero(g_0), f"g_0 = {show(g_0)} may vanish", needs_precision=True)
+        _require_nonzero(evidence, "g_0 = ", g_0)
         g = evidence.record("g(0, P_1)", _reduced_function_at_centre(problem, family, reduction))
-        _require_inside(evidence, "p_0(P_1)", -g / g_0, problem.radii[0])
+        _require_inside(evidence, "p_0(P_1)", -g / g_0, problem.radii[0], (0, 1))
 
 
 def _reduced_function_at_centre(problem: Problem, family: Family, reduction: BifurcationFunction) -> arb:
@@ -200,7 +201,7 @@ def check_transversality(
     with checklist.hypothesis(f"{problem.prefix}C4", "8.5", statement, "choose smaller radii") as evidence:
         crossing = _crossing(problem.box[0], family, reduction)
         evidence.record("G_01 + G_11 p_1'", crossing)
-        evidence.require(excludes_zero(crossing), f"{show(crossing)} may vanish", needs_precision=True)
+        _require_nonzero(evidence, "", crossing)
 
 
 def _crossing(p_0: arb, family: Family, reduction: BifurcationFunction) -> arb:
@@ -242,10 +243,23 @@ def _record_matrix(
             evidence.record(f"d q_{row}({iterate}) / d p_{column}", ball)
 
 
-def _require_inside(evidence: Evidence, name: str, ball: arb, radius: Fraction) -> None:
+def _require_inside(
+    evidence: Evidence, name: str, ball: arb, radius: Fraction, what: tuple[int, int] | None = None
+) -> None:
+    """Require that the ball lies in (-radius, radius); with `what` = (i, j) it is that of p_i over P_j."""
+    inside = is_inside(ball, radius)
+    if not inside and what is not None:
+        evidence.suggest(remedies.of_image(*what, ball, radius))
     evidence.record(name, ball)
     evidence.require(
-        is_inside(ball, radius),
+        inside,
         f"{name} in {show(ball)} is not inside (-R, R), R = {float(radius):.3g}",
         needs_precision=not is_outside(ball, radius),
     )
+
+
+def _require_nonzero(evidence: Evidence, name: str, ball: arb) -> None:
+    """Require that the ball, which holds over the box, excludes 0."""
+    if not excludes_zero(ball):
+        evidence.suggest(remedies.of_sign(ball))
+    evidence.require(excludes_zero(ball), f"{name}{show(ball)} may vanish", needs_precision=True)

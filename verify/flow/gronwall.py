@@ -150,7 +150,7 @@ def _power(base: Series, exponent: Fraction) -> Series:
     if result is None:
         raise IntegrationFailure(
             "tube",
-            "the tube around the approximate solution reaches a singularity of the vector field",
+            "a power or quotient of the vector field could not be bounded on the tube around the approximate solution",
             "give smaller radii, or more precision",
             needs_precision=True,
         )

@@ -195,7 +195,8 @@ class Returns:
             raise IntegrationFailure(
                 "singularity",
                 f"at time {self._clock():.9g} the Taylor expansions allow only a step of {size:.1e}",
-                "the orbit comes too close to a singularity of the vector field: give another centre",
+                "the orbit comes too close to a singularity of the vector field, or grows without bound: give another "
+                "centre",
             )
         return dyadic_below(size * self.share)
 

@@ -1,0 +1,115 @@
+"""What the verifier advises about a box that fails is derived from what failed: who follows it gets a proof."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from flint import arb
+from support.claims import known
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.bifurcation import remedies
+from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.evidence import Checklist
+
+TRUE = known("fs2")
+_ROUNDS = 4
+
+
+def scaled(candidate: Candidate, *factors: float) -> Candidate:
+    pairs = zip(candidate.radii, factors, strict=True)
+    return replace(candidate, radii=tuple(radius * Fraction(factor) for radius, factor in pairs))
+
+
+def with_digits(candidate: Candidate, digits: int) -> Candidate:
+    """The centre rounded to so many decimal places; the rest as it is."""
+    ten = 10**digits
+    return replace(candidate, centre=tuple(Fraction(round(x * ten), ten) for x in TRUE.centre))
+
+
+def advice(candidate: Candidate) -> str | None:
+    """The remedy, or `None` where the claim is proved."""
+    reason = certify(candidate, Limits()).to_json()["reason"]
+    return None if reason is None else str(reason["remedy"])
+
+
+def number(pattern: str, text: str) -> float:
+    found = re.search(pattern + r" (?:up to |about )?([0-9.]+(?:e[+-]?[0-9]+)?)", text)
+    assert found is not None, text
+    return float(found[1])
+
+
+BOXES: dict[str, tuple[float, float]] = {
+    "P_0 too narrow": (1e3, 1e3),
+    "P_0 far too narrow": (1e-2, 1e1),
+    "P_0 too wide": (1e4, 1.0),
+    "P_1 too narrow": (1.0, 1e-4),
+    "box too small the same way in all directions": (1e-10, 1e-10),
+    "box too large": (1e6, 1e6),
+}
+
+
+@pytest.mark.parametrize("case", BOXES)
+@pytest.mark.parametrize("change", ["P_0", "P_1"])
+def test_following_the_advice_on_the_box_leads_to_a_proof(case: str, change: str) -> None:
+    candidate = scaled(TRUE, *BOXES[case])
+    given = advice(candidate)
+    assert given is not None
+    assert "digits" not in given
+    for _ in range(_ROUNDS):
+        if given is None:
+            return
+        if "P_0 is too narrow" in given:
+            factors = (number("widen P_0 by a factor of", given), 1.0)
+            factors = factors if change == "P_0" else (1.0, 1 / number("make P_1 narrower by", given))
+        elif "P_0 is too wide" in given:
+            factors = (1 / number("make P_0 narrower by a factor of", given), 1.0)
+            factors = factors if change == "P_0" else (1.0, number("P_1 wider by", given))
+        else:
+            narrower = number("make P_1 narrower by a factor of", given)
+            factors = (narrower**-2, 1 / narrower)
+        candidate = scaled(candidate, *factors)
+        given = advice(candidate)
+    assert given is None, given
+
+
+@pytest.mark.parametrize("digits", [8, 14, 16, 20])
+def test_a_centre_that_is_too_coarse_is_said_to_be_and_with_the_digits_named_it_is_proved(digits: int) -> None:
+    candidate = with_digits(TRUE, digits)
+    for _ in range(_ROUNDS):
+        given = advice(candidate)
+        if given is None:
+            break
+        assert "the centre is off by" in given
+        assert "explore candidates --digits" in given
+        digits += int(number("refine it to", given))
+        candidate = with_digits(TRUE, digits)
+    assert given is None, given
+    # The axis that shows it first may be the coarser one; a handful of digits too many is no harm, twenty would be.
+    assert digits < 40
+
+
+def test_a_centre_off_the_family_is_not_answered_with_radii() -> None:
+    given = advice(replace(TRUE, centre=(TRUE.centre[0], TRUE.centre[1] + Fraction(1, 100))))
+    assert given is not None
+    assert "the centre is off by" in given
+    assert "narrow" not in given
+    assert "wide" not in given
+
+
+def test_enclosures_that_tell_nothing_give_no_advice() -> None:
+    radius = Fraction(1, 1024)
+    assert remedies.of_image(0, 1, arb("nan"), radius) is None
+    assert remedies.of_image(0, 1, arb(0, "inf"), radius) is None
+    assert remedies.of_sign(arb(0, 1)) is None
+    assert remedies.of_sign(arb("nan")) is None
+    assert remedies.of_shape(Checklist(), radius) is None
+
+
+def test_radii_beyond_the_range_of_floats_are_no_trouble() -> None:
+    told = str(remedies.of_image(0, 1, arb("0.1"), Fraction(1, 10**9000)))
+    assert "e+8999 half-widths" in told
+    assert number("refine it to", told) in (9000, 9001)
