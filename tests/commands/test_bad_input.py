@@ -282,3 +282,78 @@ def test_well_formed_hopeless_claim_is_not_proved_with_a_reason(case: str, tmp_p
     (certificate,) = json.loads(certificates.read_text())["certificates"]
     assert certificate["verdict"] == "not proved"
     assert all(certificate["reason"].values())
+
+
+# Every command that reads a file: its words, with FILE in place of the file and OUT in place of what it would write.
+READING: dict[str, tuple[Main, str, str]] = {
+    "verify": (verify_main, "FILE -o OUT", "candidates"),
+    "verify --recheck": (verify_main, "--recheck FILE", "certificates"),
+    "verify --recheck --integrate": (verify_main, "--recheck --integrate FILE", "certificates"),
+    "verify atlas": (verify_main, "atlas FILE -o OUT", "atlas"),
+    "verify atlas --recheck": (verify_main, "atlas --recheck FILE", "atlas-certificate"),
+    "explore candidates --from-family": (
+        explore_main, "candidates --system falkner-skan -k 2 --from-family FILE -o OUT", "family",
+    ),
+    "explore candidates --from-catalogue": (
+        explore_main, "candidates --from-catalogue FILE -k 2 -o OUT", "catalogue",
+    ),
+    "explore family --from-family": (explore_main, "family --from-family FILE -o OUT", "family"),
+    "explore branches": (explore_main, "branches FILE -o OUT", "candidates"),
+    "explore atlas --check": (explore_main, "atlas --check FILE", "atlas"),
+    "figures family": (figures_main, "family FILE -o OUT", "candidates"),
+    "figures resonances": (figures_main, "resonances FILE -o OUT", "family"),
+    "figures tables": (figures_main, "tables FILE -o OUT", "certificates"),
+    "figures atlas": (figures_main, "atlas FILE -o OUT", "atlas-certificate"),
+}  # fmt: skip
+SHAPES: dict[str, str | None] = {
+    "missing": None,
+    "empty": "",
+    "not JSON": "some text",
+    "another format": '{"format": "orbitproof-nothing", "version": 1}',
+    "no object": "[1, 2]",
+    "wrong version": '{"format": "orbitproof-FORMAT", "version": 99}',
+}
+
+
+@pytest.mark.parametrize("command", READING)
+@pytest.mark.parametrize("shape", [*SHAPES, "folder"])
+def test_no_command_takes_a_bad_file_for_its_own(command: str, shape: str, tmp_path: Path, capsys: Any) -> None:
+    main, words, format = READING[command]
+    path, output = tmp_path / "file.json", tmp_path / "out"
+    if shape == "folder":
+        path.mkdir()
+    elif (text := SHAPES[shape]) is not None:
+        path.write_text(text.replace("FORMAT", format))
+    told = refused(main, words.replace("FILE", str(path)).replace("OUT", str(output)).split(), capsys)
+    assert str(path) in told
+    assert not output.exists()
+
+
+DATA = Path(__file__).parents[1] / "data"
+NAMED: dict[str, tuple[Main, str, str, str]] = {
+    "certificates to verify": (verify_main, "FILE", "figures-certificates.json", "orbitproof verify --recheck FILE"),
+    "candidates to recheck": (verify_main, "--recheck FILE", "figures-candidates.json", "orbitproof verify FILE"),
+    "an atlas to verify": (verify_main, "FILE", "atlas-falkner-skan.json", "orbitproof verify atlas FILE"),
+    "candidates to verify atlas": (verify_main, "atlas FILE", "figures-candidates.json", "orbitproof verify FILE"),
+    "an atlas to recheck": (
+        verify_main, "atlas --recheck FILE", "atlas-falkner-skan.json", "orbitproof verify atlas FILE",
+    ),
+    "a family to verify": (
+        verify_main, "FILE", "figures-halo-family.json", "orbitproof explore candidates --from-family FILE",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", NAMED)
+def test_a_file_of_another_format_is_named_with_the_command_for_it(case: str, capsys: Any) -> None:
+    main, words, name, command = NAMED[case]
+    told = refused(main, words.replace("FILE", str(DATA / name)).split(), capsys)
+    assert told.endswith(f"with: {command.replace('FILE', str(DATA / name))}\n")
+
+
+def test_the_name_of_a_mass_in_a_file_is_answered_with_its_value(tmp_path: Path, capsys: Any) -> None:
+    path = tmp_path / "candidates.json"
+    path.write_text(changed(**CR3BP, parameters={"mu": "earth-moon"}))
+    told = refused(verify_main, [str(path)], capsys)
+    assert "candidates[0].parameters.mu" in told
+    assert '"earth-moon" is the name of a mass parameter; write its value, 0x18e267d713713fp-59' in told
