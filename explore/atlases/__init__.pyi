@@ -4,8 +4,6 @@ from .libration import LyapunovFamily as LyapunovFamily
 from .libration import lyapunov_atlas as lyapunov_atlas
 from .request import Source as Source
 from .request import check_names as check_names
-from .request import exact_number as exact_number
-from .request import parameters_of as parameters_of
 from .run import run_source as run_source
 from .surface import intervals as intervals
 from .surface import piece as piece

@@ -3,7 +3,8 @@
 The solution of an analytic differential equation is analytic in its initial point: integrated from the points of a
 circle in the complex plane of a curve's parameter, it gives the Taylor coefficients in that parameter by a discrete
 Fourier transform, each to the accuracy of the integration. All points share the steps of one Runge-Kutta method
-(Dormand-Prince 8). CR3BP orbits are followed in physical or in regularised coordinates.
+(Dormand-Prince 8), and the largest Fourier coefficients on the way are watched, which diffrax could only do by keeping
+all steps. CR3BP orbits are followed in physical or in regularised coordinates.
 """
 
 from __future__ import annotations
@@ -14,13 +15,22 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, Literal
 
-import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from orbitproof.explore.flow import FlowFailure, Vector, compiling, configure_jax, power
+from orbitproof.explore.flow import (
+    FlowFailure,
+    Vector,
+    attempt,
+    compiling,
+    configure_jax,
+    growth,
+    norm,
+    power,
+    scaled_error,
+)
 from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem
 
 Coordinates = Literal["physical", "regularised"]
@@ -30,6 +40,7 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 RELATIVE_TOLERANCE = 1e-14
 ABSOLUTE_TOLERANCE = 1e-15
 MAX_STEPS = 4000
+GROW = 5.0
 
 POWER_COST = 8
 
@@ -165,12 +176,6 @@ def _run(program: Program, arguments: Sequence[Any]) -> ComplexArray:
 
 def _integrator(program: Program) -> Callable[..., Any]:
     """From states (m, N) over times (N,) with further inputs (P, N); see `HalfReturns.evaluate`."""
-    tableau = diffrax.Dopri8.tableau
-    rows = [tuple(map(float, row)) for row in tableau.a_lower]
-    error_weights = tuple(map(float, tableau.b_error))
-
-    def combination(weights: Sequence[float], stages: Sequence[jax.Array]) -> jax.Array:
-        return sum((w * stage for w, stage in zip(weights, stages, strict=True) if w != 0.0), jnp.zeros_like(stages[0]))
 
     def integrate(initial: jax.Array, times: jax.Array, inputs: jax.Array, transform: jax.Array) -> tuple[Any, ...]:
         def slopes(states: jax.Array) -> jax.Array:
@@ -189,22 +194,15 @@ def _integrator(program: Program) -> Callable[..., Any]:
             place, now, slope, length, largest, steps = carry
             last = length >= 1.0 - place
             taken = jnp.where(last, 1.0 - place, length)
-            stages, end = [slope], now
-            for row in rows:
-                end = now + taken * combination(row, stages)
-                stages.append(slopes(end))
-            scale = ABSOLUTE_TOLERANCE + RELATIVE_TOLERANCE * jnp.maximum(jnp.abs(now), jnp.abs(end))
-            error = jnp.abs(taken * combination(error_weights, stages)) / scale
-            error = jnp.max(jnp.sqrt(jnp.mean(error * error, axis=0)))
-            error = jnp.where(jnp.isfinite(error), error, jnp.inf)
+            end, stages = attempt(slopes, now, slope, taken)
+            error = jnp.max(norm(scaled_error(now, end, stages, taken, RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE)))
             accepted = error <= 1.0
-            grown = jnp.clip(0.9 * jnp.maximum(error, 1e-12) ** -0.125, 0.2, 5.0)
             new = sizes(end, largest)
             return (
                 jnp.where(accepted, jnp.where(last, 1.0, place + taken), place),
                 jnp.where(accepted, end, now),
                 jnp.where(accepted, stages[-1], slope),
-                taken * grown,
+                taken * growth(error, GROW),
                 tuple(jnp.where(accepted, a, b) for a, b in zip(new, largest, strict=True)),
                 steps + 1,
             )

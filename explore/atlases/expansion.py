@@ -17,9 +17,10 @@ import numpy as np
 
 from orbitproof.explore.atlases.complex_flow import LANES, ComplexArray, HalfReturns, Returns
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
+from orbitproof.explore.orbits import NewtonRule
 
-NEWTON_LIMIT = 8
-NEWTON_ACCEPTED = 1e-7
+CIRCLE = NewtonRule(tolerance=1e-15, accepted=1e-7, steps=8)
+"""For all points of the circle at once, in units of its radius: the least exact of them ends the iteration."""
 DIFFERENCE = 1e-7
 TIME_STEPS, CORRECTIONS = 3, 3
 NOISE = 1e-14
@@ -151,17 +152,17 @@ def expand(
         across, times = guess[0] @ powers, guess[1] @ powers
     everything = np.concatenate([transform, np.zeros((n * count, 2 * count))])
     last = np.inf
-    for _ in range(NEWTON_LIMIT):
+    for _ in range(CIRCLE.steps):
         result, step = _newton(returns, chart, s, across, times, everything)
         size = float(np.max(np.abs(step[:, :n]))) / chart.scale
         if not np.isfinite(size) or size > 1e3:
             raise ExpansionFailure("Newton's method does not converge at complex points of the curve")
         across, times = across - step[:, :n].T, times - step[:, n]
-        if size < 1e-15 or (size < NEWTON_ACCEPTED and size > 0.2 * last):
+        if CIRCLE.judge(size, last)[0]:
             break
         last = size
     else:
-        if size > NEWTON_ACCEPTED:
+        if size > CIRCLE.accepted:
             raise ExpansionFailure("Newton's method does not converge at complex points of the curve")
     coefficients = (across @ transform).real
     if even:

@@ -21,8 +21,7 @@ from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
 
 ComplexArray = NDArray[np.complex128]
 
-NEWTON_LIMIT = 12
-NEWTON_TOLERANCE = 1e-11
+NEWTON_STEPS, VY_TOLERANCE = 12, 1e-11
 STEP = 0.02
 """Of the continuation in eps, in units of the distance of the libration point from the nearest primary."""
 NODES = 48
@@ -98,7 +97,7 @@ class LyapunovFamily:
     def _correct(self, eps: float, vy: float, half_period: float) -> PlanarOrbit:
         """Newton's method for vy and the half period: y and vx vanish at its end."""
         flow, parameters = flow_of(self.system), [float(self.mu), self.libration.x, eps]
-        for _ in range(NEWTON_LIMIT):
+        for _ in range(NEWTON_STEPS):
             if half_period <= 0:
                 break
             try:
@@ -111,7 +110,7 @@ class LyapunovFamily:
             except np.linalg.LinAlgError:
                 raise LibrationFailure(f"at eps = {eps:.6g}: the family turns around") from None
             vy, half_period = vy - float(step[0]), half_period - float(step[1])
-            if abs(step[0]) < NEWTON_TOLERANCE * abs(vy):
+            if abs(step[0]) < VY_TOLERANCE * abs(vy):
                 return PlanarOrbit(eps, vy, half_period)
         raise LibrationFailure(f"at eps = {eps:.6g}: Newton's method does not converge")
 

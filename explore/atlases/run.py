@@ -8,9 +8,17 @@ from fractions import Fraction
 
 from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, build_atlas
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
-from orbitproof.explore.atlases.request import Source, check_names, parameters_of
+from orbitproof.explore.atlases.request import Source, check_names
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import Family, FamilyFailure, Limits, family_of, read_families, trace_family
+from orbitproof.explore.families import (
+    Family,
+    FamilyFailure,
+    Limits,
+    family_of,
+    fixed_parameters,
+    read_families,
+    trace_family,
+)
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.formats import Atlas, InputError, Piece, write_atlas
 from orbitproof.shared.systems import REGULARISATIONS
@@ -64,7 +72,7 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
     assert source.family is not None
     report.stage("tracing")
     family = trace_family(
-        source.system, source.family, parameters_of(source.system, source.mass), _limits(source, options),
+        source.system, source.family, fixed_parameters(source.system, source.mass), _limits(source, options),
         progress=report.update,
     )  # fmt: skip
     if family.outcome == "interrupted":
@@ -96,7 +104,7 @@ def _read(source: Source) -> tuple[Family, str, str]:
     found = [
         record for record in records
         if source.family in (None, record.name)
-        and (source.mass is None or record.parameters == parameters_of(record.system, source.mass))
+        and (source.mass is None or record.parameters == fixed_parameters(record.system, source.mass))
     ]  # fmt: skip
     if len(found) != 1:
         names = ", ".join(" ".join(part for part in (record.label, record.name) if part) for record in records)

@@ -23,7 +23,7 @@ import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.masses import CurveRecord, PointRecord, chart_of, correct_at, first_breaking, trace_curve
-from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.explore.orbits import CorrectionFailure, NewtonRule
 from orbitproof.shared.formats import SurfacePiece
 from orbitproof.shared.systems import CR3BP, HILL, ReversibleSystem
 
@@ -46,8 +46,8 @@ ACROSS = 0.125
 _FLAT = 0.1
 """For L3 pieces become narrower towards small masses, where the equations hardly depend on the orbit, down to this."""
 
-_NEWTON_STEPS = 12
-_NEWTON_TOLERANCE, _NEWTON_ACCEPTED = 1e-11, 1e-6
+_HALO = NewtonRule(tolerance=1e-11, accepted=1e-6, steps=12)
+"""At small masses around L3 the last equation is nearly the same for all orbits, and known to few digits."""
 _SAMPLES = np.cos(np.pi * (np.arange(7) + 0.5) / 7)
 
 
@@ -195,13 +195,12 @@ def _shape(system: ReversibleSystem, libration: str, parameter: float, x: float,
     tangent = rows[-1][:2] / np.linalg.norm(rows[-1][:2])
     equations = _Equations(system, parameter, AMPLITUDE)
     last = np.inf
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(_HALO.steps):
         residual, jacobian = equations(unknowns)
         step = np.linalg.solve(jacobian, residual)
         size = float(np.linalg.norm(step))
         unknowns = unknowns - step
-        # At small masses around L3 the last equation is nearly the same for all orbits, and known to few digits.
-        if size < _NEWTON_TOLERANCE or (size < _NEWTON_ACCEPTED and size > 0.25 * last):
+        if _HALO.judge(size, last)[0]:
             break
         last = size
     else:

@@ -18,7 +18,7 @@ from orbitproof.explore.branches.file import Birth, BranchOrbit, BranchRecord, B
 from orbitproof.explore.branches.start import BranchPoint, NoBranch
 from orbitproof.explore.branches.switching import FIRST_AMPLITUDE, BranchTracer, branch_tracer, switch
 from orbitproof.explore.flow import FlowFailure, Vector
-from orbitproof.explore.orbits import NEWTON_ACCEPTED, CorrectionFailure, SegmentedOrbit, predict
+from orbitproof.explore.orbits import CorrectionFailure, SegmentedOrbit, predict
 
 TURNING = 0.15
 """Largest angle between the tangents at both ends of a step."""
@@ -161,7 +161,7 @@ def _advance(
     direction[:size] = (tangents[-1] / units)[:size]
     places = [vector / units for vector in reversed(vectors)]
     prediction = predict(places, [tangent / units for tangent in reversed(tangents)], direction, step) * units
-    orbit = problem.correct(prediction, direction[:size] / tracer.scale, max(NEWTON_ACCEPTED, tracer.resolved * step))
+    orbit = problem.correct(prediction, direction[:size] / tracer.scale, tracer.resolved * step)
     tangent = problem.tangent(orbit.evaluation, tracer.scale, tangents[-1])
     old, new = ((vector / units)[:size] for vector in (tangents[-1], tangent))
     moved = float(np.linalg.norm(((orbit.unknowns - vectors[-1]) / units)[:size]))

@@ -14,7 +14,7 @@ import numpy as np
 from orbitproof.explore.branches.file import Birth, BranchOrbit
 from orbitproof.explore.branches.start import BranchPoint, NoBranch
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
-from orbitproof.explore.orbits import NEWTON_ACCEPTED, CorrectionFailure, MultipleShooting, SegmentedOrbit
+from orbitproof.explore.orbits import CorrectionFailure, MultipleShooting, SegmentedOrbit
 
 FIRST_AMPLITUDE = 1e-2
 LAST_AMPLITUDE = 1e-8
@@ -71,9 +71,7 @@ class BranchTracer:
                 (orbit.unknowns - self.origin - sign * x * self.tangent) / x**2 for x, orbit in ((a, left), (b, right))
             )
             prediction += amplitude**2 * (more + (more - bent) * (abs(amplitude) - b) / (b - a))
-        orbit = self.problem.correct(
-            prediction, self.start.amplitude_form, max(NEWTON_ACCEPTED, self.resolved * abs(amplitude))
-        )
+        orbit = self.problem.correct(prediction, self.start.amplitude_form, self.resolved * abs(amplitude))
         moved = (orbit.unknowns - self.origin)[: self.problem.point_size]
         if np.linalg.norm(moved / self.scale) > 3 * abs(amplitude):
             raise CorrectionFailure("Newton's method finds another orbit")

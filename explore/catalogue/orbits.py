@@ -13,7 +13,7 @@ from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.orbits import (
     LIBRATION_POINTS,
-    NEWTON_TOLERANCE,
+    SHOOTING,
     OrbitBatch,
     ShootingProblem,
     correct_batch,
@@ -106,7 +106,7 @@ class CorrectedCatalogue:
 def correct_catalogue(
     catalogue: Catalogue,
     *,
-    tolerance: float = NEWTON_TOLERANCE,
+    tolerance: float = SHOOTING.tolerance,
     progress: Callable[[str, float], None] | None = None,
 ) -> CorrectedCatalogue:
     """Correct every orbit of a catalogue to a symmetric periodic orbit.

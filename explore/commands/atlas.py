@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.atlases import Source, check_names, exact_number, parameters_of
+from orbitproof.explore.atlases import Source, check_names
 from orbitproof.explore.commands import option_types
-from orbitproof.explore.families import FAMILY_NAMES, is_family_name
+from orbitproof.explore.families import FAMILY_NAMES, exact_number, fixed_parameters, is_family_name
 from orbitproof.shared.formats import Covers, InputError, check_writable
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 
@@ -188,7 +188,7 @@ def _source(options: argparse.Namespace) -> Source:
         raise InputError(
             f"--family {wrong}; give one of {', '.join(names)}".replace("--family missing", "--family: missing")
         )
-    parameters_of(system, options.mass)
+    fixed_parameters(system, options.mass)
     covers = None if options.covers is None else _covers(options.covers, system)
     check_names(system, covers, tuple(options.increasing))
     if system.family_parameter is not None and covers is None:

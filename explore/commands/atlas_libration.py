@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.commands.option_types import number, positive
 from orbitproof.explore.engines import Reporter
+from orbitproof.explore.families import mass_parameter
 from orbitproof.shared.formats import InputError, check_writable, write_atlas
-from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 POINTS = ("L1", "L2", "L3")
@@ -59,7 +58,7 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Follow the family and write the atlas; returns the exit code. Raises `InputError`."""
-    mu = _mass(options.mass)
+    mu = mass_parameter("--mass", options.mass)
     if options.tube > WIDEST_TUBE:
         raise InputError(f"--tube {options.tube:g}: above {WIDEST_TUBE:g}; the default is 1e-8")
     if options.end is not None and options.side is not None:
@@ -88,16 +87,3 @@ def run(options: argparse.Namespace) -> int:
             f"{pieces} over eps from {float(covers.start):.6g} to {float(covers.end):.6g} written to {options.output}"
         )
     return 0
-
-
-def _mass(text: str) -> Fraction:
-    value = MASS_PARAMETERS.get(text)
-    if value is None:
-        try:
-            value = parse_exact(text)
-        except ValueError:
-            names = ", ".join(MASS_PARAMETERS)
-            raise InputError(f"--mass {text}: neither a name ({names}) nor a number; give one in (0, 1)") from None
-    if not 0.0 < float(value) < 1.0:
-        raise InputError(f"--mass {text}: outside (0, 1); give the smaller mass over the total mass")
-    return value

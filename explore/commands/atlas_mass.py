@@ -10,8 +10,8 @@ from typing import Any
 
 from orbitproof.explore.commands.option_types import positive
 from orbitproof.explore.engines import Reporter
+from orbitproof.explore.families import mass_parameter
 from orbitproof.shared.formats import SURFACE, Atlas, Claim, Covers, InputError, check_writable, write_atlas
-from orbitproof.shared.numbers import parse_exact
 
 POINTS = ("L1", "L2", "L3")
 AMPLITUDES = {"L1": Fraction(4, 1000), "L2": Fraction(3, 1000), "L3": Fraction(125, 10**6)}
@@ -67,8 +67,8 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Follow the curve and write the atlas; returns the exit code. Raises `InputError`."""
     point = options.point
-    smallest = LOWEST[point] if options.mu_min is None else _mass("--mu-min", options.mu_min)
-    largest = _mass("--mu-max", options.mu_max)
+    smallest = LOWEST[point] if options.mu_min is None else mass_parameter("--mu-min", options.mu_min, or_zero=True)
+    largest = mass_parameter("--mu-max", options.mu_max)
     if not smallest < largest <= LARGEST_MASS:
         raise InputError("--mu-max: give a mass above --mu-min and at most 1/2, the smaller mass over the total")
     if point == "L3" and smallest < Fraction(1, 10**8):
@@ -134,13 +134,3 @@ def _root(mass: Fraction, rounded: Any) -> Fraction:
     if rounded is ceil:
         return root if root**3 >= mass else root + step
     return root if root**3 <= mass else root - step
-
-
-def _mass(option: str, text: str) -> Fraction:
-    try:
-        value = parse_exact(text)
-    except ValueError:
-        raise InputError(f"{option} {text}: not a number; give one in (0, 1/2]") from None
-    if not 0 <= value < 1:
-        raise InputError(f"{option} {text}: outside [0, 1); give the smaller mass over the total mass")
-    return value

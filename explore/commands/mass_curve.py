@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.commands.option_types import jobs
+from orbitproof.explore.families import mass_parameter
 from orbitproof.shared.formats import InputError, check_writable
-from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 POINTS = ("L1", "L2", "L3")
@@ -88,7 +88,7 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Check the options and trace; returns the exit code. Raises `InputError`."""
     check_writable(options.output)
-    largest, smallest = _mass("--mu-max", options.mu_max), _mass("--mu-min", options.mu_min)
+    largest, smallest = mass_parameter("--mu-max", options.mu_max), mass_parameter("--mu-min", options.mu_min)
     if largest > Fraction(1, 2):
         raise InputError(f"--mu-max {options.mu_max}: above 1/2; mu is the smaller mass over the total")
     if not smallest < largest:
@@ -135,21 +135,6 @@ def run(options: argparse.Namespace) -> int:
     return run_request(request)
 
 
-def _mass(option: str, text: str) -> Fraction:
-    value = MASS_PARAMETERS.get(text)
-    if value is None:
-        try:
-            value = parse_exact(text)
-        except ValueError:
-            names = ", ".join(MASS_PARAMETERS)
-            raise InputError(
-                f"{option} {text}: neither a name ({names}) nor a number; give a number in (0, 1)"
-            ) from None
-    if not 0 < value < 1 or not 0.0 < float(value) < 1.0:
-        raise InputError(f"{option} {text}: outside (0, 1); give the smaller mass over the total mass")
-    return value
-
-
 def _masses(options: argparse.Namespace, largest: Fraction, smallest: Fraction) -> tuple[Fraction, ...]:
     """The masses of the points in high precision, from the largest; raises `InputError`."""
     words = options.at
@@ -162,7 +147,7 @@ def _masses(options: argparse.Namespace, largest: Fraction, smallest: Fraction) 
             decades = {Fraction(10) ** exponent for exponent in range(lowest, 0)}
             masses |= {largest, *(mu for mu in decades if smallest <= mu <= largest)}
             continue
-        mu = _mass("--at", text)
+        mu = mass_parameter("--at", text)
         if not smallest <= mu <= largest:
             raise InputError(f"--at {text}: outside [--mu-min, --mu-max]; give a mass on the curve")
         masses.add(mu)

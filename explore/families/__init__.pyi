@@ -20,6 +20,9 @@ from .names import branch_name as branch_name
 from .names import branch_number as branch_number
 from .names import is_family_name as is_family_name
 from .names import mirrored_name as mirrored_name
+from .parameters import exact_number as exact_number
+from .parameters import fixed_parameters as fixed_parameters
+from .parameters import mass_parameter as mass_parameter
 from .records import family_of as family_of
 from .records import family_record as family_record
 from .stability_curve import BAND as BAND

@@ -15,3 +15,7 @@ from .flow import flow_of as flow_of
 from .runge_kutta import ABSOLUTE_TOLERANCE as ABSOLUTE_TOLERANCE
 from .runge_kutta import MAX_STEPS as MAX_STEPS
 from .runge_kutta import RELATIVE_TOLERANCE as RELATIVE_TOLERANCE
+from .runge_kutta import attempt as attempt
+from .runge_kutta import growth as growth
+from .runge_kutta import norm as norm
+from .runge_kutta import scaled_error as scaled_error

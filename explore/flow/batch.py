@@ -7,6 +7,9 @@ orbit (`explore.flow.flow`).
 Lanes are handed to the device in blocks: small ones that stay in the processor's cache, large ones on a GPU. A block
 advances a few steps at a time. Between these rounds the unfinished orbits are grouped anew by the steps that they
 still need: an orbit close to a collision needs twenty times as many as another, which does not have to wait for it.
+
+The loop is our own: diffrax's, mapped over the lanes, took 14 times the processor time with 64 lanes and 20 times with
+16 (1024 halo orbits with derivatives: 1.4 and 0.9 thousand a second, here 20 and 18 thousand).
 """
 
 from __future__ import annotations
@@ -21,8 +24,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from orbitproof.explore.flow.compilation import compiling, configure_jax
+from orbitproof.explore.flow.fields import extended_field, identity
 from orbitproof.explore.flow.flow import Matrix, Vector
-from orbitproof.explore.flow.runge_kutta import MAX_STEPS, attempt, extended_field, first_step, growth, identity
+from orbitproof.explore.flow.runge_kutta import MAX_STEPS, attempt, first_step, growth, norm, scaled_error
 from orbitproof.shared.systems import ReversibleSystem
 
 BLOCK = 64
@@ -197,14 +201,15 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
             stuck = active & ~(time + length > time)
             last = length >= left
             taken = jnp.where(last, left, length)
-            new = attempt(slopes, now, slope, taken)
-            accepted = active & (new.error <= 1.0)
-            crossed = accepted & started & ~last & (now[0, section] * new.end[0, section] < 0)
+            end, stages = attempt(slopes, now, slope, taken)
+            error = norm(scaled_error(now[0], end[0], [stage[0] for stage in stages], taken))
+            accepted = active & (error <= 1.0)
+            crossed = accepted & started & ~last & (now[0, section] * end[0, section] < 0)
             return (
                 jnp.where(accepted, jnp.where(last, times, time + taken), time),
-                jnp.where(accepted, new.end, now),
-                jnp.where(accepted, new.slope, slope),
-                jnp.where(active, taken * growth(new.error), length),
+                jnp.where(accepted, end, now),
+                jnp.where(accepted, stages[-1], slope),
+                jnp.where(active, taken * growth(error), length),
                 crossings + crossed,
                 jnp.where(stuck, MAX_STEPS, steps + active),
                 started | accepted,
@@ -213,7 +218,7 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
 
         time, now, _, length, crossings, steps, started = lanes
         slope = slopes(now)
-        length = jnp.where(length > 0, length, first_step(now, slope, times))
+        length = jnp.where(length > 0, length, first_step(now[0], slope[0], times))
         time, now, slope, length, crossings, steps, started, _ = jax.lax.while_loop(
             going, step, (time, now, slope, length, crossings, steps, started, jnp.zeros((), dtype=int))
         )

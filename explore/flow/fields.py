@@ -14,10 +14,14 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from orbitproof.shared.systems import ReversibleSystem
 
 LARGEST_HALF_INTEGER = 8
+
+Slopes = Callable[[jax.Array], jax.Array]
+"""From an extended state, the orbit first and its tangents after it, to its derivative in time."""
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(1,))
@@ -50,3 +54,34 @@ def field_of(system: ReversibleSystem) -> Callable[[jax.Array, jax.Array], jax.A
         return jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, values)))
 
     return field
+
+
+def family_parameter_index(system: ReversibleSystem) -> int | None:
+    """Position of the family parameter among the parameters, or `None`."""
+    return None if system.family_parameter is None else tuple(system.parameters).index(system.family_parameter)
+
+
+def identity(system: ReversibleSystem) -> np.ndarray:
+    """The derivatives of the state at time 0 in the initial state and the family parameter, shape (d, m)."""
+    m = len(system.state)
+    return np.eye(m + (system.family_parameter is not None), m)
+
+
+def extended_field(system: ReversibleSystem, parameters: jax.Array) -> Slopes:
+    """The field of an extended state: at the orbit, and its derivative along each tangent.
+
+    The tangents are in the initial state and, last, in the family parameter if the system has one.
+    """
+    field, index = field_of(system), family_parameter_index(system)
+
+    def slopes(extended: jax.Array) -> jax.Array:
+        if index is None:
+            value, push = jax.linearize(lambda state: field(state, parameters), extended[0])
+            return jnp.concatenate([value[None], jax.vmap(push)(extended[1:])])
+        shifts = jnp.zeros((extended.shape[0] - 1, *parameters.shape[1:])).at[-1].set(1.0)
+        value, push = jax.linearize(
+            lambda state, shift: field(state, parameters.at[index].add(shift)), extended[0], shifts[0]
+        )
+        return jnp.concatenate([value[None], jax.vmap(push)(extended[1:], shifts)])
+
+    return slopes

@@ -2,7 +2,7 @@
 
 The flow map over a given time and its derivative in the initial state and in the family parameter
 come from one call. Parameters and times are traced arguments, so that every mass parameter and
-every orbit shares the compiled code.
+every orbit shares the compiled code. diffrax integrates; the error of the orbit alone chooses the steps.
 """
 
 from __future__ import annotations
@@ -11,13 +11,23 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.explore.flow.compilation import compiled, configure_jax
-from orbitproof.explore.flow.runge_kutta import MAX_STEPS, attempt, extended_field, first_step, growth, identity
+from orbitproof.explore.flow.fields import extended_field, identity
+from orbitproof.explore.flow.runge_kutta import (
+    ABSOLUTE_TOLERANCE,
+    GROW,
+    MAX_STEPS,
+    RELATIVE_TOLERANCE,
+    SAFETY,
+    SHRINK,
+    norm,
+)
 from orbitproof.shared.systems import ReversibleSystem
 
 Vector = NDArray[np.float64]
@@ -68,7 +78,7 @@ class Flow:
         extended, velocity, path, count, done = (
             np.asarray(part) for part in self._integrate(start, float(time), values)
         )
-        if not done or not np.all(np.isfinite(extended)):
+        if not done:
             raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g} (near a singularity)")
         self._last = (start.tobytes(), float(time), values.tobytes()), path[:count].copy()
         m = len(start)
@@ -102,40 +112,36 @@ def flow_of(system: ReversibleSystem) -> Flow:
 
 def _compile(system: ReversibleSystem) -> Flow:
     configure_jax()
-    m = len(system.state)
+    control = diffrax.PIDController(
+        rtol=RELATIVE_TOLERANCE,
+        atol=ABSOLUTE_TOLERANCE,
+        norm=lambda errors: norm(errors[0]),
+        safety=SAFETY,
+        factormin=SHRINK,
+        factormax=GROW,
+    )
+    steps = diffrax.SubSaveAt(t0=True, steps=True, fn=lambda _time, extended, _arguments: extended[0])
 
     def integrate(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
         slopes = extended_field(system, parameters)
-        whole, sign = jnp.abs(time), jnp.sign(time)
-
-        def going(carry: tuple[jax.Array, ...]) -> jax.Array:
-            done, _, _, length, steps, _, _ = carry
-            return (done < whole) & (done + length > done) & (steps < MAX_STEPS)
-
-        def step(carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-            done, now, slope, length, steps, count, path = carry
-            last = length >= whole - done
-            taken = jnp.where(last, whole - done, length)
-            new = attempt(slopes, now, slope, sign * taken)
-            accepted = new.error <= 1.0
-            return (
-                jnp.where(accepted, jnp.where(last, whole, done + taken), done),
-                jnp.where(accepted, new.end, now),
-                jnp.where(accepted, new.slope, slope),
-                taken * growth(new.error),
-                steps + 1,
-                count + accepted,
-                # A rejected state is overwritten by the next one.
-                path.at[count].set(new.end[0]),
-            )
-
-        start = jnp.concatenate([initial[None], identity(system)])
-        slope = slopes(start)
-        path = jnp.zeros((MAX_STEPS + 1, m)).at[0].set(initial)
-        none = jnp.zeros((), dtype=int)
-        done, end, slope, _, _, count, path = jax.lax.while_loop(
-            going, step, (jnp.zeros(()), start, slope, first_step(start, slope, whole), none, none + 1, path)
+        solution = diffrax.diffeqsolve(
+            diffrax.ODETerm(lambda _time, extended, _arguments: slopes(extended)),
+            diffrax.Dopri8(scan_kind="lax"),
+            t0=0.0,
+            t1=time,
+            # diffrax chooses the first step. It would check ours in a callback, and JAX keeps no code with callbacks.
+            dt0=None,
+            y0=jnp.concatenate([initial[None], identity(system)]),
+            saveat=diffrax.SaveAt(subs=[diffrax.SubSaveAt(t1=True), steps]),
+            stepsize_controller=control,
+            # Derivatives are carried along; nothing is differentiated backwards through the loop.
+            adjoint=diffrax.ForwardMode(),
+            max_steps=MAX_STEPS,
+            throw=False,
         )
-        return end, slope[0], path, count, done >= whole
+        (end,), path = solution.ys
+        # An integration to a time that is no number ends at once, successfully.
+        done = (solution.result == diffrax.RESULTS.successful) & jnp.isfinite(time) & jnp.all(jnp.isfinite(end))
+        return end, slopes(end)[0], path, solution.stats["num_accepted_steps"] + 1, done
 
     return Flow(system, compiled(integrate))

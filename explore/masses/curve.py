@@ -20,15 +20,10 @@ from orbitproof.explore.families import Limits, trace_family
 from orbitproof.explore.flow import FlowFailure, Vector
 from orbitproof.explore.masses.charts import LOG_MU, UNKNOWNS, Chart, Evaluation, evaluate
 from orbitproof.explore.masses.file import CurveRecord, PointRecord
-from orbitproof.explore.orbits import LIBRATION_POINTS, CorrectionFailure, predict
+from orbitproof.explore.orbits import BREAKING, LIBRATION_POINTS, CorrectionFailure, predict
 from orbitproof.shared.systems import CR3BP
 
 Outcome = Literal["complete", "left", "failed", "interrupted"]
-
-NEWTON_LIMIT = 10
-NEWTON_TOLERANCE = 1e-13
-NEWTON_ACCEPTED = 1e-9
-"""Largest last correction, in the chart's units, with which a point counts as found."""
 
 LARGEST_MASS = 0.5
 
@@ -178,7 +173,7 @@ def _turned(points: Sequence[PointRecord]) -> bool:
 def _correct(chart: Chart, guess: Vector, normal: Vector) -> _Node:
     """Newton's method in the hyperplane through `guess` across `normal`."""
     unknowns, last = guess.copy(), np.inf
-    for iteration in range(NEWTON_LIMIT):
+    for iteration in range(BREAKING.steps):
         at = _evaluate(chart, unknowns)
         matrix = np.vstack([at.jacobian, normal])
         try:
@@ -186,9 +181,10 @@ def _correct(chart: Chart, guess: Vector, normal: Vector) -> _Node:
         except np.linalg.LinAlgError:
             raise CorrectionFailure("the equations of symmetry breaking are singular") from None
         size = float(np.linalg.norm(step))
-        if size < NEWTON_TOLERANCE or (size < NEWTON_ACCEPTED and size > 0.25 * last):
+        found, lost = BREAKING.judge(size, last)
+        if found:
             return _Node(unknowns, _tangent(at, normal), at, size, iteration)
-        if not np.isfinite(size) or (iteration > 0 and size > 2 * last):
+        if lost:
             break
         last, unknowns = size, unknowns - step
     raise CorrectionFailure("Newton's method does not converge to a symmetry breaking")

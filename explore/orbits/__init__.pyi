@@ -10,9 +10,11 @@ from .libration import libration_point as libration_point
 from .libration import lyapunov_orbit as lyapunov_orbit
 from .libration import primaries as primaries
 from .libration import vertical_orbit as vertical_orbit
-from .multiple_shooting import NEWTON_ACCEPTED as NEWTON_ACCEPTED
 from .multiple_shooting import MultipleShooting as MultipleShooting
 from .multiple_shooting import SegmentedOrbit as SegmentedOrbit
+from .newton import BREAKING as BREAKING
+from .newton import SHOOTING as SHOOTING
+from .newton import NewtonRule as NewtonRule
 from .prediction import predict as predict
 from .shooting import Correction as Correction
 from .shooting import CorrectionFailure as CorrectionFailure
@@ -25,7 +27,6 @@ from .stability import stability_parameters as stability_parameters
 from .stability import tupling_sides as tupling_sides
 from .step_control import CONTROL as CONTROL
 from .step_control import DEFAULT as DEFAULT
-from .step_control import NEWTON_TOLERANCE as NEWTON_TOLERANCE
 from .step_control import StepControl as StepControl
 from .zeros import Samples as Samples
 from .zeros import bracketed_zero as bracketed_zero

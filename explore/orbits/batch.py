@@ -25,16 +25,9 @@ from orbitproof.explore.orbits.batch_algebra import (
     solve,
     stability_matrices,
 )
-from orbitproof.explore.orbits.shooting import (
-    NEWTON_ACCEPTED,
-    NEWTON_LIMIT,
-    NEWTON_RESIDUAL,
-    CorrectionFailure,
-    ShootingProblem,
-    SymmetricOrbit,
-)
+from orbitproof.explore.orbits.newton import SHOOTING
+from orbitproof.explore.orbits.shooting import RESIDUAL, CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.orbits.stability import HalfReturn
-from orbitproof.explore.orbits.step_control import NEWTON_TOLERANCE
 from orbitproof.shared.systems import ReversibleSystem
 
 Progress = Callable[[str, float], None]
@@ -99,7 +92,7 @@ def correct_batch(
     symmetry: str | None = None,
     scale: Matrix | Vector | None = None,
     normals: Matrix | None = None,
-    tolerance: float = NEWTON_TOLERANCE,
+    tolerance: float = SHOOTING.tolerance,
     progress: Progress | None = None,
 ) -> OrbitBatch:
     """Correct N approximate symmetric orbits.
@@ -125,10 +118,10 @@ def correct_batch(
             f"parameters {', '.join(parameters) or 'none'}: the fixed parameters of {system.name} are {wanted}"
         )
     fixed = {name: np.broadcast_to(np.asarray(parameters[name], float), count) for name in system.fixed_parameters}
-    problem = ShootingProblem(system, dict.fromkeys(fixed, Fraction(0)), symmetry=symmetry)
+    problem = ShootingProblem(system, dict.fromkeys(fixed, Fraction(0)), symmetry=symmetry, tolerance=tolerance)
     if unknowns.shape != (count, problem.size):
         raise ValueError(f"unknowns of shape {unknowns.shape}: {system.name} needs (N, {problem.size})")
-    newton = _Newton(problem, fixed, unknowns, scale, normals, tolerance)
+    newton = _Newton(problem, fixed, unknowns, scale, normals)
     return newton.run(progress)
 
 
@@ -142,10 +135,9 @@ class _Newton:
         unknowns: Matrix,
         scale: Matrix | Vector | None,
         normals: Matrix | None,
-        tolerance: float,
     ) -> None:
         count, m = len(unknowns), len(problem.system.state)
-        self.problem, self.fixed, self.tolerance = problem, fixed, tolerance
+        self.problem, self.fixed, self.rule = problem, fixed, problem.rule
         self.unknowns, self.predictions = unknowns, unknowns.copy()
         self.free = list(problem.free_unknowns)
         odd = [i for i in range(problem.size) if i not in self.free]
@@ -164,7 +156,7 @@ class _Newton:
 
     def run(self, progress: Progress | None) -> OrbitBatch:
         moving = np.arange(len(self.unknowns))
-        for iteration in range(NEWTON_LIMIT):
+        for iteration in range(self.rule.steps):
             if not len(moving):
                 break
             self._evaluate(moving, progress, iteration)
@@ -229,25 +221,24 @@ class _Newton:
             offset = np.sum(rows * (self.unknowns - self.predictions)[which][:, free], axis=1)
             step = solve(np.concatenate([jacobian, rows[:, None]], axis=1), np.append(residual, offset[:, None], 1))
         size = np.linalg.norm(step / scales, axis=1)
-        floor = max(NEWTON_ACCEPTED, self.tolerance) * (
-            1.0 + np.linalg.norm(self.unknowns[which] / self.scales[which], axis=1)
+        found, lost = self.rule.judge(
+            size,
+            self.last[which],
+            accepted=self.rule.accepted * (1.0 + np.linalg.norm(self.unknowns[which] / self.scales[which], axis=1)),
+            exact=self.residuals[which] < RESIDUAL * self.rule.tolerance,
         )
-        last = self.last[which]
-        small = (size < self.tolerance) & (self.residuals[which] < NEWTON_RESIDUAL * self.tolerance)
-        found = small | ((size < floor) & (size > 0.25 * last))
-        lost = ~np.isfinite(size) | ((iteration > 0) & (size > 2 * last) & (size > floor))
         self.last[which] = size
         proposal = self.unknowns[which]
         proposal[:, free] -= step
         reversed_time = ~found & ~lost & (proposal[:, -1] <= 0)
         for flags, reason in (
-            (lost & ~found, "Newton's method does not converge to a symmetric orbit"),
+            (lost, "Newton's method does not converge to a symmetric orbit"),
             (reversed_time, "the half period became negative"),
         ):
             for i in which[flags]:
                 self.failures[i] = reason
         going = ~(found | lost | reversed_time)
-        if iteration + 1 < NEWTON_LIMIT:
+        if iteration + 1 < self.rule.steps:
             self.unknowns[which[going]] = proposal[going]
         return which[going]
 

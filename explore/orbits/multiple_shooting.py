@@ -17,13 +17,10 @@ from itertools import combinations
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, FlowResult, Matrix, Vector, flow_of
+from orbitproof.explore.orbits.newton import SEGMENTS
 from orbitproof.explore.orbits.shooting import CorrectionFailure
 from orbitproof.explore.orbits.stability import half_return
 from orbitproof.shared.systems import ReversibleSystem
-
-NEWTON_TOLERANCE = 1e-13
-NEWTON_ACCEPTED = 1e-9
-NEWTON_LIMIT = 12
 
 
 @dataclass(frozen=True)
@@ -144,16 +141,16 @@ class MultipleShooting:
                 jacobian[here, next_columns] -= np.eye(m)[:, list(self.section_coordinates)]
         return Evaluation(residual, jacobian, tuple(flows))
 
-    def correct(self, prediction: Vector, normal: Vector, accepted: float = NEWTON_ACCEPTED) -> SegmentedOrbit:
+    def correct(self, prediction: Vector, normal: Vector, resolved: float = 0.0) -> SegmentedOrbit:
         """The orbit on the hyperplane normal . (point - predicted point) = 0; `normal` has shape (1 + n,).
 
-        Newton's method, until its steps no longer become smaller; they are then to be below `accepted`, relative
-        where an unknown exceeds 1. Raises `CorrectionFailure`.
+        Newton's method, until its steps no longer become smaller, relative where an unknown exceeds 1; what is left of
+        them may be up to `resolved` if that is more than `SEGMENTS` accepts. Raises `CorrectionFailure`.
         """
         unknowns, last = prediction.copy(), np.inf
         row = np.zeros(self.size)
         row[: self.point_size] = normal / np.linalg.norm(normal)
-        for _ in range(NEWTON_LIMIT):
+        for _ in range(SEGMENTS.steps):
             try:
                 evaluation = self.evaluate(unknowns)
                 matrix = np.vstack([evaluation.jacobian, row])
@@ -163,9 +160,10 @@ class MultipleShooting:
             except np.linalg.LinAlgError:
                 raise CorrectionFailure("the shooting equations are singular") from None
             size = float(np.max(np.abs(step) / (1.0 + np.abs(unknowns))))
-            if size < NEWTON_TOLERANCE or (size < accepted and size > 0.25 * last):
+            found, lost = SEGMENTS.judge(size, last, accepted=max(SEGMENTS.accepted, resolved))
+            if found:
                 return SegmentedOrbit(unknowns, evaluation, step)
-            if not np.isfinite(size) or size > max(2 * last, accepted):
+            if lost:
                 break
             last = size
             unknowns = unknowns - step

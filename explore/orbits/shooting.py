@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, FlowResult, Matrix, Vector, flow_of
+from orbitproof.explore.orbits.newton import SHOOTING, NewtonRule
 from orbitproof.explore.orbits.stability import (
     HalfReturn,
     Side,
@@ -26,12 +27,10 @@ from orbitproof.explore.orbits.stability import (
     half_return,
     stability_parameters,
 )
-from orbitproof.explore.orbits.step_control import NEWTON_TOLERANCE
 from orbitproof.shared.systems import ReversibleSystem
 
-NEWTON_ACCEPTED = 1e-10
-NEWTON_RESIDUAL = 1e3
-NEWTON_LIMIT = 8
+RESIDUAL = 1e3
+"""How far the equations may be off, in units of the tolerance of a step (orbits close to a collision are sensitive)."""
 
 
 class CorrectionFailure(Exception):
@@ -103,15 +102,20 @@ class ShootingProblem:
         symmetry: name of a symmetry S of the system: only orbits in Fix(S); `None`: all.
         scale: shape (2 + n,), typical sizes of the unknowns; arclength is measured in units of them.
         tolerance: length of the last Newton step in scaled unknowns at which an orbit counts as found, if the
-            equations hold to `NEWTON_RESIDUAL` times as much (orbits close to a collision are sensitive); a longer
-            one that no further step makes shorter also counts, up to `NEWTON_ACCEPTED`.
+            equations hold to `RESIDUAL` times as much; a longer one that no further step makes shorter also counts,
+            up to the one that `SHOOTING` accepts.
     """
 
     system: ReversibleSystem
     parameters: Mapping[str, Fraction]
     symmetry: str | None = None
     scale: tuple[float, ...] | None = None
-    tolerance: float = NEWTON_TOLERANCE
+    tolerance: float = SHOOTING.tolerance
+
+    @property
+    def rule(self) -> NewtonRule:
+        """When a correction ends."""
+        return replace(SHOOTING, tolerance=self.tolerance, accepted=max(SHOOTING.accepted, self.tolerance))
 
     @cached_property
     def size(self) -> int:
@@ -179,7 +183,7 @@ class ShootingProblem:
         unknowns = prediction.copy()
         row = (normal / self.scales)[free]
         last = np.inf
-        for iteration in range(NEWTON_LIMIT):
+        for iteration in range(self.rule.steps):
             try:
                 residual, jacobian, flow = self.evaluate(unknowns)
             except FlowFailure as error:
@@ -190,11 +194,15 @@ class ShootingProblem:
             except np.linalg.LinAlgError:
                 raise CorrectionFailure("the shooting equations are singular") from None
             size = float(np.linalg.norm(step / self.scales[free]))
-            floor = max(NEWTON_ACCEPTED, self.tolerance) * (1.0 + float(np.linalg.norm(unknowns / self.scales)))
-            small = size < self.tolerance and float(np.max(np.abs(residual))) < NEWTON_RESIDUAL * self.tolerance
-            if small or (size < floor and size > 0.25 * last):
+            found, lost = self.rule.judge(
+                size,
+                last,
+                accepted=self.rule.accepted * (1.0 + float(np.linalg.norm(unknowns / self.scales))),
+                exact=float(np.max(np.abs(residual))) < RESIDUAL * self.tolerance,
+            )
+            if found:
                 return Correction(unknowns, jacobian, flow, iteration)
-            if not np.isfinite(size) or (iteration > 0 and size > 2 * last and size > floor):
+            if lost:
                 break
             last = size
             unknowns = unknowns.copy()

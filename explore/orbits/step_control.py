@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-NEWTON_TOLERANCE = 1e-12
+from orbitproof.explore.orbits.newton import SHOOTING
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class StepControl:
     minimum: float = 1e-7
     maximum: float = 0.02
     turning: float = 0.12
-    tolerance: float = NEWTON_TOLERANCE
+    tolerance: float = SHOOTING.tolerance
     until_tangency: bool = False
 
 

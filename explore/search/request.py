@@ -12,11 +12,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.families import FAMILY_NAMES, PRESETS, Preset, is_family_name
+from orbitproof.explore.families import FAMILY_NAMES, PRESETS, Preset, fixed_parameters, is_family_name
 from orbitproof.explore.orbits import StepControl
 from orbitproof.shared.formats import InputError, check_writable
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 
 LARGEST_TURNING = 1.0
 TOLERANCES = (1e-14, 1e-6)
@@ -171,9 +170,9 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
             raise InputError(f"--vy-max: {len(speeds)} values for {len(masses)} masses; give one, or one for each mass")
     result: list[FamilyRequest] = []
     for index, mass in enumerate(masses):
-        parameters, label = _parameters(system, mass)
+        parameters = fixed_parameters(system, mass)
         speed = speeds[index if len(speeds) > 1 else 0]
-        result += [FamilyRequest(system, name, parameters, label, speed) for name in names]
+        result += [FamilyRequest(system, name, parameters, mass or "", speed) for name in names]
     return tuple(result)
 
 
@@ -181,22 +180,3 @@ def _system(name: str) -> ReversibleSystem:
     if name not in SYSTEMS or name not in FAMILY_NAMES:
         raise InputError(f"--system {name}: unknown; give one of {', '.join(FAMILY_NAMES)}")
     return SYSTEMS[name]
-
-
-def _parameters(system: ReversibleSystem, mass: str | None) -> tuple[dict[str, Fraction], str]:
-    if not system.fixed_parameters:
-        if mass is not None:
-            raise InputError(f"--mass {mass}: {system.name} has no mass parameter; leave it out")
-        return {}, ""
-    if mass is None:
-        raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
-    value = MASS_PARAMETERS.get(mass)
-    if value is None:
-        try:
-            value = parse_exact(mass)
-        except ValueError:
-            names = ", ".join(MASS_PARAMETERS)
-            raise InputError(f"--mass {mass}: neither a name ({names}) nor a number; give a number in (0, 1)") from None
-    if not 0.0 < float(value) < 1.0 or not 0 < value < 1:
-        raise InputError(f"--mass {mass}: outside (0, 1); give the smaller mass over the total mass")
-    return {"mu": value}, mass

@@ -1,0 +1,42 @@
+"""Exact numbers as they are given on the command line."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from orbitproof.shared.formats import InputError
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
+
+
+def exact_number(option: str, text: str, wrong: str = "no number; write a decimal or hexadecimal number") -> Fraction:
+    """The number given with an option, exactly as written. Raises `InputError`."""
+    try:
+        return parse_exact(text)
+    except ValueError:
+        raise InputError(f"{option} {text}: {wrong}") from None
+
+
+def mass_parameter(option: str, text: str, *, or_zero: bool = False) -> Fraction:
+    """A mass parameter, by name or as a number in (0, 1), in [0, 1) with `or_zero`. Raises `InputError`."""
+    value = MASS_PARAMETERS.get(text)
+    if value is None:
+        names = ", ".join(MASS_PARAMETERS)
+        value = exact_number(option, text, f"neither a name ({names}) nor a number; give a number in (0, 1)")
+    # Neither the number nor the double next to it may be an end.
+    inside = 0 < value < 1 and 0.0 < float(value) < 1.0
+    if not inside and not (or_zero and value == 0):
+        interval = "[0, 1)" if or_zero else "(0, 1)"
+        raise InputError(f"{option} {text}: outside {interval}; give the smaller mass over the total mass")
+    return value
+
+
+def fixed_parameters(system: ReversibleSystem, mass: str | None) -> dict[str, Fraction]:
+    """The exact fixed parameters that belong to ``--mass``. Raises `InputError`."""
+    if not system.fixed_parameters:
+        if mass is not None:
+            raise InputError(f"--mass {mass}: {system.name} has no mass parameter; leave it out")
+        return {}
+    if mass is None:
+        raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
+    return {"mu": mass_parameter("--mass", mass)}
