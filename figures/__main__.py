@@ -83,9 +83,11 @@ def argument_parser() -> argparse.ArgumentParser:
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     family.add_argument("--quiet", action="store_true", help="no messages on standard error")
     resonances = commands.add_parser(
-        "resonances", help="stability along families, finely sampled, as picture and CSV", epilog=_RESONANCES_EXAMPLES,
+        "resonances",
+        help="stability along families, finely sampled, as picture and CSV",
+        epilog=_RESONANCES_EXAMPLES,
         formatter_class=raw,
-    )  # fmt: skip
+    )
     resonances.add_argument("families", type=Path, nargs="+", help="family files (JSON), searched for resonances")
     resonances.add_argument(
         "--candidates", type=Path, metavar="FILE", help="candidates file, to mark what is certified"
@@ -100,9 +102,13 @@ def argument_parser() -> argparse.ArgumentParser:
     tables.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder for the tables")
     tables.add_argument("--published", type=Path, metavar="FILE", help="published enclosures (default: the paper's)")
     tables.add_argument(
-        "--candidates", type=Path, nargs="+", default=[], metavar="FILE",
+        "--candidates",
+        type=Path,
+        nargs="+",
+        default=[],
+        metavar="FILE",
         help="the candidates, for family names and the order along the family (default: from ids, as in the file)",
-    )  # fmt: skip
+    )
     tables.add_argument(
         "--digits", type=_digits, default=30, metavar="N", help="print at most N significant digits (default: 30)"
     )

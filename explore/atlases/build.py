@@ -104,10 +104,14 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
         for number, expansion in enumerate(expansions, start=1)
     ]
     return Atlas(
-        id=request.id, title=request.title, system=system, parameters=dict(problem.parameters),
+        id=request.id,
+        title=request.title,
+        system=system,
+        parameters=dict(problem.parameters),
         claim=Claim(kind, symmetry if first is not None else None, request.increasing, covers),
-        pieces=tuple(pieces), provenance=request.provenance,
-    )  # fmt: skip
+        pieces=tuple(pieces),
+        provenance=request.provenance,
+    )
 
 
 def _directed(request: AtlasRequest) -> Family:

@@ -106,9 +106,11 @@ class HalfReturns:
         system = self.system
         count = points.shape[1]
         inputs = np.array(
-            [points[0] if name == system.family_parameter else np.full(count, _long(self.parameters[name]))
-             for name in system.parameters]
-        )  # fmt: skip
+            [
+                points[0] if name == system.family_parameter else np.full(count, _long(self.parameters[name]))
+                for name in system.parameters
+            ]
+        )
         states = np.zeros((len(system.state), count), dtype=np.clongdouble)
         states[list(system.fixed_coordinates)] = points[int(system.family_parameter is not None) :]
         constants, start = inputs, states
@@ -122,10 +124,11 @@ class HalfReturns:
                 start = _run(self.regularisation.embedding_program(branch), [*states, *inputs])
             constants = np.concatenate([inputs, level])
         end, slope, spectrum, steps, done = (
-            np.asarray(part) for part in self._integrate(
+            np.asarray(part)
+            for part in self._integrate(
                 start.astype(complex), times.astype(complex), constants.astype(complex), transform.astype(complex)
             )
-        )  # fmt: skip
+        )
         if not done or not np.all(np.isfinite(end)):
             raise FlowFailure("an orbit with a complex initial point runs into a singularity")
         # The derivative along the slope by a difference: exact for the system's own coordinates.

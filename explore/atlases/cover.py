@@ -112,9 +112,7 @@ class Coverer:
                 return small
             wider = min(chart.half_width, small.chart.half_width / STAGE)
             guess = small.rescaled(wider / small.chart.half_width)
-            small = expand(
-                small.returns, replace(chart, half_width=wider), small.times[0], guess=guess, even=even
-            )  # fmt: skip
+            small = expand(small.returns, replace(chart, half_width=wider), small.times[0], guess=guess, even=even)
         return small
 
     def _candidates(self, only: Coordinates | None) -> list[Coordinates]:

@@ -72,9 +72,12 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
     assert source.family is not None
     report.stage("tracing")
     family = trace_family(
-        source.system, source.family, fixed_parameters(source.system, source.mass), _limits(source, options),
+        source.system,
+        source.family,
+        fixed_parameters(source.system, source.mass),
+        _limits(source, options),
         progress=report.update,
-    )  # fmt: skip
+    )
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
     report.message(f"{source.family}: {len(family.orbits)} orbits, {family.reason}")
@@ -93,19 +96,22 @@ def _limits(source: Source, options: argparse.Namespace) -> Limits:
         return Limits(options.max_orbits, parameter_min=float(low), parameter_max=float(covers.end * (1 + margin)))
     bound = float(max(abs(covers.start), abs(covers.end)) * (1 + margin))
     return Limits(
-        options.max_orbits, {covers.coordinate: bound}, integral_min=options.jacobi_min,
+        options.max_orbits,
+        {covers.coordinate: bound},
+        integral_min=options.jacobi_min,
         min_distance=options.min_distance,
-    )  # fmt: skip
+    )
 
 
 def _read(source: Source) -> tuple[Family, str, str]:
     assert source.path is not None
     records = read_families(source.path)
     found = [
-        record for record in records
+        record
+        for record in records
         if source.family in (None, record.name)
         and (source.mass is None or record.parameters == fixed_parameters(record.system, source.mass))
-    ]  # fmt: skip
+    ]
     if len(found) != 1:
         names = ", ".join(" ".join(part for part in (record.label, record.name) if part) for record in records)
         count = "several such families" if found else "no such family"

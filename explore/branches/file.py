@@ -11,18 +11,14 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isfinite
 from pathlib import Path
-from typing import Any, Literal, NoReturn
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from orbitproof.shared.formats import InputError, read_document, validate_document, write_text
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
-
-Array = NDArray[np.float64]
+from orbitproof.explore.families import Array, Entry, to_json
+from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
+from orbitproof.shared.systems import ReversibleSystem
 
 BirthSide = Literal["above", "below", "both"]
 Outcome = Literal["length", "orbits", "meets family", "failed", "interrupted"]
@@ -126,51 +122,9 @@ class BranchRecord:
 
 def write_branches(path: Path, branches: Sequence[BranchRecord]) -> None:
     """Write a branch file, whole or not at all. Raises `InputError` if it cannot be written."""
-    document = {"format": "orbitproof-branches", "version": 1, "branches": [_to_json(branch) for branch in branches]}
+    document = {"format": "orbitproof-branches", "version": 1, "branches": to_json(list(branches))}
     validate_document(document, "branches", "branch file to be written")
     write_text(path, json.dumps(document, allow_nan=False, separators=(",", ":")) + "\n")
-
-
-def _to_json(branch: BranchRecord) -> dict[str, Any]:
-    birth = branch.birth
-    return {
-        "id": branch.id,
-        "system": branch.system.name,
-        "parameters": {name: format_exact(value) for name, value in branch.parameters.items()},
-        "kind": branch.kind,
-        "k": branch.k,
-        "symmetry": branch.symmetry,
-        "verdict": branch.verdict,
-        "certified_side": branch.certified_side,
-        "point": branch.point.tolist(),
-        "second_point": branch.second_point.tolist(),
-        "half_period": branch.half_period,
-        "level": branch.level,
-        "scale": branch.scale.tolist(),
-        "birth": None if birth is None else dict(vars(birth)),
-        "failure": branch.failure,
-        "sides": [
-            {
-                "outcome": side.outcome,
-                "reason": side.reason,
-                "orbits": [
-                    {
-                        "arclength": orbit.arclength,
-                        "point": orbit.point.tolist(),
-                        "second_point": orbit.second_point.tolist(),
-                        "crossings": orbit.crossings.tolist(),
-                        "times": orbit.times.tolist(),
-                        "half_period": orbit.half_period,
-                        "level": orbit.level,
-                        "level_difference": orbit.level_difference,
-                        "stability": [[value.real, value.imag] for value in orbit.stability],
-                    }
-                    for orbit in side.orbits
-                ],
-            }
-            for side in branch.sides
-        ],
-    }
 
 
 def read_branches(path: Path) -> list[BranchRecord]:
@@ -179,68 +133,38 @@ def read_branches(path: Path) -> list[BranchRecord]:
     return [_branch(entry, f"{path}: field branches[{index}]") for index, entry in enumerate(document["branches"])]
 
 
-def _branch(entry: Mapping[str, Any], source: str) -> BranchRecord:
-    def refuse(name: str, why: str, remedy: str) -> NoReturn:
-        raise InputError(f"{source}.{name}: {why}; {remedy}")
-
-    system = SYSTEMS.get(entry["system"])
-    if system is None:
-        refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(SYSTEMS)}")
-    parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
-    if set(parameters) != set(system.fixed_parameters):
-        wanted = ", ".join(system.fixed_parameters) or "none"
-        refuse("parameters", f"{system.name} takes the parameters: {wanted}", "give exactly these")
-    for name, value in parameters.items():
-        if not system.parameters[name].contains(value):
-            refuse(f"parameters.{name}", f"lies outside {system.parameters[name]}", "choose a value inside")
-
-    def array(where: str, value: Any, *shape: int) -> Array:
-        try:
-            result = np.array(value, dtype=float)
-        except ValueError:
-            refuse(where, "rows of different lengths", "write the file again")
-        # A list of no crossings has no second dimension.
-        result = result.reshape(shape) if result.size == 0 and 0 in shape else result
-        if result.shape != shape:
-            refuse(where, f"shape {result.shape}", f"{system.name} needs {shape}")
-        if not np.all(np.isfinite(result)):
-            refuse(where, "a number is too large for a double", "write the file again")
-        return result
-
-    size, m, n, k = len(system.centre_coordinates), len(system.state), len(system.kernel_coordinates), entry["k"]
-
-    def orbit(value: Mapping[str, Any], where: str) -> BranchOrbit:
-        numbers = ("arclength", "half_period", "level", "level_difference")
-        if not all(isfinite(value[name]) for name in numbers):
-            refuse(where, "a number is too large for a double", "write the file again")
-        pairs = array(f"{where}.stability", value["stability"], n, 2)
-        return BranchOrbit(
-            **{name: float(value[name]) for name in numbers},
-            point=array(f"{where}.point", value["point"], size),
-            second_point=array(f"{where}.second_point", value["second_point"], size),
-            crossings=array(f"{where}.crossings", value["crossings"], k - 1, m),
-            times=array(f"{where}.times", value["times"], k),
-            stability=tuple(complex(*pair) for pair in pairs),
-        )
-
+def _branch(value: Mapping[str, Any], source: str) -> BranchRecord:
+    system, parameters = read_system(value, source)
+    entry, size = Entry(source, system), len(system.centre_coordinates)
     sides = tuple(
         BranchSide(
-            tuple(orbit(value, f"sides[{i}].orbits[{j}]") for j, value in enumerate(side["orbits"])),
-            side["outcome"], side["reason"],
+            tuple(
+                _orbit(entry, f"sides[{i}].orbits[{j}]", orbit, value["k"]) for j, orbit in enumerate(side["orbits"])
+            ),
+            side["outcome"],
+            side["reason"],
         )
-        for i, side in enumerate(entry["sides"])
-    )  # fmt: skip
-    if len(sides) != (0 if entry["birth"] is None else 2):
-        refuse("sides", f"{len(sides)} of them", "a branch has two, and none without birth")
-    scale = array("scale", entry["scale"], size)
-    if not np.all(scale > 0):
-        refuse("scale", "not positive", "write the file again")
-    if not (isfinite(entry["half_period"]) and isfinite(entry["level"])):
-        refuse("level", "a number is too large for a double", "write the file again")
-    return BranchRecord(
-        id=entry["id"], system=system, parameters=parameters, kind=entry["kind"], k=k, symmetry=entry["symmetry"],
-        verdict=entry["verdict"], certified_side=entry["certified_side"], point=array("point", entry["point"], size),
-        second_point=array("second_point", entry["second_point"], size), half_period=float(entry["half_period"]),
-        level=float(entry["level"]), scale=scale,
-        birth=None if entry["birth"] is None else Birth(**entry["birth"]), failure=entry["failure"], sides=sides,
-    )  # fmt: skip
+        for i, side in enumerate(value["sides"])
+    )
+    if len(sides) != (0 if value["birth"] is None else 2):
+        entry.refuse("sides", f"{len(sides)} of them", "a branch has two, and none without birth")
+    arrays = {name: entry.array(name, value[name], size) for name in ("point", "second_point", "scale")}
+    if not np.all(arrays["scale"] > 0):
+        entry.refuse("scale", "not positive")
+    entry.finite("level", value["half_period"], value["level"])
+    numbers = {name: float(value[name]) for name in ("half_period", "level")}
+    birth = None if value["birth"] is None else Birth(**value["birth"])
+    read = {"system": system, "parameters": parameters, "birth": birth, "sides": sides}
+    return BranchRecord(**{**value, **arrays, **numbers, **read})
+
+
+def _orbit(entry: Entry, where: str, value: Mapping[str, Any], k: int) -> BranchOrbit:
+    size, m = len(entry.system.centre_coordinates), len(entry.system.state)
+    shapes = {"point": (size,), "second_point": (size,), "crossings": (k - 1, m), "times": (k,)}
+    numbers = {name: value[name] for name in ("arclength", "half_period", "level", "level_difference")}
+    entry.finite(where, *numbers.values())
+    return BranchOrbit(
+        **{name: float(number) for name, number in numbers.items()},
+        **{name: entry.array(f"{where}.{name}", value[name], *shape) for name, shape in shapes.items()},
+        stability=entry.stability(f"{where}.stability", value["stability"]),
+    )

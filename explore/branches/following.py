@@ -48,11 +48,23 @@ class Branch:
         """What is written about it; verdict and side are those of a certificate, if there is one."""
         start = self.start
         return BranchRecord(
-            id=start.id, system=start.system, parameters=start.parameters, kind=start.kind, k=start.k,
-            symmetry=start.symmetry, verdict=verdict, certified_side=certified_side, point=start.point,
-            second_point=self.second_point, half_period=start.half_period, level=float(start.level),
-            scale=start.scale, birth=self.birth, failure=self.failure, sides=self.sides,
-        )  # fmt: skip
+            id=start.id,
+            system=start.system,
+            parameters=start.parameters,
+            kind=start.kind,
+            k=start.k,
+            symmetry=start.symmetry,
+            verdict=verdict,
+            certified_side=certified_side,
+            point=start.point,
+            second_point=self.second_point,
+            half_period=start.half_period,
+            level=float(start.level),
+            scale=start.scale,
+            birth=self.birth,
+            failure=self.failure,
+            sides=self.sides,
+        )
 
 
 def follow(

@@ -122,10 +122,18 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     except ZeroDivisionError:
         raise NoBranch("the point is singular, or the frame is") from None
     return BranchPoint(
-        id=candidate.id, system=system, parameters=parameters, kind=candidate.kind, k=candidate.k,
-        symmetry=candidate.symmetry, point=_floats([centre])[0], frame=_floats(frame), level=_fraction(level),
-        half_period=crossing.time, slope=slope,
-    )  # fmt: skip
+        id=candidate.id,
+        system=system,
+        parameters=parameters,
+        kind=candidate.kind,
+        k=candidate.k,
+        symmetry=candidate.symmetry,
+        point=_floats([centre])[0],
+        frame=_floats(frame),
+        level=_fraction(level),
+        half_period=crossing.time,
+        slope=slope,
+    )
 
 
 def _slope(candidate: Candidate, centre: Sequence[Fraction], frame: Frame, context: mpmath.MPContext) -> float:

@@ -97,12 +97,16 @@ class BranchTracer:
         problem, point = self.problem, orbit.unknowns[: self.problem.point_size]
         difference, _ = self.start.level_difference(point)
         return BranchOrbit(
-            arclength=arclength, point=point, second_point=problem.end(orbit),
+            arclength=arclength,
+            point=point,
+            second_point=problem.end(orbit),
             crossings=problem.states(orbit.unknowns)[1:],
-            times=problem.times(orbit.unknowns), half_period=float(problem.times(orbit.unknowns).sum()),
-            level=float(self.start.level) + difference, level_difference=difference,
+            times=problem.times(orbit.unknowns),
+            half_period=float(problem.times(orbit.unknowns).sum()),
+            level=float(self.start.level) + difference,
+            level_difference=difference,
             stability=problem.stability(orbit),
-        )  # fmt: skip
+        )
 
 
 def branch_tracer(start: BranchPoint) -> tuple[BranchTracer, Vector]:

@@ -31,9 +31,16 @@ FIELDS = ("x", "y", "z", "vx", "vy", "vz", "jacobi", "period", "stability")
 """Names of the columns in the JSON form."""
 
 HEADER = (
-    "x0 (LU)", "y0 (LU)", "z0 (LU)", "vx0 (LU/TU)", "vy0 (LU/TU)", "vz0 (LU/TU)", "Jacobi constant (LU2/TU2)",
-    "Period (TU)", "Stability index",
-)  # fmt: skip
+    "x0 (LU)",
+    "y0 (LU)",
+    "z0 (LU)",
+    "vx0 (LU/TU)",
+    "vy0 (LU/TU)",
+    "vz0 (LU/TU)",
+    "Jacobi constant (LU2/TU2)",
+    "Period (TU)",
+    "Stability index",
+)
 """Names of the same columns in the CSV form, where ``Id`` stands before and ``Mass ratio`` behind them."""
 
 MASS_RATIO = "Mass ratio"
@@ -120,11 +127,14 @@ def _read_json(path: Path) -> Catalogue:
             )
         rows.append([row[i] for i in order])
     return _catalogue(
-        _mass_ratio(document["system"]["mass_ratio"], f"{path}: field system.mass_ratio"), rows,
+        _mass_ratio(document["system"]["mass_ratio"], f"{path}: field system.mass_ratio"),
+        rows,
         lambda row, column: f"{path}: field data[{row}][{order[column]}]",
-        system=document["system"].get("name", ""), family=document.get("family", ""),
-        point=str(document.get("libration_point", "")), branch=document.get("branch", ""),
-    )  # fmt: skip
+        system=document["system"].get("name", ""),
+        family=document.get("family", ""),
+        point=str(document.get("libration_point", "")),
+        branch=document.get("branch", ""),
+    )
 
 
 def _read_csv(path: Path) -> Catalogue:

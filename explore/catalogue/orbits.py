@@ -124,9 +124,14 @@ def correct_catalogue(
     states, failures = _on_fixed_set(catalogue)
     guesses = np.column_stack([states[:, list(CR3BP.fixed_coordinates)], 0.5 * catalogue.periods])
     batch = correct_batch(
-        CR3BP, {"mu": float(catalogue.mass_ratio)}, guesses, symmetry=problem.symmetry, scale=np.array(scale),
-        tolerance=tolerance, progress=progress,
-    )  # fmt: skip
+        CR3BP,
+        {"mu": float(catalogue.mass_ratio)},
+        guesses,
+        symmetry=problem.symmetry,
+        scale=np.array(scale),
+        tolerance=tolerance,
+        progress=progress,
+    )
     together = tuple(own or other for own, other in zip(failures, batch.failures, strict=True))
     return CorrectedCatalogue(catalogue, problem, guesses, batch, together)
 

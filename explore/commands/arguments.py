@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 from typing import NoReturn
 
@@ -12,8 +11,8 @@ from orbitproof.explore.commands import (
     atlas_libration,
     atlas_mass,
     branches,
+    common,
     mass_curve,
-    option_types,
     portraits,
 )
 from orbitproof.explore.families import FAMILY_NAMES, POINTS, PRESETS
@@ -60,45 +59,49 @@ def parser() -> Parser:
         allow_abbrev=False,
     )
     commands = result.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
-    candidates = commands.add_parser(
-        "candidates", help="find and refine bifurcations, write candidate boxes", epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
+    candidates = common.add_command(
+        commands, "candidates", "find and refine bifurcations, write candidate boxes", _EXAMPLES
+    )
     _family_options(candidates)
     candidates.add_argument(
-        "-k", nargs="+", type=option_types.multiplicity, metavar="K",
+        "-k",
+        nargs="+",
+        type=common.multiplicity,
+        metavar="K",
         help="multiplicities: 1 symmetry breaking, k > 1 the 1:k resonances (default: 2 3 4, or the preset's)",
-    )  # fmt: skip
+    )
     candidates.add_argument(
-        "--digits", type=option_types.digits, default=50, metavar="N",
+        "--digits",
+        type=common.digits,
+        default=50,
+        metavar="N",
         help="decimal digits of the refined points (default: %(default)s)",
-    )  # fmt: skip
+    )
     candidates.add_argument(
-        "--points", choices=POINTS,
+        "--points",
+        choices=POINTS,
         help="an orbit meets Fix(R) in two points, and new orbits may appear near both. one: a candidate for the "
         "first; distinct: for both where the new orbits differ (even k >= 4); all: always for both (default: one, "
         "or the preset's)",
-    )  # fmt: skip
-    candidates.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="candidates file to write")
-    candidates.add_argument(
-        "--append", action="store_true",
-        help="keep what the output file already holds; points refined there to as many digits are not refined again",
-    )  # fmt: skip
-    candidates.add_argument("--family-output", type=Path, metavar="FILE", help="write the traced families as JSON")
-    family = commands.add_parser(
-        "family", help="trace families and their resonances in float64", epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
-    _family_options(family)
-    family.add_argument(
-        "-k", nargs="+", type=option_types.multiplicity, metavar="K", help="locate these resonances as well"
     )
-    family.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="family file to write")
+    common.add_output(candidates, "candidates file")
+    candidates.add_argument(
+        "--append",
+        action="store_true",
+        help="keep what the output file already holds; points refined there to as many digits are not refined again",
+    )
+    candidates.add_argument("--family-output", type=Path, metavar="FILE", help="write the traced families as JSON")
+    family = common.add_command(commands, "family", "trace families and their resonances in float64", _EXAMPLES)
+    _family_options(family)
+    family.add_argument("-k", nargs="+", type=common.multiplicity, metavar="K", help="locate these resonances as well")
+    common.add_output(family, "family file")
     family.add_argument(
-        "--csv", type=Path, metavar="FILE",
+        "--csv",
+        type=Path,
+        metavar="FILE",
         help="CR3BP: write the orbits with the columns of the JPL three-body periodic orbit catalogue; of several "
         "families each into a file of its own, its name put in front of the extension",
-    )  # fmt: skip
+    )
     family.add_argument(
         "--catalogue", type=Path, metavar="FILE", help="the same as JSON, like a response of the catalogue's interface"
     )
@@ -130,44 +133,52 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         "L1-lyapunov, the same for L2 and L3",
     )
     target.add_argument(
-        "--from-family", type=Path, metavar="FILE",
+        "--from-family",
+        type=Path,
+        metavar="FILE",
         help="start from the families in a family file and continue them up to the limits, instead of from their "
         "birth; families that are asked for and not in the file are traced as well",
-    )  # fmt: skip
+    )
     target.add_argument(
-        "--from-catalogue", type=Path, metavar="FILE",
+        "--from-catalogue",
+        type=Path,
+        metavar="FILE",
         help="start from a file of the JPL three-body periodic orbit catalogue, its JSON or CSV: every orbit is "
         "corrected and compared with the file, and the family is traced both ways from one of them",
-    )  # fmt: skip
+    )
     target.add_argument(
-        "--catalogue-orbit", type=option_types.index, metavar="N",
+        "--catalogue-orbit",
+        type=common.index,
+        metavar="N",
         help="the orbit of that file, counted from 1, from which the family is traced (default: the middle one)",
-    )  # fmt: skip
+    )
     target.add_argument(
         "--mirror", action="store_true", help="halo families: the mirror image, z < 0 at the first point"
     )
     target.add_argument(
-        "--branches", action="store_true",
+        "--branches",
+        action="store_true",
         help="trace as well the families that branch off wherever the symmetry S of a planar family breaks",
-    )  # fmt: skip
+    )
     limits = target.add_argument_group("limits, each optional; a family ends with the first orbit beyond one")
-    limits.add_argument("--max-orbits", type=option_types.count, default=1000, metavar="N", help="default: %(default)s")
+    limits.add_argument("--max-orbits", type=common.count, default=1000, metavar="N", help="default: %(default)s")
+    limits.add_argument("--z-max", type=common.positive, metavar="Z", help="CR3BP: largest |z| of the first point")
     limits.add_argument(
-        "--z-max", type=option_types.positive, metavar="Z", help="CR3BP: largest |z| of the first point"
-    )
-    limits.add_argument(
-        "--vy-max", nargs="+", type=option_types.positive, metavar="V",
+        "--vy-max",
+        nargs="+",
+        type=common.positive,
+        metavar="V",
         help="CR3BP: largest |vy| of the first point, one value or one for each mass",
-    )  # fmt: skip
-    limits.add_argument("--jacobi-min", type=option_types.number, metavar="C", help="CR3BP: smallest Jacobi constant")
-    limits.add_argument(
-        "--min-distance", type=option_types.positive, metavar="R",
-        help="CR3BP: smallest distance to a primary (default: 1e-5, or 1e-4 (MU/3)^(1/3) where that is less)",
-    )  # fmt: skip
-    limits.add_argument("--beta-min", type=option_types.number, default=100.0, metavar="B", help="default: %(default)s")
-    limits.add_argument(
-        "--beta-max", type=option_types.number, default=1000.0, metavar="B", help="default: %(default)s"
     )
+    limits.add_argument("--jacobi-min", type=common.number, metavar="C", help="CR3BP: smallest Jacobi constant")
+    limits.add_argument(
+        "--min-distance",
+        type=common.positive,
+        metavar="R",
+        help="CR3BP: smallest distance to a primary (default: 1e-5, or 1e-4 (MU/3)^(1/3) where that is less)",
+    )
+    limits.add_argument("--beta-min", type=common.number, default=100.0, metavar="B", help="default: %(default)s")
+    limits.add_argument("--beta-max", type=common.number, default=1000.0, metavar="B", help="default: %(default)s")
     steps = target.add_argument_group(
         "steps along a family, in arclength: coordinates in units of the distance of the libration point from the "
         "nearest primary (beta: of 1000), time as it is"
@@ -178,25 +189,30 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         ("max", CONTROL.maximum, "longest step; it grows with the coordinates where they are large"),
     ):
         steps.add_argument(
-            f"--step-{name}", type=option_types.positive, default=value, metavar="H",
+            f"--step-{name}",
+            type=common.positive,
+            default=value,
+            metavar="H",
             help=f"{meaning} (default: %(default)s)",
-        )  # fmt: skip
+        )
     steps.add_argument(
-        "--turning", type=option_types.positive, default=CONTROL.turning, metavar="A",
+        "--turning",
+        type=common.positive,
+        default=CONTROL.turning,
+        metavar="A",
         help="largest angle in radians by which a family may turn in a step (default: %(default)s)",
-    )  # fmt: skip
+    )
     steps.add_argument(
-        "--tolerance", type=option_types.positive, default=CONTROL.tolerance, metavar="E",
+        "--tolerance",
+        type=common.positive,
+        default=CONTROL.tolerance,
+        metavar="E",
         help="length of the last Newton step, in the same units, at which an orbit is found (default: %(default)s)",
-    )  # fmt: skip
+    )
     steps.add_argument(
         "--until-tangency",
         action="store_true",
         help="end a family where an orbit touches the section and the number of its crossings changes",
     )
-    target.add_argument(
-        "--jobs", type=option_types.jobs, default=os.cpu_count() or 1, metavar="N",
-        help="processes: families traced and points refined at the same time (default: the number of processors, "
-        "%(default)s)",
-    )  # fmt: skip
-    target.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    common.add_jobs(target, ": families traced and points refined at the same time")
+    common.add_quiet(target)

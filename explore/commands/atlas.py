@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.atlases import Source, check_names
-from orbitproof.explore.commands import option_types
+from orbitproof.explore.commands import common
 from orbitproof.explore.families import FAMILY_NAMES, exact_number, fixed_parameters, is_family_name
 from orbitproof.shared.formats import Covers, InputError, check_writable
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
@@ -40,7 +40,11 @@ class AtlasPreset:
 
 ATLAS_PRESETS = {
     "falkner-skan": AtlasPreset(
-        "falkner-skan", "", "odd", ("beta", "1.125", "100000"), ("beta",),
+        "falkner-skan",
+        "",
+        "odd",
+        ("beta", "1.125", "100000"),
+        ("beta",),
         "Symmetric periodic orbits of the Falkner-Skan equation for 9/8 <= beta <= 100000",
     ),
     "l1-circle-earth-moon": AtlasPreset(
@@ -50,14 +54,22 @@ ATLAS_PRESETS = {
         "cr3bp", "sun-jupiter", "L1-halo", None, (), "The loop of L1 halo orbits of the Sun-Jupiter system"
     ),
     "l2-arc-earth-moon": AtlasPreset(
-        "cr3bp", "earth-moon", "L2-halo", ("vy", "0", "20.5"), ("vy",),
+        "cr3bp",
+        "earth-moon",
+        "L2-halo",
+        ("vy", "0", "20.5"),
+        ("vy",),
         "L2 halo orbits of the Earth-Moon system up to vy = 20.5",
     ),
     "l2-arc-sun-jupiter": AtlasPreset(
-        "cr3bp", "sun-jupiter", "L2-halo", ("vy", "0", "8"), ("vy",),
+        "cr3bp",
+        "sun-jupiter",
+        "L2-halo",
+        ("vy", "0", "8"),
+        ("vy",),
         "L2 halo orbits of the Sun-Jupiter system up to vy = 8",
     ),
-}  # fmt: skip
+}
 
 _EXAMPLES = """\
 examples:
@@ -75,63 +87,77 @@ curve. Exit codes: 0 covered, 1 not, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "atlas", help="cover a whole branch of symmetric orbits by pieces for the verifier", epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
+    parser = common.add_command(
+        commands, "atlas", "cover a whole branch of symmetric orbits by pieces for the verifier", _EXAMPLES
+    )
     presets = "; ".join(f"{name}: {preset.title}" for name, preset in ATLAS_PRESETS.items())
     parser.add_argument("--preset", choices=tuple(ATLAS_PRESETS), help=f"in place of the next options: {presets}")
     parser.add_argument("--system", metavar="NAME", help=f"one of {', '.join(FAMILY_NAMES)}")
     parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly")
     parser.add_argument("--family", metavar="NAME", help="the family, as for explore family")
     parser.add_argument(
-        "--from-family", type=Path, metavar="FILE",
+        "--from-family",
+        type=Path,
+        metavar="FILE",
         help="a family from a family file (any that explore family writes) instead of one traced here; --family and "
         "--mass choose among several",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--covers", nargs=3, metavar=("NAME", "FROM", "TO"),
+        "--covers",
+        nargs=3,
+        metavar=("NAME", "FROM", "TO"),
         help="the part of the family on which a coordinate goes from one value to a larger one; a symmetric arc "
         "starts at its symmetric point whatever FROM is (default: all of the family)",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--increasing", nargs="+", default=[], metavar="NAME", help="coordinates claimed to increase along the curve"
     )
     limits = parser.add_argument_group("limits of a family that is traced here, each optional")
-    limits.add_argument("--max-orbits", type=option_types.count, default=5000, metavar="N", help="default: %(default)s")
-    limits.add_argument("--jacobi-min", type=option_types.number, metavar="C", help="smallest Jacobi constant")
-    limits.add_argument(
-        "--min-distance", type=option_types.positive, metavar="R", help="smallest distance to a primary"
-    )
+    limits.add_argument("--max-orbits", type=common.count, default=5000, metavar="N", help="default: %(default)s")
+    limits.add_argument("--jacobi-min", type=common.number, metavar="C", help="smallest Jacobi constant")
+    limits.add_argument("--min-distance", type=common.positive, metavar="R", help="smallest distance to a primary")
     pieces = parser.add_argument_group("pieces")
     pieces.add_argument(
-        "--degree", type=int, default=28, metavar="D",
+        "--degree",
+        type=int,
+        default=28,
+        metavar="D",
         help="a piece is as wide as lets coefficient D of the flow in the curve's parameter fall to --decay "
         "(default: %(default)s)",
-    )  # fmt: skip
-    pieces.add_argument("--decay", type=option_types.positive, default=1e-13, metavar="E", help="default: %(default)s")
+    )
+    pieces.add_argument("--decay", type=common.positive, default=1e-13, metavar="E", help="default: %(default)s")
     pieces.add_argument(
-        "--tube", type=option_types.positive, default=1e-9, metavar="W",
+        "--tube",
+        type=common.positive,
+        default=1e-9,
+        metavar="W",
         help="half-width of the tubes about the curve, in units of the distance from the nearest primary, or of 1 "
         "(default: %(default)s)",
-    )  # fmt: skip
+    )
     pieces.add_argument(
-        "--overlap", type=option_types.positive, default=0.08, metavar="F",
+        "--overlap",
+        type=common.positive,
+        default=0.08,
+        metavar="F",
         help="part of its half-width by which a piece goes into the next (default: %(default)s)",
-    )  # fmt: skip
+    )
     pieces.add_argument(
-        "--coordinates", choices=("auto", "physical", "regularised"), default="auto",
+        "--coordinates",
+        choices=("auto", "physical", "regularised"),
+        default="auto",
         help="in which the orbits are followed (default: for each piece what is cheaper)",
-    )  # fmt: skip
+    )
     output = parser.add_mutually_exclusive_group(required=True)
     output.add_argument("-o", "--output", type=Path, metavar="FILE", help="atlas file to write")
     output.add_argument(
-        "--check", type=Path, metavar="FILE",
+        "--check",
+        type=Path,
+        metavar="FILE",
         help="instead: compute orbits at random places of an atlas file in float64 and compare them with its "
         "polynomials and tubes",
-    )  # fmt: skip
+    )
     parser.add_argument("--id", metavar="NAME", help="short name of the atlas (default: the preset's or the family's)")
-    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    common.add_quiet(parser)
     parser.set_defaults(run=run)
 
 
@@ -144,9 +170,11 @@ def run(options: argparse.Namespace) -> int:
         return check_file(options.check, options.quiet)
     source = _source(options)
     for name, value, (low, high) in (
-        ("degree", options.degree, DEGREES), ("decay", options.decay, DECAYS), ("tube", options.tube, TUBES),
+        ("degree", options.degree, DEGREES),
+        ("decay", options.decay, DECAYS),
+        ("tube", options.tube, TUBES),
         ("overlap", options.overlap, OVERLAPS),
-    ):  # fmt: skip
+    ):
         if not low <= value <= high:
             raise InputError(f"--{name} {value:g}: give a number from {low:g} to {high:g}")
     if source.system is not None and options.coordinates == "regularised" and source.system.name != "cr3bp":
@@ -160,9 +188,13 @@ def run(options: argparse.Namespace) -> int:
 
 def _source(options: argparse.Namespace) -> Source:
     chosen = {
-        "--system": options.system, "--mass": options.mass, "--family": options.family, "--covers": options.covers,
-        "--increasing": options.increasing or None, "--from-family": options.from_family,
-    }  # fmt: skip
+        "--system": options.system,
+        "--mass": options.mass,
+        "--family": options.family,
+        "--covers": options.covers,
+        "--increasing": options.increasing or None,
+        "--from-family": options.from_family,
+    }
     if options.preset is not None:
         for option, given in chosen.items():
             if given is not None:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.commands.option_types import number, positive
-from orbitproof.explore.engines import Reporter
+from orbitproof.explore.commands.common import add_command, add_output, add_quiet, number, positive
 from orbitproof.explore.families import mass_parameter
 from orbitproof.shared.formats import InputError, check_writable, write_atlas
 from orbitproof.shared.systems import MASS_PARAMETERS
@@ -30,29 +28,39 @@ Exit codes: 0 written, 1 the family could not be followed, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "atlas-libration", help="atlas of a planar Lyapunov family from its symmetry breaking to the libration point",
-        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
+    parser = add_command(
+        commands,
+        "atlas-libration",
+        "atlas of a planar Lyapunov family from its symmetry breaking to the libration point",
+        _EXAMPLES,
+    )
     parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
     parser.add_argument(
-        "--mass", required=True, metavar="MU",
+        "--mass",
+        required=True,
+        metavar="MU",
         help=f"mass parameter: a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1), taken exactly as written",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--side", choices=("left", "right"),
+        "--side",
+        choices=("left", "right"),
         help="where the orbits start on the axis, left or right of the point (default: L3 right, the others left)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--end", type=number, metavar="EPS",
+        "--end",
+        type=number,
+        metavar="EPS",
         help="go to this eps, positive on the right (default: a bit beyond the symmetry breaking)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--tube", type=positive, default=1e-8, metavar="W",
+        "--tube",
+        type=positive,
+        default=1e-8,
+        metavar="W",
         help=f"half-width of the tubes, relative to vy, at most {WIDEST_TUBE:g} (default: %(default)s)",
-    )  # fmt: skip
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="atlas file to write")
-    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    )
+    add_output(parser, "atlas file")
+    add_quiet(parser)
     parser.set_defaults(run=run)
 
 
@@ -70,6 +78,7 @@ def run(options: argparse.Namespace) -> int:
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.atlases import LibrationFailure, LyapunovFamily, lyapunov_atlas
+    from orbitproof.explore.engines import Reporter
 
     family = LyapunovFamily(options.point, mu)
     with Reporter(options.quiet) as report:

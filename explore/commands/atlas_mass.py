@@ -5,11 +5,9 @@ from __future__ import annotations
 import argparse
 from fractions import Fraction
 from math import ceil, floor
-from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.commands.option_types import positive
-from orbitproof.explore.engines import Reporter
+from orbitproof.explore.commands.common import add_command, add_output, add_quiet, positive
 from orbitproof.explore.families import mass_parameter
 from orbitproof.shared.formats import SURFACE, Atlas, Claim, Covers, InputError, check_writable, write_atlas
 
@@ -40,27 +38,34 @@ begin at 0. Takes a few seconds. Exit codes: 0 written, 1 the curve could not be
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "atlas-mass", help="atlas of the halo orbits near their symmetry-breaking points over a range of the mass",
-        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
+    parser = add_command(
+        commands,
+        "atlas-mass",
+        "atlas of the halo orbits near their symmetry-breaking points over a range of the mass",
+        _EXAMPLES,
+    )
     parser.add_argument("--point", choices=POINTS, required=True, help="the libration point")
     parser.add_argument(
         "--mu-min", metavar="MU", help="smallest mass parameter (default: 0 for L1 and L2, 0.00001 for L3)"
     )
     parser.add_argument("--mu-max", default="0.5", metavar="MU", help="largest, at most 1/2 (default: %(default)s)")
     parser.add_argument(
-        "--z", type=positive, metavar="Z",
+        "--z",
+        type=positive,
+        metavar="Z",
         help="halo orbits up to this abs(z), for L1 and L2 in units of mu^(1/3) (default: "
         + ", ".join(f"{name} {float(value):g}" for name, value in AMPLITUDES.items())
         + f"; L3 below mass {float(LIGHT[0]):g} {float(LIGHT_AMPLITUDE):g})",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--share", type=positive, default=0.2, metavar="S",
+        "--share",
+        type=positive,
+        default=0.2,
+        metavar="S",
         help="half-width of a piece as a share of the radius of convergence, at most 0.5 (default: %(default)s)",
-    )  # fmt: skip
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="atlas file to write")
-    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    )
+    add_output(parser, "atlas file")
+    add_quiet(parser)
     parser.set_defaults(run=run)
 
 
@@ -87,6 +92,7 @@ def run(options: argparse.Namespace) -> int:
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.atlases import intervals, piece, system_of, trace
+    from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import FamilyFailure
     from orbitproof.explore.orbits import CorrectionFailure
 

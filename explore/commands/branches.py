@@ -8,10 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from orbitproof.explore.branches import Birth, BranchRecord, write_branches
-from orbitproof.explore.engines import Reporter
+from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.shared.formats import (
     Candidate,
     InputError,
@@ -21,6 +20,10 @@ from orbitproof.shared.formats import (
     read_document,
     validate_document,
 )
+
+if TYPE_CHECKING:
+    from orbitproof.explore.branches import Birth, BranchRecord
+    from orbitproof.explore.engines import Reporter
 
 _EXAMPLES = """\
 examples:
@@ -51,22 +54,27 @@ class Claim:
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "branches", help="switch onto the new orbits at bifurcation points and follow them", epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
+    parser = add_command(
+        commands, "branches", "switch onto the new orbits at bifurcation points and follow them", _EXAMPLES
+    )
     parser.add_argument("points", type=Path, metavar="FILE", help="candidates or certificates file")
     parser.add_argument("--only", nargs="+", metavar="ID", help="these points of the file (default: all)")
     parser.add_argument(
-        "--length", type=float, default=0.05, metavar="L",
+        "--length",
+        type=float,
+        default=0.05,
+        metavar="L",
         help="arclength to follow on each side, in (0, 100] (default: %(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--orbits", type=int, default=60, metavar="N",
+        "--orbits",
+        type=int,
+        default=60,
+        metavar="N",
         help="at most so many orbits on each side, 4 to 10000 (default: %(default)s)",
-    )  # fmt: skip
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="branch file to write")
-    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    )
+    add_output(parser, "branch file")
+    add_quiet(parser)
     parser.set_defaults(run=run)
 
 
@@ -78,6 +86,9 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--orbits {options.orbits}: give a whole number from 4 to 10000")
     claims = _selected(read_claims(options.points), options.only, options.points)
     check_writable(options.output)
+    from orbitproof.explore.branches import write_branches
+    from orbitproof.explore.engines import Reporter
+
     found: list[BranchRecord] = []
     with Reporter(options.quiet) as report:
         report.stage("branches")
@@ -149,9 +160,11 @@ def _branch(
     try:
         start = branch_point(claim.candidate)
         branch = follow(
-            start, length=options.length, orbits=options.orbits,
+            start,
+            length=options.length,
+            orbits=options.orbits,
             progress=lambda fraction: report.update(name, (number + fraction) / total),
-        )  # fmt: skip
+        )
     except NoBranch as failure:
         report.error(f"{name}: {failure}")
         return None

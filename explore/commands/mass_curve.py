@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import os
 from fractions import Fraction
 from math import isfinite, log10
-from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.commands.option_types import jobs
+from orbitproof.explore.commands.common import add_command, add_jobs, add_output, add_quiet
 from orbitproof.explore.families import mass_parameter
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.systems import MASS_PARAMETERS
@@ -33,10 +31,9 @@ Exit codes: 0 everything found, 1 something was not, 2 bad input.
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "mass-curve", help="symmetry-breaking points of L1, L2, L3 as functions of the mass parameter",
-        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
+    parser = add_command(
+        commands, "mass-curve", "symmetry-breaking points of L1, L2, L3 as functions of the mass parameter", _EXAMPLES
+    )
     parser.add_argument(
         "--points", nargs="+", choices=POINTS, default=list(POINTS), help="libration points (default: all three)"
     )
@@ -45,23 +42,33 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--mu-min", default="1e-10", metavar="MU", help="smallest mass (default: %(default)s)")
     parser.add_argument(
-        "--step", type=float, default=0.1, metavar="S",
+        "--step",
+        type=float,
+        default=0.1,
+        metavar="S",
         help="longest step, in log mu and in scaled coordinates, 0.001 to 1 (default: %(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--digits", type=int, metavar="N",
+        "--digits",
+        type=int,
+        metavar="N",
         help="compute points in high precision as well, to N digits relative to the size of the orbit (default with "
         "--at or --extrema: 30)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--at", nargs="+", metavar="MU",
+        "--at",
+        nargs="+",
+        metavar="MU",
         help="masses of these points: numbers, taken exactly, names "
         f"({', '.join(MASS_PARAMETERS)}), or decades for all powers of ten (default with --digits: decades)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--extrema", nargs="+", choices=POINTS, default=[],
+        "--extrema",
+        nargs="+",
+        choices=POINTS,
+        default=[],
         help="locate the local minima and maxima of the Jacobi constant along the curves of these points",
-    )  # fmt: skip
+    )
     precision = parser.add_argument_group(
         "high precision; every result is checked with 80 more bits, a quarter more terms, a tolerance 1e-20 times finer"
     )
@@ -69,19 +76,20 @@ def add_parser(commands: Any) -> None:
         "--bits", type=int, metavar="B", help=f"of the mantissas (default: what N needs; extrema: {EXTREMUM_BITS})"
     )
     precision.add_argument(
-        "--order", type=int, metavar="K",
+        "--order",
+        type=int,
+        metavar="K",
         help=f"of the Taylor expansion in time (default: 0.4 times the bits; extrema: {EXTREMUM_ORDER})",
-    )  # fmt: skip
+    )
     precision.add_argument(
-        "--tolerance", type=float, metavar="T",
+        "--tolerance",
+        type=float,
+        metavar="T",
         help=f"of a time step, relative (default: the last bit; extrema: {EXTREMUM_TOLERANCE:g})",
-    )  # fmt: skip
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="mass-curve file to write")
-    parser.add_argument(
-        "--jobs", type=jobs, default=os.cpu_count() or 1, metavar="N",
-        help="processes for points in high precision (default: the number of processors, %(default)s)",
-    )  # fmt: skip
-    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    )
+    add_output(parser, "mass-curve file")
+    add_jobs(parser, " for points in high precision")
+    add_quiet(parser)
     parser.set_defaults(run=run)
 
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.engines import Reporter
-from orbitproof.explore.portraits import QUADRUPLING, TOUCH_AND_GO, portrait, write_portraits
+from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.shared.formats import InputError, check_writable
 
 _EXAMPLES = """\
@@ -26,19 +24,24 @@ _WINDOW = {4: 2.1, 3: 5.3}
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = commands.add_parser(
-        "portraits", help="phase portraits of a reversible planar map at the resonances 1:4 and 1:3",
-        epilog=_EXAMPLES, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-    )  # fmt: skip
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="portrait file to write")
+    parser = add_command(
+        commands, "portraits", "phase portraits of a reversible planar map at the resonances 1:4 and 1:3", _EXAMPLES
+    )
+    add_output(parser, "portrait file")
     parser.add_argument(
-        "--parameter", type=float, default=0.03, metavar="NU",
+        "--parameter",
+        type=float,
+        default=0.03,
+        metavar="NU",
         help="distance from the resonance, before and after it, in (0, 0.1] (default: %(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--orbits", type=int, default=12, metavar="N",
+        "--orbits",
+        type=int,
+        default=12,
+        metavar="N",
         help="orbits on each of three rays, 2 to 100 (default: %(default)s)",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--iterates",
         type=int,
@@ -46,7 +49,7 @@ def add_parser(commands: Any) -> None:
         metavar="N",
         help="points of each orbit, 10 to 10000 (default: %(default)s)",
     )
-    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+    add_quiet(parser)
     parser.set_defaults(run=run)
 
 
@@ -59,6 +62,9 @@ def run(options: argparse.Namespace) -> int:
         if not low <= value <= high:
             raise InputError(f"--{name} {value}: give a whole number from {low} to {high}")
     check_writable(options.output)
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.portraits import QUADRUPLING, TOUCH_AND_GO, portrait, write_portraits
+
     portraits = []
     with Reporter(options.quiet) as report:
         report.stage("portraits")

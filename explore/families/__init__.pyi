@@ -4,6 +4,9 @@ from .continuation import Family as Family
 from .continuation import in_fixed_space as in_fixed_space
 from .detection import LocatedResonance as LocatedResonance
 from .detection import symmetry_breakings as symmetry_breakings
+from .entries import Array as Array
+from .entries import Entry as Entry
+from .entries import to_json as to_json
 from .file import ExtremumRecord as ExtremumRecord
 from .file import FamilyRecord as FamilyRecord
 from .file import ResonanceRecord as ResonanceRecord

@@ -107,9 +107,11 @@ class Family:
         chord = step / length
         nearest = [i for i in (index, index + 1, index - 1, index + 2) if 0 <= i < len(self.orbits)]
         prediction = predict(
-            [self.orbits[i].unknowns / scales for i in nearest], [self.tangents[i] for i in nearest],
-            chord, length * (arclength - left.arclength) / (right.arclength - left.arclength),
-        )  # fmt: skip
+            [self.orbits[i].unknowns / scales for i in nearest],
+            [self.tangents[i] for i in nearest],
+            chord,
+            length * (arclength - left.arclength) / (right.arclength - left.arclength),
+        )
         correction = self.problem.correct(prediction * scales, chord)
         return self.problem.orbit(correction, arclength, left.crossings)
 
@@ -154,9 +156,12 @@ def trace(
         tangents = [problem.tangent(correction.jacobian, direction)]
         orbits = [problem.orbit(correction, 0.0, crossings(problem, _samples(problem, correction)))]
     return extend(
-        Family(problem, tuple(orbits), tuple(tangents), "limit", "started"), stop,
-        control=control, max_orbits=max_orbits, progress=progress,
-    )  # fmt: skip
+        Family(problem, tuple(orbits), tuple(tangents), "limit", "started"),
+        stop,
+        control=control,
+        max_orbits=max_orbits,
+        progress=progress,
+    )
 
 
 def extend(

@@ -8,21 +8,17 @@ parameters are exact strings as in a candidates file. Reading it needs neither J
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from math import isfinite
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from orbitproof.shared.formats import InputError, read_document, validate_document, write_text
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
-
-Array = NDArray[np.float64]
+from orbitproof.explore.families.entries import Array, Entry, to_json
+from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
+from orbitproof.shared.systems import ReversibleSystem
 
 
 @dataclass(frozen=True)
@@ -130,49 +126,12 @@ def write_families(path: Path, families: Sequence[FamilyRecord]) -> None:
 
 
 def _to_json(family: FamilyRecord) -> dict[str, Any]:
-    result = {
-        "name": family.name,
-        "label": family.label,
-        "system": family.system.name,
-        "parameters": {name: format_exact(value) for name, value in family.parameters.items()},
-        "symmetry": family.symmetry,
-        "scale": list(family.scale),
-        "outcome": family.outcome,
-        "reason": family.reason,
-        "orbits": [
-            {
-                "arclength": orbit.arclength,
-                "point": orbit.point.tolist(),
-                "second_point": orbit.second_point.tolist(),
-                "half_period": orbit.half_period,
-                "period": 2 * orbit.half_period,
-                "first_integral": orbit.first_integral,
-                "stability": [[value.real, value.imag] for value in orbit.stability],
-                "coefficients": orbit.coefficients.tolist(),
-                "tangent": orbit.tangent.tolist(),
-                "crossings": orbit.crossings,
-            }
-            for orbit in family.orbits
-        ],
-        "resonances": [
-            {
-                "k": resonance.k,
-                "kind": resonance.kind,
-                "side": resonance.side,
-                "point": resonance.point.tolist(),
-                "arclength": resonance.arclength,
-                "first_integral": resonance.first_integral,
-                "stability_parameter": resonance.stability_parameter,
-            }
-            for resonance in family.resonances
-        ],
-    }
-    if family.beginning is not None:
-        result["beginning"] = asdict(family.beginning)
-    if family.curve is not None:
-        curve = {field.name: getattr(family.curve, field.name) for field in fields(CurveRecord)}
-        result["curve"] = {name: None if value is None else value.tolist() for name, value in curve.items()}
-        result["extrema"] = [asdict(extremum) for extremum in family.extrema]
+    result: dict[str, Any] = to_json(family)
+    for orbit in result["orbits"]:
+        orbit["period"] = 2 * orbit["half_period"]
+    absent = [name for name in ("beginning", "curve") if result[name] is None]
+    for name in (*absent, *(["extrema"] if "curve" in absent else ())):
+        del result[name]
     return result
 
 
@@ -182,107 +141,71 @@ def read_families(path: Path) -> list[FamilyRecord]:
     return [_family(entry, f"{path}: field families[{index}]") for index, entry in enumerate(document["families"])]
 
 
-def _family(entry: Mapping[str, Any], source: str) -> FamilyRecord:
-    def refuse(name: str, why: str, remedy: str) -> NoReturn:
-        raise InputError(f"{source}.{name}: {why}; {remedy}")
-
-    system = SYSTEMS.get(entry["system"])
-    if system is None:
-        refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(SYSTEMS)}")
-    parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
-    if set(parameters) != set(system.fixed_parameters):
-        wanted = ", ".join(system.fixed_parameters) or "none"
-        refuse("parameters", f"{system.name} takes the parameters: {wanted}", "give exactly these")
-    for name, value in parameters.items():
-        if not system.parameters[name].contains(value):
-            refuse(f"parameters.{name}", f"lies outside {system.parameters[name]}", "choose a value inside")
-    if entry["symmetry"] is not None and entry["symmetry"] not in system.symmetries:
-        refuse("symmetry", f"{system.name} has no symmetry {entry['symmetry']!r}", "write the file again")
-    size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
-    lengths = {
-        "point": size,
-        "second_point": size,
-        "tangent": size + 1,
-        "coefficients": kernel + 1,
-        "stability": kernel,
-    }
-
-    def finite(where: str, *numbers: float) -> None:
-        if not all(isfinite(number) for number in numbers):
-            refuse(where, "a number is too large for a double", "write the file again")
-
-    if len(entry["scale"]) != size + 1 or not all(isfinite(scale) and scale > 0 for scale in entry["scale"]):
-        refuse("scale", "wrong length or not positive", f"it needs {size + 1} positive numbers")
-    orbits: list[OrbitRecord] = []
-    for index, orbit in enumerate(entry["orbits"]):
-        where = f"orbits[{index}]"
-        for name, length in lengths.items():
-            if len(orbit[name]) != length:
-                refuse(f"{where}.{name}", f"{len(orbit[name])} numbers", f"{system.name} needs {length}")
-        values = [*orbit["point"], *orbit["second_point"], *orbit["tangent"], *orbit["coefficients"]]
-        finite(where, *values, orbit["arclength"], orbit["half_period"], orbit["first_integral"] or 0.0)
-        finite(where, *(part for pair in orbit["stability"] for part in pair))
-        if (orbit["first_integral"] is None) != (system.first_integral is None):
-            refuse(f"{where}.first_integral", "does not fit the system", "write the file again")
-        if orbits and orbit["arclength"] <= orbits[-1].arclength:
-            refuse(f"{where}.arclength", "does not increase", "list the orbits along the family")
-        orbits.append(
-            OrbitRecord(
-                arclength=float(orbit["arclength"]),
-                point=np.array(orbit["point"], dtype=float),
-                second_point=np.array(orbit["second_point"], dtype=float),
-                half_period=float(orbit["half_period"]),
-                first_integral=None if orbit["first_integral"] is None else float(orbit["first_integral"]),
-                stability=tuple(complex(*pair) for pair in orbit["stability"]),
-                coefficients=np.array(orbit["coefficients"], dtype=float),
-                tangent=np.array(orbit["tangent"], dtype=float),
-                crossings=orbit["crossings"],
-            )
-        )
+def _family(value: Mapping[str, Any], source: str) -> FamilyRecord:
+    system, parameters = read_system(value, source)
+    entry = Entry(source, system)
+    if value["symmetry"] is not None and value["symmetry"] not in system.symmetries:
+        entry.refuse("symmetry", f"{system.name} has no symmetry {value['symmetry']!r}")
+    size = len(system.centre_coordinates)
+    scale = entry.array("scale", value["scale"], size + 1)
+    if not np.all(scale > 0):
+        entry.refuse("scale", "not positive", f"it needs {size + 1} positive numbers")
+    orbits = tuple(_orbit(entry, f"orbits[{index}]", orbit) for index, orbit in enumerate(value["orbits"]))
+    entry.increasing("orbits", np.array([orbit.arclength for orbit in orbits]))
     resonances: list[ResonanceRecord] = []
-    for index, resonance in enumerate(entry["resonances"]):
-        if len(resonance["point"]) != size:
-            refuse(f"resonances[{index}].point", f"{len(resonance['point'])} numbers", f"{system.name} needs {size}")
-        finite(f"resonances[{index}]", *resonance["point"], resonance["arclength"], resonance["first_integral"] or 0.0)
-        fields = {**resonance, "point": np.array(resonance["point"], dtype=float)}
-        resonances.append(ResonanceRecord(**fields))
-    extrema = tuple(ExtremumRecord(**extremum) for extremum in entry.get("extrema", ()))
+    for index, resonance in enumerate(value["resonances"]):
+        where = f"resonances[{index}]"
+        entry.finite(where, resonance["arclength"], resonance["first_integral"])
+        point = entry.array(f"{where}.point", resonance["point"], size)
+        resonances.append(ResonanceRecord(**{**resonance, "point": point}))
+    extrema = tuple(ExtremumRecord(**extremum) for extremum in value.get("extrema", ()))
     for index, extremum in enumerate(extrema):
-        finite(f"extrema[{index}]", extremum.arclength, extremum.first_integral or 0.0, extremum.stability_parameter)
+        entry.finite(f"extrema[{index}]", extremum.arclength, extremum.first_integral, extremum.stability_parameter)
     return FamilyRecord(
-        name=entry["name"], label=entry.get("label", ""), system=system, parameters=parameters,
-        symmetry=entry["symmetry"], scale=tuple(float(scale) for scale in entry["scale"]),
-        outcome=entry["outcome"], reason=entry["reason"], orbits=tuple(orbits), resonances=tuple(resonances),
-        curve=_curve(entry.get("curve"), system, refuse), extrema=extrema,
-        beginning=EndingRecord(**entry["beginning"]) if "beginning" in entry else None,
-    )  # fmt: skip
+        name=value["name"],
+        label=value.get("label", ""),
+        system=system,
+        parameters=parameters,
+        symmetry=value["symmetry"],
+        scale=tuple(scale.tolist()),
+        outcome=value["outcome"],
+        reason=value["reason"],
+        orbits=orbits,
+        resonances=tuple(resonances),
+        curve=_curve(entry, value.get("curve")),
+        extrema=extrema,
+        beginning=EndingRecord(**value["beginning"]) if "beginning" in value else None,
+    )
 
 
-def _curve(
-    entry: Mapping[str, Any] | None, system: ReversibleSystem, refuse: Callable[[str, str, str], NoReturn]
-) -> CurveRecord | None:
-    if entry is None:
+def _orbit(entry: Entry, where: str, value: Mapping[str, Any]) -> OrbitRecord:
+    system, integral = entry.system, value["first_integral"]
+    size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
+    lengths = {"point": size, "second_point": size, "tangent": size + 1, "coefficients": kernel + 1}
+    entry.finite(where, value["arclength"], value["half_period"], integral)
+    if (integral is None) != (system.first_integral is None):
+        entry.refuse(f"{where}.first_integral", "does not fit the system")
+    return OrbitRecord(
+        arclength=float(value["arclength"]),
+        half_period=float(value["half_period"]),
+        first_integral=None if integral is None else float(integral),
+        stability=entry.stability(f"{where}.stability", value["stability"]),
+        crossings=value["crossings"],
+        **{name: entry.array(f"{where}.{name}", value[name], length) for name, length in lengths.items()},
+    )
+
+
+def _curve(entry: Entry, value: Mapping[str, Any] | None) -> CurveRecord | None:
+    if value is None:
         return None
-    size, count = len(system.centre_coordinates), len(entry["arclength"])
-    shapes = {
-        "arclength": (count,), "points": (count, size), "second_points": (count, size), "half_periods": (count,),
-        "coefficients": (count, len(system.kernel_coordinates) + 1),
-    }  # fmt: skip
+    system, count = entry.system, len(value["arclength"])
+    shapes: dict[str, tuple[int, ...]] = {"arclength": (count,), "half_periods": (count,)}
+    shapes |= dict.fromkeys(("points", "second_points"), (count, len(system.centre_coordinates)))
+    shapes["coefficients"] = (count, len(system.kernel_coordinates) + 1)
     if system.first_integral is not None:
         shapes["first_integrals"] = (count,)
-    elif entry["first_integrals"] is not None:
-        refuse("curve.first_integrals", "does not fit the system", "write the file again")
-    arrays: dict[str, Array | None] = {"first_integrals": None}
-    for name, shape in shapes.items():
-        try:
-            array = np.array(entry[name], dtype=float)
-        except (TypeError, ValueError):
-            refuse(f"curve.{name}", "rows of different lengths, or none", "write the file again")
-        if array.shape != shape:
-            refuse(f"curve.{name}", f"shape {array.shape}", f"{system.name} needs {shape}")
-        if not np.all(np.isfinite(array)):
-            refuse(f"curve.{name}", "a number is too large for a double", "write the file again")
-        arrays[name] = array
-    if not np.all(np.diff(arrays["arclength"]) > 0):
-        refuse("curve.arclength", "does not increase", "list the orbits along the family")
-    return CurveRecord(**arrays)
+    elif value["first_integrals"] is not None:
+        entry.refuse("curve.first_integrals", "does not fit the system")
+    arrays = {name: entry.array(f"curve.{name}", value[name], *shape) for name, shape in shapes.items()}
+    entry.increasing("curve.arclength", arrays["arclength"])
+    return CurveRecord(**{"first_integrals": None, **arrays})

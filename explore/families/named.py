@@ -100,9 +100,12 @@ def continue_family(
     if len(family.orbits) > 1 and in_fixed_space(problem, last):
         return family
     more = extend(
-        replace(family, problem=problem), _stop(problem, limits, family.orbits), control=control,
-        max_orbits=limits.max_orbits, progress=_report(problem, limits, progress, len(family.orbits)),
-    )  # fmt: skip
+        replace(family, problem=problem),
+        _stop(problem, limits, family.orbits),
+        control=control,
+        max_orbits=limits.max_orbits,
+        progress=_report(problem, limits, progress, len(family.orbits)),
+    )
     return _with_symmetric_end(more)
 
 
@@ -153,9 +156,13 @@ class _Tracer:
     def grown(self, problem: ShootingProblem, start: Start) -> Family:
         """The family from its start up to the limits."""
         family = trace(
-            problem, start, _stop(problem, self.limits, ()), control=self.control, max_orbits=self.limits.max_orbits,
+            problem,
+            start,
+            _stop(problem, self.limits, ()),
+            control=self.control,
+            max_orbits=self.limits.max_orbits,
             progress=_report(problem, self.limits, self.progress),
-        )  # fmt: skip
+        )
         return _with_symmetric_end(family)
 
     def planar_start(self, point: str) -> tuple[ShootingProblem, Start]:
@@ -179,9 +186,13 @@ class _Tracer:
         planar, start = self.planar_start(point)
         near = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
         family = trace(
-            planar, start, after_breakings(planar, number, _stop(planar, near, ())), control=self.control,
-            max_orbits=PLANAR_ORBITS, progress=self._planar_report(),
-        )  # fmt: skip
+            planar,
+            start,
+            after_breakings(planar, number, _stop(planar, near, ())),
+            control=self.control,
+            max_orbits=PLANAR_ORBITS,
+            progress=self._planar_report(),
+        )
         if family.outcome == "interrupted":
             raise KeyboardInterrupt
         breakings = symmetry_breakings(family)
@@ -207,14 +218,22 @@ class _Tracer:
         report = _report(problem, limits, self.progress)
         if limits.parameter_min >= beta:
             return trace(
-                problem, start, _stop(problem, upwards, ()), control=self.control, max_orbits=limits.max_orbits,
+                problem,
+                start,
+                _stop(problem, upwards, ()),
+                control=self.control,
+                max_orbits=limits.max_orbits,
                 progress=report,
-            )  # fmt: skip
+            )
         downwards = replace(limits, parameter_max=np.inf)
         down = trace(
-            problem, replace(start, direction=-start.direction), _stop(problem, downwards, ()), control=self.control,
-            max_orbits=limits.max_orbits, progress=report,
-        )  # fmt: skip
+            problem,
+            replace(start, direction=-start.direction),
+            _stop(problem, downwards, ()),
+            control=self.control,
+            max_orbits=limits.max_orbits,
+            progress=report,
+        )
         if down.outcome == "limit" and down.orbits[-1].unknowns[0] > limits.parameter_min:
             raise CorrectionFailure(f"beta = {limits.parameter_min:g} is not reached: {down.reason}; allow more orbits")
         family = down.turned()
@@ -227,9 +246,12 @@ class _Tracer:
             orbits, tangents = family.orbits[: end + 1], family.tangents[: end + 1]
             return replace(family, orbits=orbits, tangents=tangents, outcome="limit", reason=reason)
         return extend(
-            family, _stop(problem, upwards, family.orbits), control=self.control, max_orbits=limits.max_orbits,
+            family,
+            _stop(problem, upwards, family.orbits),
+            control=self.control,
+            max_orbits=limits.max_orbits,
             progress=report,
-        )  # fmt: skip
+        )
 
 
 RETURNED = "the family returns to Fix(S)"

@@ -65,8 +65,13 @@ class Preset:
 
 PRESETS: Mapping[str, Preset] = {
     "tables": Preset(
-        "cr3bp", ("earth-moon", "sun-jupiter"), ("L1-halo", "L2-halo"), (20.5, 8.0), (1, 2, 3, 4), "distinct",
+        "cr3bp",
+        ("earth-moon", "sun-jupiter"),
+        ("L1-halo", "L2-halo"),
+        (20.5, 8.0),
+        (1, 2, 3, 4),
+        "distinct",
         "the L1 halo loops and the L2 halo families of the Earth-Moon and the Sun-Jupiter system, as far as the paper "
         "follows them",
     ),
-}  # fmt: skip
+}

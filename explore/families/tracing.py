@@ -102,9 +102,14 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
     try:
         if task.start is None:
             family = trace_family(
-                SYSTEMS[task.system], task.name, task.parameters, task.limits, mirrored=task.mirrored,
-                control=task.control, progress=tracing,
-            )  # fmt: skip
+                SYSTEMS[task.system],
+                task.name,
+                task.parameters,
+                task.limits,
+                mirrored=task.mirrored,
+                control=task.control,
+                progress=tracing,
+            )
         else:
             go_on = continue_both_ways if task.both_ways else continue_family
             family = go_on(_with_own_system(task.start), task.limits, control=task.control, progress=tracing)

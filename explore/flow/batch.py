@@ -130,9 +130,14 @@ def _start(system: ReversibleSystem, initial: Matrix) -> _Lanes:
     extended = np.concatenate([initial.T[None], start])
     none = np.zeros(count, dtype=np.int64)
     return _Lanes(
-        time=np.zeros(count), extended=extended, slope=np.zeros((m, count)), length=np.zeros(count),
-        crossings=none, steps=none.copy(), started=np.zeros(count, dtype=bool),
-    )  # fmt: skip
+        time=np.zeros(count),
+        extended=extended,
+        slope=np.zeros((m, count)),
+        length=np.zeros(count),
+        crossings=none,
+        steps=none.copy(),
+        started=np.zeros(count, dtype=bool),
+    )
 
 
 def _result(system: ReversibleSystem, lanes: _Lanes, times: Vector) -> FlowBatch:
@@ -140,10 +145,14 @@ def _result(system: ReversibleSystem, lanes: _Lanes, times: Vector) -> FlowBatch
     columns = np.moveaxis(lanes.extended, -1, 0)
     finished = (times > 0) & (lanes.time >= times) & np.all(np.isfinite(columns), axis=(1, 2))
     return FlowBatch(
-        states=columns[:, 0], velocities=lanes.slope.T, state_transitions=np.swapaxes(columns[:, 1 : 1 + m], 1, 2),
+        states=columns[:, 0],
+        velocities=lanes.slope.T,
+        state_transitions=np.swapaxes(columns[:, 1 : 1 + m], 1, 2),
         parameter_derivatives=columns[:, -1] if columns.shape[1] > 1 + m else np.zeros((len(times), m)),
-        crossings=lanes.crossings + 1, steps=lanes.steps, finished=finished,
-    )  # fmt: skip
+        crossings=lanes.crossings + 1,
+        steps=lanes.steps,
+        finished=finished,
+    )
 
 
 def _round(

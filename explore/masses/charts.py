@@ -143,12 +143,19 @@ def _equations_of(smaller: bool) -> Callable[[Vector], Any]:
             return duration * jnp.stack(chart.field(duration * fraction, state, mu))
 
         solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(field), diffrax.Dopri8(), t0=0.0, t1=1.0, dt0=None,
-            y0=jnp.stack(chart.start(unknowns[0], unknowns[1])), args=(duration, mu),
+            diffrax.ODETerm(field),
+            diffrax.Dopri8(),
+            t0=0.0,
+            t1=1.0,
+            dt0=None,
+            y0=jnp.stack(chart.start(unknowns[0], unknowns[1])),
+            args=(duration, mu),
             saveat=diffrax.SaveAt(t1=True),
             stepsize_controller=diffrax.PIDController(rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE),
-            adjoint=diffrax.ForwardMode(), max_steps=MAX_STEPS, throw=False,
-        )  # fmt: skip
+            adjoint=diffrax.ForwardMode(),
+            max_steps=MAX_STEPS,
+            throw=False,
+        )
         end = solution.ys[0]
         second = jnp.stack([end[0], end[3]])
         return jnp.stack(chart.equations(end, unknowns[2], mu)), (second, solution.result == diffrax.RESULTS.successful)

@@ -228,7 +228,13 @@ def _point(chart: Chart, node: _Node) -> PointRecord:
     # The tangent of the curve, per unit of mu.
     slope = float(node.at.jacobi_gradient @ node.tangent) / float(node.tangent[LOG_MU]) / mu
     return PointRecord(
-        mu=mu, x=x, vy=vy, second=chart.point(node.at.second, mu), scaled=(float(place[0]), float(place[1])),
-        half_period=chart.half_period(node.unknowns), jacobi_constant=node.at.jacobi_constant,
-        jacobi_derivative=slope, residual=node.residual,
-    )  # fmt: skip
+        mu=mu,
+        x=x,
+        vy=vy,
+        second=chart.point(node.at.second, mu),
+        scaled=(float(place[0]), float(place[1])),
+        half_period=chart.half_period(node.unknowns),
+        jacobi_constant=node.at.jacobi_constant,
+        jacobi_derivative=slope,
+        residual=node.residual,
+    )

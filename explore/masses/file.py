@@ -221,9 +221,13 @@ def _curve(entry: Mapping[str, Any], source: str) -> CurveRecord:
         for index, point in enumerate(entry["extrema"])
     ]
     return CurveRecord(
-        libration=entry["libration"], outcome=entry["outcome"], reason=entry["reason"], points=tuple(points),
-        precise=tuple(precise), extrema=tuple(extrema),
-    )  # fmt: skip
+        libration=entry["libration"],
+        outcome=entry["outcome"],
+        reason=entry["reason"],
+        points=tuple(points),
+        precise=tuple(precise),
+        extrema=tuple(extrema),
+    )
 
 
 def _mass(text: str, where: str) -> Fraction:

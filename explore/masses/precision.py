@@ -192,10 +192,18 @@ def _newton(
         )
     report("done", 1.0)
     return PrecisePoint(
-        mu=point[MU], x=point[X], vy=point[VY], half_period=check.half_period,
-        jacobi_constant=exact(check.level.coefficients[0]), jacobi_derivative=exact(slopes[1]),
-        jacobi_curvature=curvature, residual=residual, derivative_change=change, digits=digits, settings=settings,
-    )  # fmt: skip
+        mu=point[MU],
+        x=point[X],
+        vy=point[VY],
+        half_period=check.half_period,
+        jacobi_constant=exact(check.level.coefficients[0]),
+        jacobi_derivative=exact(slopes[1]),
+        jacobi_curvature=curvature,
+        residual=residual,
+        derivative_change=change,
+        digits=digits,
+        settings=settings,
+    )
 
 
 def _correction(expansion: Expansion, unknowns: int) -> list[Any]:

@@ -240,20 +240,34 @@ def _with(curve: CurveRecord, task: _Task, point: PrecisePoint, near: PointRecor
         assert point.jacobi_curvature is not None
         curvature = float(point.jacobi_curvature)
         extremum = ExtremumRecord(
-            kind="minimum" if curvature > 0 else "maximum", mu=rounded(point.mu, task.digits), mu_exact=point.mu,
-            x=point.x, vy=point.vy, half_period=point.half_period,
-            jacobi_constant=rounded(point.jacobi_constant, digits), jacobi_second_derivative=curvature,
-            digits=task.digits, settings=settings, residual=point.residual, change=point.derivative_change,
-        )  # fmt: skip
+            kind="minimum" if curvature > 0 else "maximum",
+            mu=rounded(point.mu, task.digits),
+            mu_exact=point.mu,
+            x=point.x,
+            vy=point.vy,
+            half_period=point.half_period,
+            jacobi_constant=rounded(point.jacobi_constant, digits),
+            jacobi_second_derivative=curvature,
+            digits=task.digits,
+            settings=settings,
+            residual=point.residual,
+            change=point.derivative_change,
+        )
         others = [row for row in curve.extrema if abs(float(row.mu / extremum.mu) - 1) > 1e-8]
         return replace(curve, extrema=tuple(sorted([*others, extremum], key=lambda row: -row.mu)))
     record = PreciseRecord(
-        mu=point.mu, x=point.x, vy=point.vy, half_period=point.half_period,
+        mu=point.mu,
+        x=point.x,
+        vy=point.vy,
+        half_period=point.half_period,
         jacobi_constant=rounded(point.jacobi_constant, digits),
         jacobi_derivative=rounded(point.jacobi_derivative, task.digits),
-        digits=task.digits, settings=settings, residual=point.residual, change=point.derivative_change,
+        digits=task.digits,
+        settings=settings,
+        residual=point.residual,
+        change=point.derivative_change,
         float64_error=_float64_error(chart_of(curve.libration), point, near),
-    )  # fmt: skip
+    )
     kept = [row for row in curve.precise if row.mu != record.mu]
     return replace(curve, precise=tuple(sorted([*kept, record], key=lambda row: -row.mu)))
 

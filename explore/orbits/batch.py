@@ -145,10 +145,14 @@ class _Newton:
         self.scales = np.broadcast_to(np.ones(problem.size) if scale is None else np.asarray(scale), unknowns.shape)
         self.rows = None if normals is None else (np.asarray(normals) / self.scales)[:, self.free]
         self.flow = FlowBatch(
-            np.full((count, m), np.nan), np.full((count, m), np.nan), np.full((count, m, m), np.nan),
-            np.full((count, m), np.nan), np.zeros(count, dtype=int), np.zeros(count, dtype=int),
+            np.full((count, m), np.nan),
+            np.full((count, m), np.nan),
+            np.full((count, m, m), np.nan),
+            np.full((count, m), np.nan),
+            np.zeros(count, dtype=int),
+            np.zeros(count, dtype=int),
             np.zeros(count, dtype=bool),
-        )  # fmt: skip
+        )
         self.residuals = np.full(count, np.nan)
         self.last = np.full(count, np.inf)
         self.iterations = np.zeros(count, dtype=int)

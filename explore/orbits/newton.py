@@ -8,9 +8,8 @@ tolerance is good, and one that is little shorter than the one before is as good
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Any
-
-import numpy as np
 
 STALLED = 0.25
 """A step longer than this part of the last one is rounding: far from it Newton's method squares them."""
@@ -43,8 +42,8 @@ class NewtonRule:
         """
         accepted = self.accepted if accepted is None else accepted
         found = ((size < self.tolerance) & exact) | ((size < accepted) & (size > STALLED * last))
-        lost = ~np.isfinite(size) | ((size > DIVERGES * last) & (size > accepted))
-        return found, lost & ~found
+        going = (size < inf) & ((size <= DIVERGES * last) | (size <= accepted))
+        return found, (found | going) ^ True
 
 
 SHOOTING = NewtonRule(tolerance=1e-12, accepted=1e-10, steps=8)

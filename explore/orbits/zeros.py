@@ -114,9 +114,7 @@ def subdivide(
         values.append(last)
 
     for index in range(len(samples.places) - 1):
-        fill(
-            samples.places[index], samples.values[index], samples.places[index + 1], samples.values[index + 1], depth
-        )  # fmt: skip
+        fill(samples.places[index], samples.values[index], samples.places[index + 1], samples.values[index + 1], depth)
     return Samples(tuple(places), tuple(values))
 
 

@@ -77,7 +77,12 @@ def _portrait(entry: Mapping[str, Any], source: str) -> Portrait:
             raise InputError(f"{source}.periodic[{index}].points: need {entry['k']} points; write the file again")
         periodic.append(PeriodicOrbit(points, orbit["line"], float(orbit["trace"])))
     return Portrait(
-        k=entry["k"], parameter=float(entry["parameter"]), map=ReversibleMap(**entry["map"]),
-        window=float(entry["window"]), orbits=lines("orbits"), curves=lines("curves"), manifolds=lines("manifolds"),
+        k=entry["k"],
+        parameter=float(entry["parameter"]),
+        map=ReversibleMap(**entry["map"]),
+        window=float(entry["window"]),
+        orbits=lines("orbits"),
+        curves=lines("curves"),
+        manifolds=lines("manifolds"),
         periodic=tuple(periodic),
-    )  # fmt: skip
+    )

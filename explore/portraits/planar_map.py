@@ -277,9 +277,15 @@ def portrait(resonance: Resonance, parameter: float, window: float, orbits: int,
                 shown = branch @ frame.T
                 manifolds += [shown, shown * mirror]
     return Portrait(
-        k, parameter, mapping, window, tuple(rows for rows in dots if len(rows)), tuple(curves), tuple(manifolds),
+        k,
+        parameter,
+        mapping,
+        window,
+        tuple(rows for rows in dots if len(rows)),
+        tuple(curves),
+        tuple(manifolds),
         tuple(shown_periodic[i] for i in near),
-    )  # fmt: skip
+    )
 
 
 def _invariant_curves(mapping: ReversibleMap, start: Array, k: int, radius: float) -> list[Array]:

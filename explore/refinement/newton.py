@@ -106,10 +106,18 @@ class RefinedPoint:
             "margins": list(self.margins),
         }
         return Candidate(
-            id=id, system=self.system, parameters=dict(self.parameters), kind=self.kind, k=self.k,
-            centre=self.centre, frame=self.frame, kernel_frame=self.kernel_frame, radii=self.radii,
-            symmetry=self.symmetry, provenance={**found, **provenance},
-        )  # fmt: skip
+            id=id,
+            system=self.system,
+            parameters=dict(self.parameters),
+            kind=self.kind,
+            k=self.k,
+            centre=self.centre,
+            frame=self.frame,
+            kernel_frame=self.kernel_frame,
+            radii=self.radii,
+            symmetry=self.symmetry,
+            provenance={**found, **provenance},
+        )
 
 
 def refine(
@@ -143,15 +151,22 @@ def refine(
         margins = _checked_iterates(problem, solution.frame, solution.at.iterates)
         report("curvatures", 0.85)
         geometry = branch_geometry(
-            system, problem.parameters, solution.point, solution.frame, k, problem.tangential,
+            system,
+            problem.parameters,
+            solution.point,
+            solution.frame,
+            k,
+            problem.tangential,
             working_context(GEOMETRY_BITS),
-        )  # fmt: skip
+        )
         width = half_width(geometry, digits, k, solution.lost_bits, system.family_parameter is None)
         if digits_for(width) > digits + MARGIN_DIGITS:
             solution = _solve(
-                problem, solution.point, digits_for(width) - MARGIN_DIGITS // 2,
+                problem,
+                solution.point,
+                digits_for(width) - MARGIN_DIGITS // 2,
                 lambda message, fraction: report(message, 0.85 + 0.14 * fraction),
-            )  # fmt: skip
+            )
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
     point, frame, at = solution.point, solution.frame, solution.at
@@ -161,12 +176,23 @@ def refine(
         value = round_dyadic(_fraction(problem.level(point, at.context, False).coefficients[0]), at.context.prec)
     report("done", 1.0)
     return RefinedPoint(
-        system=system, parameters=problem.parameters, kind=kind, k=k, symmetry=symmetry,
-        centre=tuple(point), frame=_exact_rows(frame.columns), kernel_frame=_exact_rows(frame.rows),
+        system=system,
+        parameters=problem.parameters,
+        kind=kind,
+        k=k,
+        symmetry=symmetry,
+        centre=tuple(point),
+        frame=_exact_rows(frame.columns),
+        kernel_frame=_exact_rows(frame.rows),
         radii=box_radii(geometry, width, accuracy, len(system.kernel_coordinates)),
-        residual=solution.residual, digits=digits, iterations=solution.iterations, half_period=at.half.time,
-        first_integral=value, geometry=geometry, margins=margins,
-    )  # fmt: skip
+        residual=solution.residual,
+        digits=digits,
+        iterations=solution.iterations,
+        half_period=at.half.time,
+        first_integral=value,
+        geometry=geometry,
+        margins=margins,
+    )
 
 
 def _checked(

@@ -109,18 +109,32 @@ def branch_geometry(
     if tangential:
         p0_curvature = -2 * g(0, 3) / mixed
         return BranchGeometry(
-            float(mixed), float(second), 6 * float(g(0, 3)), float(p0_slope), float(p0_curvature), None,
-            second_derivatives, float(h0), float(2 * h11 + h0 * p0_curvature),
-        )  # fmt: skip
+            float(mixed),
+            float(second),
+            6 * float(g(0, 3)),
+            float(p0_slope),
+            float(p0_curvature),
+            None,
+            second_derivatives,
+            float(h0),
+            float(2 * h11 + h0 * p0_curvature),
+        )
     line = JetBasis.graded([1], 2)
     path = [Jet(line, [0, 1, 0])] + [line.constant(0)] * n
     family = _implicit(iterates[0], range(1, n + 1), path, context)
     curvatures = [2 * abs(float(p.coefficients[2])) for p in family]
     family_across = max([second_derivatives[2], *curvatures[1:]])
     return BranchGeometry(
-        float(mixed), float(second), None, float(p0_slope), None, curvatures[0],
-        (*second_derivatives[:2], family_across), float(h0), float(h0 * p0_slope + h1),
-    )  # fmt: skip
+        float(mixed),
+        float(second),
+        None,
+        float(p0_slope),
+        None,
+        curvatures[0],
+        (*second_derivatives[:2], family_across),
+        float(h0),
+        float(h0 * p0_slope + h1),
+    )
 
 
 def level_jet(

@@ -52,9 +52,15 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
     started = time.monotonic()
     try:
         point = refine(
-            SYSTEMS[task.system], task.parameters, task.kind, task.k, task.guess,
-            digits=task.digits, symmetry=task.symmetry, progress=progress,
-        )  # fmt: skip
+            SYSTEMS[task.system],
+            task.parameters,
+            task.kind,
+            task.k,
+            task.guess,
+            digits=task.digits,
+            symmetry=task.symmetry,
+            progress=progress,
+        )
     except RefinementFailure as error:
         return Refined(task, None, None, str(error), time.monotonic() - started)
     except (ArithmeticError, ValueError) as error:

@@ -77,9 +77,13 @@ def check(options: argparse.Namespace) -> Request:
         raise InputError("--beta-min: the family exists for beta > 1; give a larger value")
     if options.from_catalogue is not None:
         for option, value in (
-            ("--system", options.system), ("--mass", options.mass), ("--family", options.family),
-            ("--preset", options.preset), ("--from-family", options.from_family), ("--mirror", options.mirror or None),
-        ):  # fmt: skip
+            ("--system", options.system),
+            ("--mass", options.mass),
+            ("--family", options.family),
+            ("--preset", options.preset),
+            ("--from-family", options.from_family),
+            ("--mirror", options.mirror or None),
+        ):
             if value is not None:
                 raise InputError(f"{option}: --from-catalogue says which family; leave it out")
         if options.vy_max is not None and len(options.vy_max) > 1:
@@ -87,9 +91,11 @@ def check(options: argparse.Namespace) -> Request:
     preset = None if options.preset is None else PRESETS[options.preset]
     if preset is not None:
         for option, value in (
-            ("--system", options.system), ("--mass", options.mass), ("--family", options.family),
+            ("--system", options.system),
+            ("--mass", options.mass),
+            ("--family", options.family),
             ("--vy-max", options.vy_max),
-        ):  # fmt: skip
+        ):
             if value is not None:
                 raise InputError(f"{option}: given by --preset {options.preset}; leave out one of the two")
     multiplicities = options.k
@@ -120,9 +126,13 @@ def _control(options: argparse.Namespace) -> StepControl:
     if not TOLERANCES[0] <= options.tolerance <= TOLERANCES[1]:
         raise InputError(f"--tolerance {options.tolerance:g}: give {TOLERANCES[0]:g} to {TOLERANCES[1]:g}")
     return StepControl(
-        options.step_initial, options.step_min, options.step_max, options.turning, options.tolerance,
+        options.step_initial,
+        options.step_min,
+        options.step_max,
+        options.turning,
+        options.tolerance,
         options.until_tangency,
-    )  # fmt: skip
+    )
 
 
 def _check_paths(options: argparse.Namespace) -> None:

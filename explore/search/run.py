@@ -102,11 +102,17 @@ def _catalogue_tasks(request: Request, start: CatalogueStart) -> list[TraceTask]
     speed = options.vy_max[0] if options.vy_max else None
     return [
         TraceTask(
-            system=problem.system.name, name=start.name, label=start.label, parameters=dict(problem.parameters),
-            limits=_limits(options, speed), multiplicities=request.multiplicities, start=start.seed, both_ways=True,
+            system=problem.system.name,
+            name=start.name,
+            label=start.label,
+            parameters=dict(problem.parameters),
+            limits=_limits(options, speed),
+            multiplicities=request.multiplicities,
+            start=start.seed,
+            both_ways=True,
             control=request.control,
         )
-    ]  # fmt: skip
+    ]
 
 
 def _trace_tasks(request: Request) -> list[TraceTask]:
@@ -133,16 +139,28 @@ def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) 
         if record.name == name and dict(record.parameters) == dict(family.parameters):
             return _resuming(request, record, limits)
     return TraceTask(
-        system=family.system.name, name=family.name, label=family.label, parameters=dict(family.parameters),
-        limits=limits, multiplicities=request.multiplicities, mirrored=mirrored, control=request.control,
-    )  # fmt: skip
+        system=family.system.name,
+        name=family.name,
+        label=family.label,
+        parameters=dict(family.parameters),
+        limits=limits,
+        multiplicities=request.multiplicities,
+        mirrored=mirrored,
+        control=request.control,
+    )
 
 
 def _resuming(request: Request, record: FamilyRecord, limits: Limits) -> TraceTask:
     return TraceTask(
-        system=record.system.name, name=record.name, label=record.label, parameters=dict(record.parameters),
-        limits=limits, multiplicities=request.multiplicities, start=family_of(record), control=request.control,
-    )  # fmt: skip
+        system=record.system.name,
+        name=record.name,
+        label=record.label,
+        parameters=dict(record.parameters),
+        limits=limits,
+        multiplicities=request.multiplicities,
+        start=family_of(record),
+        control=request.control,
+    )
 
 
 def _limits(options: Any, velocity_max: float | None) -> Limits:

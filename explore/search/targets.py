@@ -35,10 +35,16 @@ class Target:
         """What the refinement needs."""
         resonance, problem = self.resonance, self.item.family.problem
         return Task(
-            id=self.id, system=self.item.system.name, parameters=dict(problem.parameters), kind=resonance.kind,
-            k=resonance.k, symmetry=resonance.symmetry, guess=tuple(float(value) for value in self.guess),
-            digits=digits, provenance=self._provenance(),
-        )  # fmt: skip
+            id=self.id,
+            system=self.item.system.name,
+            parameters=dict(problem.parameters),
+            kind=resonance.kind,
+            k=resonance.k,
+            symmetry=resonance.symmetry,
+            guess=tuple(float(value) for value in self.guess),
+            digits=digits,
+            provenance=self._provenance(),
+        )
 
     def _provenance(self) -> Mapping[str, Any]:
         orbit = self.resonance.orbit

@@ -27,9 +27,11 @@ Exit codes: 0 all drawn; 1 something not drawn, or no certificates, so that noth
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     parser = commands.add_parser(
-        "all", help="every picture, from a folder of data files", epilog=_EXAMPLES,
+        "all",
+        help="every picture, from a folder of data files",
+        epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    )
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files")
     parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder for the pictures")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these pictures (default: all)")

@@ -25,9 +25,11 @@ Exit codes: 0 written, 1 written, but something is not proved, 2 bad input.
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     parser = commands.add_parser(
-        "atlas", help="proved branches: their pieces, and the curves", epilog=_EXAMPLES,
+        "atlas",
+        help="proved branches: their pieces, and the curves",
+        epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    )
     parser.add_argument("certificates", type=Path, nargs="+", help="certificates of atlases (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     parser.set_defaults(run=run)

@@ -32,9 +32,11 @@ _UNFINISHED = "unfinished.txt"
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     parser = commands.add_parser(
-        "data", help="make the data files of the pictures that are missing", epilog=_EXAMPLES,
+        "data",
+        help="make the data files of the pictures that are missing",
+        epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    )
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files, created if need be")
     parser.add_argument("--only", nargs="+", metavar="FILE", help="these files, by name (default: all)")
     parser.add_argument("--dry-run", action="store_true", help="print the commands that would be run, run nothing")

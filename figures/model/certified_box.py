@@ -82,12 +82,15 @@ def certified_curves(certificate: Mapping[str, Any], where: str, parts: int = 40
             point = locate(checklist, problem, family, reduction).where
             beta = results["normal_form"].get("beta")
             return CertifiedCurves(
-                claim=claim, radii=(claim.radii[0], claim.radii[1]), family=_family(problem, family, parts),
+                claim=claim,
+                radii=(claim.radii[0], claim.radii[1]),
+                family=_family(problem, family, parts),
                 branch=_branch(problem, family, reduction, parts),
                 point=np.array([*_ends(point[0], claim.radii[0]), *_ends(point[1], claim.radii[1])]),
-                side=results["side"], parameter_name=results["parameter_name"],
+                side=results["side"],
+                parameter_name=results["parameter_name"],
                 beta=None if beta is None else ball_from_json(beta),
-            )  # fmt: skip
+            )
     except (ValueError, NotEstablishedError, ArithmeticError) as error:
         raise InputError(f"{where}.enclosures: {error}; verify the candidate again") from None
 

@@ -204,9 +204,13 @@ def _marks(certificate: AtlasCertificate) -> list[CertifiedPoint]:
     conclusion = certificate.document["conclusion"] or {}
     return [
         CertifiedPoint(
-            entry["id"], entry["kind"], entry["k"], entry["piece"], float(parse_exact(entry["s"]["mid"])),
+            entry["id"],
+            entry["kind"],
+            entry["k"],
+            entry["piece"],
+            float(parse_exact(entry["s"]["mid"])),
             entry["mirrored"],
         )
         for entry in conclusion.get("bifurcations", [])
         if entry["on_curve"]
-    ]  # fmt: skip
+    ]

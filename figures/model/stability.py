@@ -108,10 +108,15 @@ def places_on(curve: StabilityCurve, marks: Sequence[MarkedPoint]) -> list[Place
         level = resonance.point[0] if resonance.first_integral is None else resonance.first_integral
         result.append(
             Place(
-                resonance.k, resonance.kind, resonance.side, resonance.arclength, float(level),
-                resonance.stability_parameter, known[0] if known else None,
+                resonance.k,
+                resonance.kind,
+                resonance.side,
+                resonance.arclength,
+                float(level),
+                resonance.stability_parameter,
+                known[0] if known else None,
             )
-        )  # fmt: skip
+        )
     for mark in rest:
         found = place(family, mark)
         # The other point on Fix(R) of an orbit in resonance: at the arclength of that orbit.
@@ -124,10 +129,15 @@ def places_on(curve: StabilityCurve, marks: Sequence[MarkedPoint]) -> list[Place
         side = "second" if found.second else "first"
         result.append(
             Place(
-                mark.k, mark.candidate.kind, side, near[0].arclength if near else found.arclength, mark.level,
-                float(value) if isinstance(value, float) else np.nan, mark,
+                mark.k,
+                mark.candidate.kind,
+                side,
+                near[0].arclength if near else found.arclength,
+                mark.level,
+                float(value) if isinstance(value, float) else np.nan,
+                mark,
             )
-        )  # fmt: skip
+        )
     return sorted(result, key=lambda item: item.arclength)
 
 
@@ -150,28 +160,59 @@ def samples_csv(curve: StabilityCurve) -> str:
 def events_csv(curve: StabilityCurve, places: Sequence[Place]) -> str:
     """One line for each resonance and for each extremum of a stability parameter, by arclength."""
     header = (
-        "what", "arclength", "level", "k", "kind", "on_fix_r", "stability_parameter", "resonant_value", "distance",
-        "candidate", "certified",
-    )  # fmt: skip
+        "what",
+        "arclength",
+        "level",
+        "k",
+        "kind",
+        "on_fix_r",
+        "stability_parameter",
+        "resonant_value",
+        "distance",
+        "candidate",
+        "certified",
+    )
     rows: list[tuple[float, list[object]]] = []
     for item in places:
         name, certified = (item.mark.candidate.id, item.mark.certified) if item.mark else ("", "")
         rows.append(
             (
                 item.arclength,
-                ["resonance", item.arclength, item.level, item.k, item.kind, item.side, item.resonant_value,
-                 item.resonant_value, 0.0, name, certified],
+                [
+                    "resonance",
+                    item.arclength,
+                    item.level,
+                    item.k,
+                    item.kind,
+                    item.side,
+                    item.resonant_value,
+                    item.resonant_value,
+                    0.0,
+                    name,
+                    certified,
+                ],
             )
-        )  # fmt: skip
+        )
     for extremum in curve.extrema:
         value = extremum.stability_parameter
         rows.append(
             (
                 extremum.arclength,
-                ["extremum", extremum.arclength, extremum.first_integral, extremum.k, "", "", value, extremum.level,
-                 abs(value - extremum.level), "", ""],
+                [
+                    "extremum",
+                    extremum.arclength,
+                    extremum.first_integral,
+                    extremum.k,
+                    "",
+                    "",
+                    value,
+                    extremum.level,
+                    abs(value - extremum.level),
+                    "",
+                    "",
+                ],
             )
-        )  # fmt: skip
+        )
     return _csv(header, [row for _, row in sorted(rows, key=lambda pair: pair[0])])
 
 

@@ -160,8 +160,9 @@ def _diagram(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
     _limits(axes, x, y)
     if family is not None:
         points, levels = _nearest(family, branch)
-        axes.plot(points[:, place], levels - branch.level, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False,
-                  scaley=False)  # fmt: skip
+        axes.plot(
+            points[:, place], levels - branch.level, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False, scaley=False
+        )
     draw_point(axes, (float(branch.point[place]), 0.0), branch.k, _certified(branch), branch.id)
     axes.set_xlabel(f"start on Fix($R$): {label_of(branch.system.centre_coordinates[place])}")
     name = branch.system.family_parameter
@@ -181,14 +182,16 @@ def _starts(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
     _limits(axes, rows[:, shown[0]], rows[:, shown[1]])
     if family is not None:
         points, _ = _nearest(family, branch)
-        axes.plot(points[:, shown[0]], points[:, shown[1]], color=CURVE, linewidth=1.2, zorder=1.8, scalex=False,
-                  scaley=False)  # fmt: skip
+        axes.plot(
+            points[:, shown[0]], points[:, shown[1]], color=CURVE, linewidth=1.2, zorder=1.8, scalex=False, scaley=False
+        )
     orbit = _shown_orbit(branch)
     ends = [orbit.point] + ([orbit.second_point] if branch.k % 2 == 0 else [])
     for end in ends:
         axes.plot(end[shown[0]], end[shown[1]], marker=".", color=INK, markersize=6, zorder=5)
-    draw_point(axes, (float(branch.point[shown[0]]), float(branch.point[shown[1]])), branch.k, _certified(branch),
-               branch.id)  # fmt: skip
+    draw_point(
+        axes, (float(branch.point[shown[0]]), float(branch.point[shown[1]])), branch.k, _certified(branch), branch.id
+    )
     axes.set_xlabel(label_of(names[shown[0]]))
     axes.set_ylabel(label_of(names[shown[1]]))
     axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -215,8 +218,16 @@ def _section(axes: Axes, branch: BranchRecord) -> None:
         if side is branch.sides[1]:
             axes.plot(*rows[-1].T, linestyle="none", marker=".", color=INK, markersize=6, zorder=5)
     axes.axvline(0.0, color=_BASE, linewidth=1.0, linestyle=(0, (1, 1.5)), zorder=1.8)
-    axes.annotate("Fix($R$)", (0.0, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -2),
-                  textcoords="offset points", fontsize=7, color=INK, va="top")  # fmt: skip
+    axes.annotate(
+        "Fix($R$)",
+        (0.0, 1.0),
+        xycoords=("data", "axes fraction"),
+        xytext=(3, -2),
+        textcoords="offset points",
+        fontsize=7,
+        color=INK,
+        va="top",
+    )
     draw_point(axes, [float(v) for v in centre], branch.k, _certified(branch), branch.id)
     axes.set_xlabel(label_of(system.state[kept[0]]))
     axes.set_ylabel(label_of(system.state[kept[1]]))
@@ -263,12 +274,18 @@ def _branch_legend(figure: Figure, branch: BranchRecord, with_family: bool) -> N
         Line2D([], [], color=colour, linestyle=_HYPERBOLIC, linewidth=1.2, label="hyperbolic"),
     ]
     points = [
-        *legend_handles([(branch.k, branch.kind)]), *verdict_handles([_certified(branch)]),
+        *legend_handles([(branch.k, branch.kind)]),
+        *verdict_handles([_certified(branch)]),
         Line2D([], [], color=INK, marker=".", linestyle="none", markersize=6, label="the orbit of (c) there"),
-    ]  # fmt: skip
+    ]
     for row, height in ((lines, 0.25), (points, 0.06)):
-        figure.legend(handles=row, loc="lower center", ncols=len(row), borderaxespad=0.0,
-                      bbox_to_anchor=(0.5, height / figure.get_figheight()))  # fmt: skip
+        figure.legend(
+            handles=row,
+            loc="lower center",
+            ncols=len(row),
+            borderaxespad=0.0,
+            bbox_to_anchor=(0.5, height / figure.get_figheight()),
+        )
 
 
 def _legend(figure: Figure, branches: Sequence[BranchRecord]) -> None:

@@ -83,8 +83,13 @@ def draw_certified(curves: CertifiedCurves, branch: BranchRecord | None) -> Figu
     )
     points = verdict_handles([True, False] if branch is not None else [True])
     for row, height in ((handles, 0.25), ([line, *points], 0.06)):
-        figure.legend(handles=row, loc="lower center", ncols=len(row), borderaxespad=0.0,
-                      bbox_to_anchor=(0.5, height / figure.get_figheight()))  # fmt: skip
+        figure.legend(
+            handles=row,
+            loc="lower center",
+            ncols=len(row),
+            borderaxespad=0.0,
+            bbox_to_anchor=(0.5, height / figure.get_figheight()),
+        )
     return figure
 
 
@@ -114,8 +119,9 @@ def _box(axes: Axes, curves: CertifiedCurves) -> None:
 def _corners(boxes: Array) -> Array:
     """Corners of rectangles from rows (left, right, bottom, top), shape (M, 4, 2)."""
     left, right, bottom, top = boxes.T
-    return np.stack([np.stack(pair, axis=-1) for pair in ((left, bottom), (right, bottom), (right, top), (left, top))],
-                    axis=1)  # fmt: skip
+    return np.stack(
+        [np.stack(pair, axis=-1) for pair in ((left, bottom), (right, bottom), (right, top), (left, top))], axis=1
+    )
 
 
 def _level(axes: Axes, curves: CertifiedCurves, branch: BranchRecord | None) -> None:
@@ -128,16 +134,33 @@ def _level(axes: Axes, curves: CertifiedCurves, branch: BranchRecord | None) -> 
     if branch is not None:
         p_1, differences = _orbits(curves, branch)
         furthest = float(p_1.max())
-        axes.plot(p_1, differences, linestyle="none", marker="o", markersize=3.2, color=colour, markerfacecolor="white",
-                  zorder=4)  # fmt: skip
+        axes.plot(
+            p_1,
+            differences,
+            linestyle="none",
+            marker="o",
+            markersize=3.2,
+            color=colour,
+            markerfacecolor="white",
+            zorder=4,
+        )
     if curves.beta is not None and curves.beta.is_finite():
         coefficient = abs(float(curves.beta.mid()))
         inside, all_the_way = (np.geomspace(1e-2 * reach, end, 200) for end in (reach, furthest))
         axes.plot(all_the_way, coefficient * all_the_way**order, color=colour, linewidth=1.0, linestyle=_CONTINUED)
         axes.plot(inside, coefficient * inside**order, color=colour, linewidth=3.0, solid_capstyle="butt")
     axes.axvline(reach, color=INK, linewidth=0.8)
-    axes.annotate("box", (reach, 0.97), xycoords=("data", "axes fraction"), xytext=(-3, 0), va="top", ha="right",
-                  textcoords="offset points", fontsize=7, color=INK)  # fmt: skip
+    axes.annotate(
+        "box",
+        (reach, 0.97),
+        xycoords=("data", "axes fraction"),
+        xytext=(-3, 0),
+        va="top",
+        ha="right",
+        textcoords="offset points",
+        fontsize=7,
+        color=INK,
+    )
     axes.set_xscale("log")
     axes.set_yscale("log")
     name = claim.system.family_parameter
@@ -158,9 +181,7 @@ def _orbits(curves: CertifiedCurves, branch: BranchRecord) -> tuple[Array, Array
     orbits = [orbit for side in branch.sides for orbit in side.orbits]
     moved = np.array([orbit.point - branch.point for orbit in orbits])
     differences = np.array([orbit.level_difference for orbit in orbits])
-    columns = [
-        moved[:, names.index(name)] if name in names else differences for name in claim.coordinates
-    ]  # fmt: skip
+    columns = [moved[:, names.index(name)] if name in names else differences for name in claim.coordinates]
     p_1 = np.linalg.solve(frame, np.array(columns))[1]
     return np.abs(p_1), np.abs(differences)
 

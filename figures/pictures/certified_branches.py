@@ -168,9 +168,7 @@ def _draw_primaries(axes: Axes, curve: Curve) -> dict[str, Line2D]:
     if not near:
         return {}
     label = "primaries" if len(near) > 1 else "smaller primary" if near[0] > 0.5 else "larger primary"
-    (line,) = axes.plot(
-        near, [0.0] * len(near), linestyle="none", marker="x", color=INK, markersize=4.5, label=label
-    )  # fmt: skip
+    (line,) = axes.plot(near, [0.0] * len(near), linestyle="none", marker="x", color=INK, markersize=4.5, label=label)
     return {label: line}
 
 
@@ -258,6 +256,9 @@ def _legend(figure: Figure, handles: Sequence[Any], claims: Sequence[tuple[int, 
     if claims:
         legend_below(figure, claims, certified)
     figure.legend(
-        handles=list(handles), loc="lower center", ncols=len(handles), borderaxespad=0.0,
+        handles=list(handles),
+        loc="lower center",
+        ncols=len(handles),
+        borderaxespad=0.0,
         bbox_to_anchor=(0.5, legend_height(claims, certified) / figure.get_figheight()),
-    )  # fmt: skip
+    )

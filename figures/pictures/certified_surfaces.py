@@ -130,7 +130,11 @@ def draw_surface(surface: Surface) -> Figure:
     if proved < len(surface.sheets):
         handles.append(Patch(facecolor="white", edgecolor=_UNPROVED, label="not proved"))
     figure.legend(
-        handles=handles, loc="lower center", ncols=len(handles), handlelength=2.6, borderaxespad=0.0,
+        handles=handles,
+        loc="lower center",
+        ncols=len(handles),
+        handlelength=2.6,
+        borderaxespad=0.0,
         bbox_to_anchor=(0.5, 0.01),
-    )  # fmt: skip
+    )
     return figure

@@ -88,9 +88,12 @@ def _magnify(axes: Axes, inset: Axes, heights: Array) -> None:
     for side in ("top", "right"):
         inset.spines[side].set_visible(True)
     axes.annotate(
-        "", xy=(0.0, float(heights.max())), xytext=(0.5, 0.76), textcoords="axes fraction",
+        "",
+        xy=(0.0, float(heights.max())),
+        xytext=(0.5, 0.76),
+        textcoords="axes fraction",
         arrowprops={"arrowstyle": "-|>", "linewidth": 0.6, "color": INK, "shrinkA": 0, "mutation_scale": 6},
-    )  # fmt: skip
+    )
 
 
 def _style(k: int) -> Any:

@@ -176,9 +176,14 @@ def _fixed_line(axes: Axes, family: Family, placements: Sequence[Placement], sec
     axes.margins(y=0.15)
     axes.set_ylabel(label_of(family.system.centre_coordinates[1], unit=False))
     axes.annotate(
-        "half a period later" if second else "starting point", (0.96, 0.9 if second else 0.08),
-        xycoords="axes fraction", ha="right", va="top" if second else "bottom", fontsize=7, color=INK,
-    )  # fmt: skip
+        "half a period later" if second else "starting point",
+        (0.96, 0.9 if second else 0.08),
+        xycoords="axes fraction",
+        ha="right",
+        va="top" if second else "bottom",
+        fontsize=7,
+        color=INK,
+    )
 
 
 def _parameter_scale(axes: Axes, values: Array) -> None:
@@ -208,9 +213,15 @@ def _stability_curves(axes: Axes, family: Family, placements: Sequence[Placement
         for value in values:
             axes.axhline(value, color=marker_of(k)[1], linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
             axes.annotate(
-                f"1:{k}", (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
-                textcoords="offset points", va="center", fontsize=7, color=INK,
-            )  # fmt: skip
+                f"1:{k}",
+                (1.0, value),
+                xycoords=("axes fraction", "data"),
+                xytext=(4, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=7,
+                color=INK,
+            )
     for placement in placements:
         found = stability_at(family, placement.arclength)
         miss = [float(np.nanmin(np.abs(found - value), initial=np.inf)) for value in levels[placement.mark.k]]

@@ -35,10 +35,15 @@ def draw_gallery(family: Family) -> Figure:
         _draw(axes, family, orbit)
         size = " × ".join(f"{extent:.3g}" for extent in np.ptp(orbit[:, :3], axis=0))
         figure.text(
-            left + 0.5 / _COLUMNS, base + (picture + 0.01) / height,
+            left + 0.5 / _COLUMNS,
+            base + (picture + 0.01) / height,
             f"$C={family.levels[index]:.5f}$\n$T={family.periods[index]:.5f}$\n{size}",
-            fontsize=7, ha="center", va="bottom", color=INK, linespacing=1.2,
-        )  # fmt: skip
+            fontsize=7,
+            ha="center",
+            va="bottom",
+            color=INK,
+            linespacing=1.2,
+        )
     handles = [
         Line2D([], [], color=CURVE, linewidth=1.0, label="orbit"),
         Line2D([], [], color=_SHADOW, linewidth=0.8, label="its shadow on the floor"),
@@ -63,9 +68,16 @@ def _draw(axes: Any, family: Family, orbit: Array) -> None:
     floor = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]), (low[0], low[1])]
     axes.plot(*np.array(floor).T, low[2], color="#dddddd", linewidth=0.6)
     axes.quiver(
-        low[0], low[1], low[2], 0.25 * (high[0] - low[0]), 0.0, 0.0, color="#888888", linewidth=0.8,
+        low[0],
+        low[1],
+        low[2],
+        0.25 * (high[0] - low[0]),
+        0.0,
+        0.0,
+        color="#888888",
+        linewidth=0.8,
         arrow_length_ratio=0.35,
-    )  # fmt: skip
+    )
     axes.plot(orbit[:, 0], orbit[:, 1], np.full(len(orbit), low[2]), color=_SHADOW, linewidth=0.6)
     axes.plot(*orbit[:, :3].T, color=CURVE, linewidth=1.0)
     axes.plot([primary], [0.0], [0.0], linestyle="none", marker="x", color=INK, markersize=3)

@@ -121,8 +121,12 @@ def draw_resonant_families(halos: Mapping[str, Family], marks: Mapping[str, Sequ
     _primaries(axes, next(iter(halos.values())))
     axes.legend(
         handles=[Line2D([], [], color=_FAMILY_COLOURS[name], label=f"$L_{name[1]}$") for name in halos],
-        loc="upper center", bbox_to_anchor=(0.5, 0.9), ncols=3, columnspacing=1.2, handlelength=1.4,
-    )  # fmt: skip
+        loc="upper center",
+        bbox_to_anchor=(0.5, 0.9),
+        ncols=3,
+        columnspacing=1.2,
+        handlelength=1.4,
+    )
     axes.margins(0.05)
     _finish(axes, "a", f"{mass_title(next(iter(halos.values())))} halo families")
 
@@ -233,6 +237,9 @@ def _legend(figure: Figure, handles: list[Line2D], marks: Sequence[MarkedPoint])
     legend_below(figure, claims, certified)
     height = figure.get_figheight()
     figure.legend(
-        handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.0,
+        handles=handles,
+        loc="lower center",
+        ncols=len(handles),
+        borderaxespad=0.0,
         bbox_to_anchor=(0.5, legend_height(claims, certified) / height),
-    )  # fmt: skip
+    )

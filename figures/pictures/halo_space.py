@@ -117,7 +117,11 @@ def _primary(axes: Any, family: Family) -> None:
 def _legend(figure: Figure, handles: list[Line2D], text: str) -> None:
     height = figure.get_figheight()
     figure.legend(
-        handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.0, columnspacing=1.2,
+        handles=handles,
+        loc="lower center",
+        ncols=len(handles),
+        borderaxespad=0.0,
+        columnspacing=1.2,
         bbox_to_anchor=(0.5, 0.25 / height),
-    )  # fmt: skip
+    )
     figure.text(0.5, 0.07 / height, text, ha="center", va="bottom", fontsize=7, color=INK)

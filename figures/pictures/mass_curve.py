@@ -137,9 +137,15 @@ def _label_masses(axes: Axes, places: list[tuple[float, float, float]], first: A
         across = across * max(room, key=lambda sign: room[sign])
         text = rf"$10^{{{round(exponent)}}}$" if is_round else rf"$\mu$ = {mu:g}"
         axes.annotate(
-            text, (x, vy), xytext=(5 * across[0], 9 * across[1]), textcoords="offset points",
-            ha="left" if across[0] > 0 else "right", va="center", fontsize=7, color=INK,
-        )  # fmt: skip
+            text,
+            (x, vy),
+            xytext=(5 * across[0], 9 * across[1]),
+            textcoords="offset points",
+            ha="left" if across[0] > 0 else "right",
+            va="center",
+            fontsize=7,
+            color=INK,
+        )
 
 
 def _against_mass(axes: Axes, curve: CurveRecord, value: Callable[[PointRecord], float]) -> None:
@@ -159,16 +165,28 @@ def _mark_extrema(axes: list[Axes], curve: CurveRecord) -> None:
         axes[1].plot(mu, level, **_hollow(marker, 5.0))
         axes[2].plot(mu, 0.0, **_hollow(marker, 5.0))
         axes[1].annotate(
-            rf"$\mu$ = {mu:.6g}", (mu, level), xytext=(-9, 0), textcoords="offset points", ha="right", va="center",
-            fontsize=7, color=INK,
-        )  # fmt: skip
+            rf"$\mu$ = {mu:.6g}",
+            (mu, level),
+            xytext=(-9, 0),
+            textcoords="offset points",
+            ha="right",
+            va="center",
+            fontsize=7,
+            color=INK,
+        )
 
 
 def _hollow(marker: str, size: float) -> dict[str, Any]:
     return {
-        "marker": marker, "markersize": size, "linestyle": "none", "color": INK, "markerfacecolor": "white",
-        "markeredgewidth": 0.9, "zorder": 6, "clip_on": False,
-    }  # fmt: skip
+        "marker": marker,
+        "markersize": size,
+        "linestyle": "none",
+        "color": INK,
+        "markerfacecolor": "white",
+        "markeredgewidth": 0.9,
+        "zorder": 6,
+        "clip_on": False,
+    }
 
 
 def _legend(figure: Figure, curves: list[CurveRecord]) -> None:

@@ -28,9 +28,15 @@ def draw_portraits(portraits: Sequence[Portrait]) -> Figure:
     height = len(rows) * (cell + 0.32) + 0.7
     figure = plt.figure(figsize=(_WIDTH, height))
     grid = figure.add_gridspec(
-        len(rows), columns, left=0.088, right=0.985, top=1 - 0.25 / height, bottom=0.85 / height, wspace=0.16,
+        len(rows),
+        columns,
+        left=0.088,
+        right=0.985,
+        top=1 - 0.25 / height,
+        bottom=0.85 / height,
+        wspace=0.16,
         hspace=0.25,
-    )  # fmt: skip
+    )
     letters = iter("abcdefghijklmnop")
     for i, (k, row) in enumerate(rows.items()):
         for j, portrait in enumerate(sorted(row, key=lambda item: item.parameter)):
@@ -63,9 +69,14 @@ def _draw(axes: Axes, portrait: Portrait) -> None:
     for orbit in portrait.periodic:
         marker, size = _MARKERS[orbit.elliptic]
         axes.plot(
-            *orbit.points.T, linestyle="none", marker=marker, markersize=size, color=INK, markerfacecolor="white",
+            *orbit.points.T,
+            linestyle="none",
+            marker=marker,
+            markersize=size,
+            color=INK,
+            markerfacecolor="white",
             zorder=6,
-        )  # fmt: skip
+        )
     axes.set_xlim(-portrait.window, portrait.window)
     axes.set_ylim(-portrait.window, portrait.window)
     axes.set_aspect("equal")
@@ -89,7 +100,11 @@ def _legend(figure: Figure) -> None:
     ]
     height = figure.get_figheight()
     figure.legend(
-        handles=handles, loc="lower center", ncols=5, borderaxespad=0.0, bbox_to_anchor=(0.5, 0.25 / height),
+        handles=handles,
+        loc="lower center",
+        ncols=5,
+        borderaxespad=0.0,
+        bbox_to_anchor=(0.5, 0.25 / height),
         columnspacing=1.2,
-    )  # fmt: skip
+    )
     figure.text(0.5, 0.06 / height, "hollow: numerical only", ha="center", va="bottom", fontsize=7.5, color=INK)

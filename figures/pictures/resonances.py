@@ -105,9 +105,15 @@ def _panel(
             axes.axhline(value, color=marker_of(k)[1], linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
             if high == arclength[-1] or letter == "a":
                 axes.annotate(
-                    f"1:{k}", (1.0, value), xycoords=("axes fraction", "data"), xytext=(4, 0),
-                    textcoords="offset points", va="center", fontsize=7, color=INK,
-                )  # fmt: skip
+                    f"1:{k}",
+                    (1.0, value),
+                    xycoords=("axes fraction", "data"),
+                    xytext=(4, 0),
+                    textcoords="offset points",
+                    va="center",
+                    fontsize=7,
+                    color=INK,
+                )
     for item in sorted(places, key=_is_certified):
         if low <= item.arclength <= high:
             _draw_place(axes, item)
@@ -172,9 +178,7 @@ def _turn(axes: Axes, curve: StabilityCurve, places: Sequence[Place], extremum: 
 
 
 def _shifted(item: Place, origin: float) -> Place:
-    return Place(
-        item.k, item.kind, item.side, item.arclength - origin, item.level, item.resonant_value, item.mark
-    )  # fmt: skip
+    return Place(item.k, item.kind, item.side, item.arclength - origin, item.level, item.resonant_value, item.mark)
 
 
 def _steps(axes: Axes, curve: StabilityCurve, letter: str) -> None:

@@ -15,9 +15,15 @@ _MOST_TICKS = 5
 
 
 def set_box(
-    axes: Any, system: ReversibleSystem, low: Array, high: Array, *, view: tuple[float, float] = (16, -40),
-    ticks: bool = True, zoom: float = 1.0,
-) -> None:  # fmt: skip
+    axes: Any,
+    system: ReversibleSystem,
+    low: Array,
+    high: Array,
+    *,
+    view: tuple[float, float] = (16, -40),
+    ticks: bool = True,
+    zoom: float = 1.0,
+) -> None:
     """Limits of a 3D axes around the first three coordinates from `low` to `high`, with equal scales.
 
     `view` is the elevation and azimuth in degrees; without `ticks` only the box remains.

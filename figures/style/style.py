@@ -75,11 +75,18 @@ def draw_point(
     marker, colour = marker_of(k)
     coordinates = [[value] for value in position]
     (line,) = axes.plot(
-        *coordinates, marker=marker, linestyle="none", color=colour, markeredgecolor=colour,
-        markerfacecolor=colour if certified else "white", markersize=_size(marker), clip_on=False, zorder=6,
+        *coordinates,
+        marker=marker,
+        linestyle="none",
+        color=colour,
+        markeredgecolor=colour,
+        markerfacecolor=colour if certified else "white",
+        markersize=_size(marker),
+        clip_on=False,
+        zorder=6,
         # A thin white rim, so that markers that touch can be told apart.
         path_effects=[withStroke(linewidth=1.9, foreground="white")],
-    )  # fmt: skip
+    )
     line.set_gid(f"candidate {identifier}")
     return line
 
@@ -114,9 +121,12 @@ def legend_below(figure: Figure, claims: Iterable[tuple[int, str]], certified: S
     """Legend below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean."""
     for number, row in enumerate(_legend_rows(claims, certified)):
         figure.legend(
-            handles=row, loc="lower center", ncols=len(row), borderaxespad=0.0,
+            handles=row,
+            loc="lower center",
+            ncols=len(row),
+            borderaxespad=0.0,
             bbox_to_anchor=(0.5, (_LEGEND_FOOT + number * _LEGEND_ROW) / figure.get_figheight()),
-        )  # fmt: skip
+        )
 
 
 def legend_height(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:

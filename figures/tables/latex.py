@@ -22,10 +22,23 @@ from orbitproof.figures.tables.tables import MISSING, Section, Table, TableRow
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 _REPLACED = {
-    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "#": r"\#", "$": r"\$", "%": r"\%", "&": r"\&", "_": r"\_",
-    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}", ">": r"\textgreater{}",
-    "|": r"\textbar{}", '"': r"\textquotedbl{}", "[": "{[}", "]": "{]}",
-}  # fmt: skip
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "#": r"\#",
+    "$": r"\$",
+    "%": r"\%",
+    "&": r"\&",
+    "_": r"\_",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    '"': r"\textquotedbl{}",
+    "[": "{[}",
+    "]": "{]}",
+}
 
 
 _GREEK = frozenset({"alpha", "beta", "gamma", "delta", "epsilon", "lambda", "mu", "nu", "sigma", "omega"})
@@ -154,11 +167,25 @@ def _environment(
 ) -> str:
     rule = r"\hline"
     body = [" & ".join(cells) + r" \\" for cells in lines]
-    return "\n".join([
-        r"\begin{table}", rf"\caption{{{caption}}}", rf"\label{{{key}}}", r"\centering", r"\scriptsize",
-        rf"\begin{{tabular}}{{{'l' * len(heads)}}}", rule, " & ".join(heads) + r" \\", rule, *body, rule,
-        r"\end{tabular}", *(rf"\par\smallskip\raggedright {note}" for note in notes), r"\end{table}", "",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            r"\begin{table}",
+            rf"\caption{{{caption}}}",
+            rf"\label{{{key}}}",
+            r"\centering",
+            r"\scriptsize",
+            rf"\begin{{tabular}}{{{'l' * len(heads)}}}",
+            rule,
+            " & ".join(heads) + r" \\",
+            rule,
+            *body,
+            rule,
+            r"\end{tabular}",
+            *(rf"\par\smallskip\raggedright {note}" for note in notes),
+            r"\end{table}",
+            "",
+        ]
+    )
 
 
 def _bound(row: TableRow | None, quantity: str, section: Section, digits: int) -> str:

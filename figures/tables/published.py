@@ -94,9 +94,14 @@ def _list(entry: Mapping[str, Any], source: str) -> PublishedList:
             point[coordinate] = _printed(text, f"{where}.point.{coordinate}")
         rows.append(PublishedRow(row["j"], row["k"], _printed(row["parameter"], f"{where}.parameter"), point))
     return PublishedList(
-        entry["source"], system, {key: parse_exact(text) for key, text in entry["parameters"].items()},
-        entry["family"], entry["parameter_name"], entry["complete"], tuple(rows),
-    )  # fmt: skip
+        entry["source"],
+        system,
+        {key: parse_exact(text) for key, text in entry["parameters"].items()},
+        entry["family"],
+        entry["parameter_name"],
+        entry["complete"],
+        tuple(rows),
+    )
 
 
 def _printed(text: str, where: str) -> Printed:

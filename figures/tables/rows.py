@@ -114,14 +114,23 @@ def _row(certificate: Mapping[str, Any], where: str) -> tuple[CertifiedRow, Cand
     if not 0 <= computation["seconds"] < math.inf:
         raise InputError(f"{where}.computation.seconds: not a time; verify again")
     row = CertifiedRow(
-        id=claim.id, family=_family_of(claim), system=system, parameters=claim.parameters, kind=claim.kind, k=claim.k,
+        id=claim.id,
+        family=_family_of(claim),
+        system=system,
+        parameters=claim.parameters,
+        kind=claim.kind,
+        k=claim.k,
         proved=certificate["verdict"] == "proved",
         reason=f"{reason['condition']}: {reason['message']}; {reason['remedy']}" if reason else "",
-        parameter_name=name, parameter=parameter, point=point,
+        parameter_name=name,
+        parameter=parameter,
+        point=point,
         value=parameter_value if parameter is None else parameter.interval,
-        side=results["side"] if results else "", crossing=crossing,
-        seconds=computation["seconds"], precision=computation["precision"],
-    )  # fmt: skip
+        side=results["side"] if results else "",
+        crossing=crossing,
+        seconds=computation["seconds"],
+        precision=computation["precision"],
+    )
     return row, claim
 
 

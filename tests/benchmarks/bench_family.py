@@ -75,9 +75,11 @@ def main() -> None:
         )
         print(f"  found: {', '.join(f'k = {resonance.k}' for resonance in found.resonances)}")
     for label, name, speed in (
-        ("earth-moon", "L1-halo", None), ("sun-jupiter", "L1-halo", None),
-        ("earth-moon", "L2-halo", 20.5), ("sun-jupiter", "L2-halo", 8.0),
-    ):  # fmt: skip
+        ("earth-moon", "L1-halo", None),
+        ("sun-jupiter", "L1-halo", None),
+        ("earth-moon", "L2-halo", 20.5),
+        ("sun-jupiter", "L2-halo", 8.0),
+    ):
         parameters = {"mu": MASS_PARAMETERS[label]}
         limits = families.Limits(coordinate_max={} if speed is None else {"vy": speed})
         family = timed(

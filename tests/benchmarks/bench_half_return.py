@@ -30,11 +30,16 @@ def identity(size: int) -> tuple[tuple[Fraction, ...], ...]:
 def orbit() -> Candidate:
     """A box around a halo orbit of the Earth-Moon L1 family, as wide as a bifurcation to 50 digits needs."""
     return Candidate(
-        id="half return", system=CR3BP, parameters={"mu": MASS_PARAMETERS["earth-moon"]}, kind="period_tupling", k=1,
+        id="half return",
+        system=CR3BP,
+        parameters={"mu": MASS_PARAMETERS["earth-moon"]},
+        kind="period_tupling",
+        k=1,
         centre=(Fraction("0.843193964637"), Fraction("0.165"), Fraction("0.263718532564")),
-        frame=identity(3), kernel_frame=identity(2),
+        frame=identity(3),
+        kernel_frame=identity(2),
         radii=(Fraction("1e-48"), Fraction("1e-24"), Fraction("1e-48")),
-    )  # fmt: skip
+    )
 
 
 def main() -> None:

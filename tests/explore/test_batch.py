@@ -293,9 +293,12 @@ def test_results_do_not_depend_on_the_cache_and_a_broken_one_heals(tmp_path: Pat
         environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMP", "XDG_"))}
         environment |= {"ORBITPROOF_CACHE": str(cache), "PYTHONPATH": str(ROOT), "JAX_PLATFORMS": "cpu"}
         result = subprocess.run(
-            [sys.executable, "-W", "error", "-c", CACHED_RUN], env=environment, capture_output=True, text=True,
+            [sys.executable, "-W", "error", "-c", CACHED_RUN],
+            env=environment,
+            capture_output=True,
+            text=True,
             timeout=120,
-        )  # fmt: skip
+        )
         assert result.returncode == 0, result.stderr
         assert result.stderr == ""
         return result.stdout

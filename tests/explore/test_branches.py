@@ -75,15 +75,17 @@ def test_new_orbits_are_on_fix_r_half_a_period_later_and_not_before(name: str, b
         orbit = side.orbits[-1]
         assert orbit.half_period == pytest.approx(start.k * start.half_period, rel=0.05)
         unknowns = np.append(orbit.point, orbit.half_period)
-        end = flow_of(system).derivative(
-            problem.initial_state(unknowns), orbit.half_period, problem.parameter_values(unknowns)
-        ).state  # fmt: skip
+        end = (
+            flow_of(system)
+            .derivative(problem.initial_state(unknowns), orbit.half_period, problem.parameter_values(unknowns))
+            .state
+        )
         odd = [i for i, sign in enumerate(system.reversing_symmetry) if sign == -1]
         # One integration over the whole half period amplifies its rounding errors by a few thousand a return.
         assert np.abs(end[odd]).max() < 1e-6
         assert end[list(system.fixed_coordinates)] == pytest.approx(
             orbit.second_point[-len(system.fixed_coordinates) :], abs=1e-6
-        )  # fmt: skip
+        )
         assert orbit.crossings.shape == (start.k - 1, len(system.state))
         for state in orbit.crossings:
             assert state[system.section_index] == 0.0

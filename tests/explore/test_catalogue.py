@@ -122,9 +122,12 @@ def test_orbit_that_starts_on_the_x_axis_is_taken_where_it_meets_fix_r(small: Co
     assert np.max(np.abs(axis[[1, 2, 3]])) < 1e-9
     one = np.ones(1)
     catalogue = Catalogue(
-        small.catalogue.mass_ratio, axis[None], orbit.first_integral * one, orbit.period * one,
+        small.catalogue.mass_ratio,
+        axis[None],
+        orbit.first_integral * one,
+        orbit.period * one,
         stability_index(orbit.stability) * one,
-    )  # fmt: skip
+    )
     result = correct_catalogue(catalogue)
     assert result.corrected[0]
     assert result.batch.unknowns[0] == pytest.approx(orbit.unknowns, abs=1e-9)

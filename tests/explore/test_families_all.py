@@ -174,9 +174,12 @@ def test_turned_family_is_the_same_family_from_the_other_end(vertical: Family) -
 def test_family_traced_both_ways_from_its_middle_has_the_ends_of_the_family(vertical: Family) -> None:
     i = len(vertical.orbits) // 2
     seed = replace(
-        vertical, orbits=(replace(vertical.orbits[i], arclength=0.0),), tangents=(vertical.tangents[i],),
-        outcome="limit", reason="started",
-    )  # fmt: skip
+        vertical,
+        orbits=(replace(vertical.orbits[i], arclength=0.0),),
+        tangents=(vertical.tangents[i],),
+        outcome="limit",
+        reason="started",
+    )
     family = continue_both_ways(seed, Limits(coordinate_max={"z": 2.0}))
     assert family.reason.startswith("the family returns to Fix(S)")
     assert family.orbits[-1].unknowns == pytest.approx(vertical.orbits[-1].unknowns, abs=1e-8)

@@ -220,15 +220,32 @@ def with_precise(curve: CurveRecord) -> CurveRecord:
     """A curve with a point in high precision and an extremum of made-up numbers."""
     near = curve.points[3]
     point = PreciseRecord(
-        mu=Fraction(1, 1000), x=Fraction(near.x), vy=Fraction(near.vy), half_period=near.half_period,
-        jacobi_constant=rounded(Fraction(22, 7), 33), jacobi_derivative=rounded(Fraction(-1, 3), 30), digits=30,
-        settings=settings(), residual=1e-40, change=1e-39, float64_error=1e-14,
-    )  # fmt: skip
+        mu=Fraction(1, 1000),
+        x=Fraction(near.x),
+        vy=Fraction(near.vy),
+        half_period=near.half_period,
+        jacobi_constant=rounded(Fraction(22, 7), 33),
+        jacobi_derivative=rounded(Fraction(-1, 3), 30),
+        digits=30,
+        settings=settings(),
+        residual=1e-40,
+        change=1e-39,
+        float64_error=1e-14,
+    )
     extremum = ExtremumRecord(
-        kind="minimum", mu=rounded(Fraction(1, 300), 30), mu_exact=Fraction(1, 256), x=Fraction(near.x),
-        vy=Fraction(near.vy), half_period=near.half_period, jacobi_constant=Fraction(3),
-        jacobi_second_derivative=2.0, digits=30, settings=settings(), residual=1e-40, change=0.0,
-    )  # fmt: skip
+        kind="minimum",
+        mu=rounded(Fraction(1, 300), 30),
+        mu_exact=Fraction(1, 256),
+        x=Fraction(near.x),
+        vy=Fraction(near.vy),
+        half_period=near.half_period,
+        jacobi_constant=Fraction(3),
+        jacobi_second_derivative=2.0,
+        digits=30,
+        settings=settings(),
+        residual=1e-40,
+        change=0.0,
+    )
     return replace(curve, precise=(point,), extrema=(extremum,))
 
 

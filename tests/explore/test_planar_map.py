@@ -136,8 +136,11 @@ def test_portrait_file_reads_back_what_was_written(portraits: list[Portrait], tm
     write_portraits(path, portraits)
     for read, written in zip(read_portraits(path), portraits, strict=True):
         assert (read.k, read.parameter, read.map, read.window) == (
-            written.k, written.parameter, written.map, written.window,
-        )  # fmt: skip
+            written.k,
+            written.parameter,
+            written.map,
+            written.window,
+        )
         for name in ("orbits", "curves", "manifolds"):
             for one, other in zip(getattr(read, name), getattr(written, name), strict=True):
                 assert one == pytest.approx(other, abs=1e-5)

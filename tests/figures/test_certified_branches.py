@@ -202,12 +202,15 @@ def surface_certificate(results: Sequence[dict[str, Any]]) -> AtlasCertificate:
     tall = (unit[0], (Fraction(0), Fraction(2), Fraction(0)), unit[2])
     pieces = tuple(
         SurfacePiece(
-            id=name, parameters={"mu": (middle, Fraction(1, 8))},
-            centre=((1 + middle, Fraction(1, 8)), (Fraction(0),), (Fraction(2),)), frame=tall,
-            kernel_frame=tuple(row[:2] for row in unit[:2]), radii=(Fraction(1, 100),) * 3,
+            id=name,
+            parameters={"mu": (middle, Fraction(1, 8))},
+            centre=((1 + middle, Fraction(1, 8)), (Fraction(0),), (Fraction(2),)),
+            frame=tall,
+            kernel_frame=tuple(row[:2] for row in unit[:2]),
+            radii=(Fraction(1, 100),) * 3,
         )
         for name, middle in (("m1", Fraction(1, 4)), ("m2", Fraction(1, 2)))
-    )  # fmt: skip
+    )
     atlas = Atlas("surface", "a surface", CR3BP, {}, Claim("symmetry-breaking-surface", "S"), pieces)
     return AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
 

@@ -102,10 +102,11 @@ BAD_PUBLISHED = {
     "NaN as a number": (published_with(rows=[{"j": 0, "k": 1, "parameter": float("nan")}]), "NaN"),
     "ends exchanged": (published_with(rows=[{"j": 0, "k": 1, "parameter": "[3, 2]"}]), "rows[0].parameter"),
     "unknown coordinate": (
-        published_with(rows=[{"j": 0, "k": 1, "parameter": "[2, 3]", "point": {"w": "[1, 2]"}}]), "'w'",
+        published_with(rows=[{"j": 0, "k": 1, "parameter": "[2, 3]", "point": {"w": "[1, 2]"}}]),
+        "'w'",
     ),
     "k = 0": (published_with(rows=[{"j": 0, "k": 0, "parameter": "[2, 3]"}]), "rows[0].k"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", BAD_PUBLISHED)

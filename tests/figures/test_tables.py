@@ -64,9 +64,12 @@ def test_text_that_is_not_an_enclosure_is_refused(text: str) -> None:
 
 @settings(deadline=None, max_examples=200)
 @given(
-    st.integers(-(10**40), 10**40), st.integers(-150, 20), st.integers(0, 2**29), st.integers(-200, 10),
+    st.integers(-(10**40), 10**40),
+    st.integers(-150, 20),
+    st.integers(0, 2**29),
+    st.integers(-200, 10),
     st.integers(3, 60),
-)  # fmt: skip
+)
 def test_the_notation_of_a_table_contains_the_ball(
     mantissa: int, exponent: int, radius: int, radius_exponent: int, digits: int
 ) -> None:

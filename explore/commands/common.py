@@ -1,0 +1,88 @@
+"""What commands have in common: options, and the types of options.
+
+What does not fit a type is an `argparse.ArgumentTypeError`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+MAX_MULTIPLICITY = 1000
+DIGITS = (15, 400)
+
+
+def add_command(commands: Any, name: str, meaning: str, examples: str) -> argparse.ArgumentParser:
+    """A subcommand, with examples below its help."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser: argparse.ArgumentParser = commands.add_parser(
+        name, help=meaning, epilog=examples, formatter_class=raw, allow_abbrev=False
+    )
+    return parser
+
+
+def add_output(parser: Any, kind: str, *, required: bool = True) -> None:
+    """``-o``: the file that the command writes."""
+    parser.add_argument("-o", "--output", type=Path, required=required, metavar="FILE", help=f"{kind} to write")
+
+
+def add_jobs(parser: Any, meaning: str) -> None:
+    """``--jobs``: processes for what `meaning` says."""
+    meaning = f"processes{meaning} (default: the number of processors, %(default)s)"
+    parser.add_argument("--jobs", type=jobs, default=os.cpu_count() or 1, metavar="N", help=meaning)
+
+
+def add_quiet(parser: Any) -> None:
+    """``--quiet``."""
+    parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
+
+
+def positive(text: str) -> float:
+    """A positive finite number."""
+    value = float(text)
+    if not isfinite(value) or value <= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return value
+
+
+def number(text: str) -> float:
+    """A finite number."""
+    value = float(text)
+    if not isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _whole(low: int, high: int, meaning: str) -> Callable[[str], int]:
+    def whole(text: str) -> int:
+        value = int(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {meaning} from {low} to {high}")
+        return value
+
+    return whole
+
+
+count = _whole(2, 1_000_000, "a whole number")
+"""A number of orbits."""
+
+index = _whole(1, 1_000_000, "a whole number")
+"""A place in a list, counted from 1."""
+
+jobs = _whole(1, 1024, "a number of processes")
+
+multiplicity = _whole(1, MAX_MULTIPLICITY, "a multiplicity")
+"""The k of a 1:k resonance."""
+
+digits = _whole(*DIGITS, "a number of digits")
+"""A number of decimal digits."""
+
+# argparse names the type in its message about text that is no number at all.
+for _type in (positive, number):
+    _type.__name__ = "number"
+for _type in (count, index, jobs, multiplicity, digits):
+    _type.__name__ = "whole number"
