@@ -1,7 +1,7 @@
 from .check import check_file as check_file
-from .libration import LibrationFailure as LibrationFailure
-from .libration import LyapunovFamily as LyapunovFamily
-from .libration import lyapunov_atlas as lyapunov_atlas
+from .lyapunov import LibrationFailure as LibrationFailure
+from .lyapunov import LyapunovFamily as LyapunovFamily
+from .lyapunov import lyapunov_atlas as lyapunov_atlas
 from .request import Source as Source
 from .request import check_names as check_names
 from .run import run_source as run_source

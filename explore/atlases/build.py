@@ -8,7 +8,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import ceil, floor, log10
@@ -20,11 +20,10 @@ from orbitproof.explore.atlases.complex_flow import Coordinates
 from orbitproof.explore.atlases.cover import CoverControl, Coverer, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, CurvePoint
 from orbitproof.explore.atlases.expansion import Expansion
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.families import Family, in_fixed_space
 from orbitproof.explore.flow import Vector
 from orbitproof.shared.formats import Atlas, Claim, Covers, Piece
-
-Progress = Callable[[str, float], None]
 
 BEYOND = Fraction(1, 1000)
 """Part by which an arc goes beyond the ends of the range that it has to cover."""
@@ -98,7 +97,9 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
     kind = "arc" if first is None else "symmetric-arc" if last is None else "symmetric-loop"
     covers = request.covers
     if covers is not None and first is not None:
-        covers = replace(covers, start=max(covers.start, _above(first.point(0.0), covers, system.centre_coordinates)))
+        covers = replace(
+            covers, start=max(covers.start, _rounded_start(first.point(0.0), covers, system.centre_coordinates))
+        )
     pieces = [
         _piece(f"p{number:03d}", expansion, expansion in (first, last), request.tube)
         for number, expansion in enumerate(expansions, start=1)
@@ -177,7 +178,7 @@ def _place_near(curve: Curve, point: Vector, origin: float, width: float) -> flo
     return float(0.5 * (low + high))
 
 
-def _above(point: Vector, covers: Covers, names: Sequence[str]) -> Fraction:
+def _rounded_start(point: Vector, covers: Covers, names: Sequence[str]) -> Fraction:
     """The first point's coordinate of a range, rounded up to six digits."""
     value = float(point[list(names).index(covers.coordinate)])
     if value == 0:

@@ -8,7 +8,6 @@ length costs fewer multiplications.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,11 +15,10 @@ import numpy as np
 from orbitproof.explore.atlases.complex_flow import Coordinates, HalfReturns
 from orbitproof.explore.atlases.curve import Curve, CurvePoint, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, ExpansionFailure, expand
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.systems import REGULARISATIONS
-
-Progress = Callable[[str, float], None]
 
 STAGE, STAGES = 0.2, 4
 """A chart is first tried with this part of its width, and less if Newton's method does not converge there."""

@@ -9,7 +9,8 @@ import numpy as np
 from orbitproof.explore.atlases.complex_flow import HalfReturns
 from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.orbits import CorrectionFailure, primaries
+from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.explore.seeds import primaries
 from orbitproof.shared.systems import CR3BP
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from orbitproof.explore.atlases.complex_flow import LANES, ComplexArray, HalfReturns, Returns
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.orbits import NewtonRule
+from orbitproof.explore.numerics import NewtonRule
 
 CIRCLE = NewtonRule(tolerance=1e-15, accepted=1e-7, steps=8)
 """For all points of the circle at once, in units of its radius: the least exact of them ends the iteration."""

@@ -10,16 +10,10 @@ from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, build_atlas
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.request import Source, check_names
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import (
-    Family,
-    FamilyFailure,
-    Limits,
-    family_of,
-    fixed_parameters,
-    read_families,
-    trace_family,
-)
+from orbitproof.explore.families import Family, FamilyFailure, Limits, family_of, trace_family
+from orbitproof.explore.names import fixed_parameters
 from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.explore.records import read_families
 from orbitproof.shared.formats import Atlas, InputError, Piece, write_atlas
 from orbitproof.shared.systems import REGULARISATIONS
 

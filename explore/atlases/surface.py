@@ -23,7 +23,8 @@ import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.masses import CurveRecord, PointRecord, chart_of, correct_at, first_breaking, trace_curve
-from orbitproof.explore.orbits import CorrectionFailure, NewtonRule
+from orbitproof.explore.numerics import NewtonRule
+from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.formats import SurfacePiece
 from orbitproof.shared.systems import CR3BP, HILL, ReversibleSystem
 

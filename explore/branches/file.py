@@ -16,7 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from orbitproof.explore.families import Array, Entry, to_json
+from orbitproof.explore.records import Array, Entry, to_json
 from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
 

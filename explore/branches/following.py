@@ -18,7 +18,8 @@ from orbitproof.explore.branches.file import Birth, BranchOrbit, BranchRecord, B
 from orbitproof.explore.branches.start import BranchPoint, NoBranch
 from orbitproof.explore.branches.switching import FIRST_AMPLITUDE, BranchTracer, branch_tracer, switch
 from orbitproof.explore.flow import FlowFailure, Vector
-from orbitproof.explore.orbits import CorrectionFailure, SegmentedOrbit, predict
+from orbitproof.explore.numerics import predict
+from orbitproof.explore.orbits import CorrectionFailure, SegmentedOrbit
 
 TURNING = 0.15
 """Largest angle between the tangents at both ends of a step."""

@@ -11,16 +11,9 @@ import numpy as np
 from orbitproof.explore.catalogue.file import Catalogue
 from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
-from orbitproof.explore.orbits import (
-    LIBRATION_POINTS,
-    SHOOTING,
-    OrbitBatch,
-    ShootingProblem,
-    correct_batch,
-    libration_point,
-    primaries,
-    stability_index,
-)
+from orbitproof.explore.numerics import SHOOTING
+from orbitproof.explore.orbits import OrbitBatch, ShootingProblem, correct_batch, stability_index
+from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, primaries
 from orbitproof.shared.systems import CR3BP
 
 ON_SYMMETRY = 1e-6

@@ -15,8 +15,8 @@ from orbitproof.explore.commands import (
     mass_curve,
     portraits,
 )
-from orbitproof.explore.families import FAMILY_NAMES, POINTS, PRESETS
-from orbitproof.explore.orbits import CONTROL
+from orbitproof.explore.families import CONTROL
+from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS
 from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS
 
 _EXAMPLES = """\

@@ -9,7 +9,7 @@ from typing import Any
 
 from orbitproof.explore.atlases import Source, check_names
 from orbitproof.explore.commands import common
-from orbitproof.explore.families import FAMILY_NAMES, exact_number, fixed_parameters, is_family_name
+from orbitproof.explore.names import FAMILY_NAMES, exact_number, fixed_parameters, is_family_name
 from orbitproof.shared.formats import Covers, InputError, check_writable
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 

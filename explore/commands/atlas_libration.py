@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet, number, positive
-from orbitproof.explore.families import mass_parameter
+from orbitproof.explore.names import mass_parameter
 from orbitproof.shared.formats import InputError, check_writable, write_atlas
 from orbitproof.shared.systems import MASS_PARAMETERS
 

@@ -8,7 +8,7 @@ from math import ceil, floor
 from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet, positive
-from orbitproof.explore.families import mass_parameter
+from orbitproof.explore.names import mass_parameter
 from orbitproof.shared.formats import SURFACE, Atlas, Claim, Covers, InputError, check_writable, write_atlas
 
 POINTS = ("L1", "L2", "L3")

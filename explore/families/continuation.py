@@ -15,16 +15,10 @@ from typing import Literal
 
 import numpy as np
 
+from orbitproof.explore.families.step_control import DEFAULT, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.orbits import (
-    DEFAULT,
-    Correction,
-    CorrectionFailure,
-    ShootingProblem,
-    StepControl,
-    SymmetricOrbit,
-    predict,
-)
+from orbitproof.explore.numerics import predict
+from orbitproof.explore.orbits import Correction, CorrectionFailure, ShootingProblem, SymmetricOrbit
 
 Outcome = Literal["limit", "closed", "failed", "interrupted"]
 

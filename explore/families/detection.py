@@ -18,13 +18,12 @@ import numpy as np
 from orbitproof.explore.families.continuation import Family, Start, Stop, describe, trace
 from orbitproof.explore.families.stability_curve import Extremum, StabilityCurve
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
+from orbitproof.explore.numerics import Samples, find_zeros
 from orbitproof.explore.orbits import (
     CorrectionFailure,
-    Samples,
     ShootingProblem,
     Side,
     SymmetricOrbit,
-    find_zeros,
     resonant_values,
     tupling_sides,
 )

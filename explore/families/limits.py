@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from orbitproof.explore.flow import Matrix
-from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit, distance_to_primaries
+from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
+from orbitproof.explore.seeds import distance_to_primaries
 from orbitproof.shared.systems import CR3BP
 
 BETA_START = 100.0

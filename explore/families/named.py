@@ -18,30 +18,18 @@ from fractions import Fraction
 
 import numpy as np
 
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed
 from orbitproof.explore.families.continuation import Family, Start, Stop, describe, extend, in_fixed_space, trace
 from orbitproof.explore.families.detection import symmetry_breaking_near, symmetry_breakings
 from orbitproof.explore.families.limits import BETA_START, Limits
-from orbitproof.explore.families.names import branch_number, is_family_name
+from orbitproof.explore.families.step_control import CONTROL, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix
-from orbitproof.explore.orbits import (
-    CONTROL,
-    CorrectionFailure,
-    LinearOrbit,
-    ShootingProblem,
-    StepControl,
-    SymmetricOrbit,
-    bracketed_zero,
-    detuning,
-    libration_point,
-    limit_orbit,
-    lyapunov_orbit,
-    vertical_orbit,
-)
+from orbitproof.explore.names import branch_number, is_family_name
+from orbitproof.explore.numerics import bracketed_zero
+from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit
+from orbitproof.explore.seeds import LinearOrbit, detuning, libration_point, limit_orbit, lyapunov_orbit, vertical_orbit
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
-
-Progress = Callable[[str, float], None]
-"""Called with what is being done and the fraction done, 0 to 1."""
 
 AMPLITUDE = 1e-3
 PLANAR_ORBITS = 2000

@@ -1,6 +1,6 @@
 """The stability parameters along a family, sampled finely enough to trust the list of resonances.
 
-Between neighbouring samples cubic interpolation predicts the characteristic polynomial (`explore.orbits.zeros.resolve`)
+Between neighbouring samples cubic interpolation predicts the characteristic polynomial (`explore.numerics.resolve`)
 and no stability parameter in the band [-BAND, BAND], which holds all resonant values, changes by more than
 `MAX_CHANGE`. Its local extrema are followed to the orbit where they occur: how far they stay from the resonant
 values says how far the family is from a pair of further resonances there.
@@ -16,16 +16,8 @@ import numpy as np
 
 from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.orbits import (
-    CorrectionFailure,
-    Samples,
-    SymmetricOrbit,
-    refine_minimum,
-    resolve,
-    resonant_values,
-    stability_parameters,
-    subdivide,
-)
+from orbitproof.explore.numerics import Samples, refine_minimum, resolve, subdivide
+from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit, resonant_values, stability_parameters
 
 BAND = 1.1
 """Magnitude of a stability parameter up to which its changes and extrema are followed."""

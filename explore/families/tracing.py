@@ -12,8 +12,9 @@ from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.families.detection import Detection, detect
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import FamilyFailure, continue_both_ways, continue_family, trace_family
-from orbitproof.explore.families.names import mirrored_name
-from orbitproof.explore.orbits import CONTROL, CorrectionFailure, StepControl
+from orbitproof.explore.families.step_control import CONTROL, StepControl
+from orbitproof.explore.names import mirrored_name
+from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 
 TRACING_SHARE = 0.6

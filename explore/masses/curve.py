@@ -20,7 +20,9 @@ from orbitproof.explore.families import Limits, trace_family
 from orbitproof.explore.flow import FlowFailure, Vector
 from orbitproof.explore.masses.charts import LOG_MU, UNKNOWNS, Chart, Evaluation, evaluate
 from orbitproof.explore.masses.file import CurveRecord, PointRecord
-from orbitproof.explore.orbits import BREAKING, LIBRATION_POINTS, CorrectionFailure, predict
+from orbitproof.explore.numerics import BREAKING, predict
+from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.explore.seeds import LIBRATION_POINTS
 from orbitproof.shared.systems import CR3BP
 
 Outcome = Literal["complete", "left", "failed", "interrupted"]

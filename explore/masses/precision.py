@@ -7,17 +7,15 @@ constant C along the curve solves F_1 = F_2 = 0 and D = grad C . (grad F_1 x gra
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log2
 from typing import Any
 
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.masses.charts import Chart
 from orbitproof.explore.masses.expansion import MU, VARIABLES, VY, Expansion, Settings, X, dot, expand
 from orbitproof.explore.refinement import IntegrationFailure
-
-Progress = Callable[[str, float], None]
 
 MAXIMAL_ITERATIONS = 12
 FIRST_BITS = 128

@@ -9,14 +9,16 @@ correction is the shortest step to it (least norm in scaled unknowns), or, with 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import Counts, Flags, FlowBatch, Matrices, Matrix, Vector, flow_batch
+from orbitproof.explore.numerics import SHOOTING
 from orbitproof.explore.orbits.batch_algebra import (
     characteristic_coefficients,
     half_returns,
@@ -25,12 +27,9 @@ from orbitproof.explore.orbits.batch_algebra import (
     solve,
     stability_matrices,
 )
-from orbitproof.explore.orbits.newton import SHOOTING
 from orbitproof.explore.orbits.shooting import RESIDUAL, CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.orbits.stability import HalfReturn
 from orbitproof.shared.systems import ReversibleSystem
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from itertools import combinations
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, FlowResult, Matrix, Vector, flow_of
-from orbitproof.explore.orbits.newton import SEGMENTS
+from orbitproof.explore.numerics import SEGMENTS
 from orbitproof.explore.orbits.shooting import CorrectionFailure
 from orbitproof.explore.orbits.stability import half_return
 from orbitproof.shared.systems import ReversibleSystem

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, FlowResult, Matrix, Vector, flow_of
-from orbitproof.explore.orbits.newton import SHOOTING, NewtonRule
+from orbitproof.explore.numerics import SHOOTING, NewtonRule
 from orbitproof.explore.orbits.stability import (
     HalfReturn,
     Side,

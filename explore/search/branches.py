@@ -11,12 +11,11 @@ from orbitproof.explore.families import (
     Traced,
     TracedFamily,
     TraceTask,
-    branch_name,
-    branch_number,
     branch_seed,
     breaking_at_end,
     symmetry_breakings,
 )
+from orbitproof.explore.names import branch_name, branch_number
 from orbitproof.explore.orbits import CorrectionFailure
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from orbitproof.explore.catalogue import catalogue_of, libration_places, write_catalogue_csv, write_catalogue_json
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import TracedFamily, family_record, write_families
+from orbitproof.explore.families import TracedFamily, family_record
+from orbitproof.explore.records import write_families
 from orbitproof.shared.systems import CR3BP
 
 

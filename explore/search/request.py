@@ -12,8 +12,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.families import FAMILY_NAMES, PRESETS, Preset, fixed_parameters, is_family_name
-from orbitproof.explore.orbits import StepControl
+from orbitproof.explore.families import StepControl
+from orbitproof.explore.names import FAMILY_NAMES, PRESETS, Preset, fixed_parameters, is_family_name
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 

@@ -12,18 +12,17 @@ from orbitproof.explore.catalogue import CatalogueStart, catalogue_start
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import (
     BAND,
-    FamilyRecord,
     Limits,
     Traced,
     TracedFamily,
     TraceTask,
     family_of,
     largest_changes,
-    mirrored_name,
-    read_families,
     trace_tasks,
 )
 from orbitproof.explore.flow import Vector
+from orbitproof.explore.names import mirrored_name
+from orbitproof.explore.records import FamilyRecord, read_families
 from orbitproof.explore.refinement import refine_tasks
 from orbitproof.explore.search.branches import branches_of, shared_branches
 from orbitproof.explore.search.outputs import write_outputs

@@ -62,7 +62,7 @@ class Target:
 
 
 def targets_of(item: TracedFamily, points: str) -> list[Target]:
-    """The points to refine, in order along the family; `points` is one of `explore.families.names.POINTS`.
+    """The points to refine, in order along the family; `points` is one of `explore.names.family_names.POINTS`.
 
     The ids count the resonances of a multiplicity from the birth of the family: they do not depend on
     which other multiplicities or points were asked for, nor on how far the family was traced.

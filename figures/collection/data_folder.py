@@ -7,9 +7,9 @@ from pathlib import Path
 
 from orbitproof.figures.collection.manifest import step_of
 from orbitproof.figures.model import (
-    Family,
     MarkedPoint,
-    StabilityCurve,
+    SampledFamily,
+    SampledStability,
     assign,
     mark_candidates,
     read_curves,
@@ -52,15 +52,15 @@ class DataFolder:
         certificates = self.folder / "certificates.json"
         return mark_candidates(read_candidates(path), certificates if self.has_certificates else None, path)
 
-    def families(self, name: str) -> list[Family]:
+    def families(self, name: str) -> list[SampledFamily]:
         """The families of a file."""
         return self._families(self.path(name))
 
-    def curves(self, name: str) -> list[StabilityCurve]:
+    def curves(self, name: str) -> list[SampledStability]:
         """The finely sampled families of a file."""
         return self._curves(self.path(name))
 
-    def family(self, name: str, kind: str, mass: str | None = None) -> Family:
+    def family(self, name: str, kind: str, mass: str | None = None) -> SampledFamily:
         """One family of a file: the `kind` (L1-halo) of a mass given by its name; raises `MissingData`."""
         for family in self.families(name):
             if family.name == kind or family.name.endswith(f"-{kind}"):
@@ -71,6 +71,6 @@ class DataFolder:
         wanted = f"{mass} {kind}" if mass else kind
         raise MissingData(f"{path} holds no family {wanted}; make it with: {step_of(name).text(self.folder)}")
 
-    def marks_on(self, *families: Family) -> list[list[MarkedPoint]]:
+    def marks_on(self, *families: SampledFamily) -> list[list[MarkedPoint]]:
         """The marks that lie on each family."""
         return assign(families, self.marks)[0]

@@ -6,9 +6,9 @@ from .certified_branch import Stretch as Stretch
 from .certified_branch import curve_of as curve_of
 from .certified_branch import read_curve as read_curve
 from .family import Array as Array
-from .family import Family as Family
 from .family import MarkedPoint as MarkedPoint
 from .family import Placement as Placement
+from .family import SampledFamily as SampledFamily
 from .family import assign as assign
 from .family import interpolate as interpolate
 from .family import mark_candidates as mark_candidates
@@ -22,7 +22,7 @@ from .orbit import symmetric_orbit as symmetric_orbit
 from .orbit import symmetric_orbits as symmetric_orbits
 from .stability import BAND as BAND
 from .stability import Place as Place
-from .stability import StabilityCurve as StabilityCurve
+from .stability import SampledStability as SampledStability
 from .stability import events_csv as events_csv
 from .stability import places_on as places_on
 from .stability import read_curves as read_curves

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Family:
+class SampledFamily:
     """A traced family of N symmetric periodic orbits.
 
     Attributes:
@@ -60,7 +60,7 @@ class Family:
         roots = np.array([np.roots(row) for row in self.coefficients])
         return np.sort(np.where(roots.imag == 0, roots.real, np.nan), axis=1)
 
-    def refined(self, parts: int = 12) -> Family:
+    def refined(self, parts: int = 12) -> SampledFamily:
         """The same family with each interval of arclength cut into `parts`, by cubic interpolation."""
         nodes = self.arclength
         fractions = np.arange(parts) / parts
@@ -187,7 +187,7 @@ def _same_claim(entry: Mapping[str, object], candidate: Candidate, where: str) -
     return replace(stated, provenance={}) == replace(candidate, provenance={})
 
 
-def place(family: Family, mark: MarkedPoint) -> Placement:
+def place(family: SampledFamily, mark: MarkedPoint) -> Placement:
     """The nearest place of `mark` on either curve of `family`, distances per coordinate range."""
     best: Placement | None = None
     for second, curve in ((False, family.points), (True, family.second_points)):
@@ -208,7 +208,7 @@ def place(family: Family, mark: MarkedPoint) -> Placement:
 
 
 def assign(
-    families: Sequence[Family], marks: Sequence[MarkedPoint], tolerance: float = 1e-2
+    families: Sequence[SampledFamily], marks: Sequence[MarkedPoint], tolerance: float = 1e-2
 ) -> tuple[list[list[MarkedPoint]], list[MarkedPoint]]:
     """The marks of each family, and the marks that lie on none.
 
@@ -233,7 +233,7 @@ def assign(
     return members, alone
 
 
-def stability_at(family: Family, arclength: float) -> Array:
+def stability_at(family: SampledFamily, arclength: float) -> Array:
     """Stability parameters, shape (n,), interpolated linearly at an arclength."""
     columns = family.stability.T
     return np.array([np.interp(arclength, family.arclength, column) for column in columns])

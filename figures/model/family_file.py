@@ -1,4 +1,4 @@
-"""From a family file, written and checked by `explore.families.file`, to the arrays that pictures need."""
+"""From a family file, written and checked by `explore.records.family_file`, to the arrays that pictures need."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from orbitproof.explore.families import FamilyRecord
-from orbitproof.explore.families import read_families as read_records
-from orbitproof.figures.model.family import Family
+from orbitproof.explore.records import FamilyRecord
+from orbitproof.explore.records import read_families as read_records
+from orbitproof.figures.model.family import SampledFamily
 from orbitproof.shared.formats import InputError
 
 
-def read_families(path: Path) -> list[Family]:
+def read_families(path: Path) -> list[SampledFamily]:
     """The families of a file. Raises `InputError`, also for a family of fewer than two orbits."""
     families = []
     for index, record in enumerate(read_records(path)):
@@ -22,11 +22,11 @@ def read_families(path: Path) -> list[Family]:
     return families
 
 
-def _family(record: FamilyRecord) -> Family:
+def _family(record: FamilyRecord) -> SampledFamily:
     orbits = record.orbits
     points = np.array([orbit.point for orbit in orbits])
     integrals = [orbit.first_integral for orbit in orbits if orbit.first_integral is not None]
-    return Family(
+    return SampledFamily(
         name=f"{record.label}-{record.name}" if record.label else record.name,
         system=record.system,
         parameters=record.parameters,

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from orbitproof.explore.families import ExtremumRecord, FamilyRecord, ResonanceRecord
-from orbitproof.explore.families import read_families as read_records
-from orbitproof.figures.model.family import Array, Family, MarkedPoint, place
+from orbitproof.explore.records import ExtremumRecord, FamilyRecord, ResonanceRecord
+from orbitproof.explore.records import read_families as read_records
+from orbitproof.figures.model.family import Array, MarkedPoint, SampledFamily, place
 from orbitproof.shared.formats import InputError
 
 _SAME_ORBIT = 1e-3
@@ -22,7 +22,7 @@ BAND = 1.1
 
 
 @dataclass(frozen=True)
-class StabilityCurve:
+class SampledStability:
     """A family of N orbits, so dense that between neighbours no resonance can hide.
 
     Attributes:
@@ -33,7 +33,7 @@ class StabilityCurve:
         extrema: of the stability parameters, with the nearest resonant value.
     """
 
-    family: Family
+    family: SampledFamily
     half_periods: Array
     parameters: np.ndarray
     resonances: tuple[ResonanceRecord, ...]
@@ -68,18 +68,18 @@ class Place:
     mark: MarkedPoint | None
 
 
-def read_curves(path: Path) -> list[StabilityCurve]:
+def read_curves(path: Path) -> list[SampledStability]:
     """The curves of a family file. Raises `InputError` if it holds a family without one."""
     return [_curve(record, f"{path}: field families[{i}]") for i, record in enumerate(read_records(path))]
 
 
-def _curve(record: FamilyRecord, source: str) -> StabilityCurve:
+def _curve(record: FamilyRecord, source: str) -> SampledStability:
     curve = record.curve
     if curve is None:
         raise InputError(
             f"{source}.curve: missing; search the family for resonances (orbitproof explore family -k ...)"
         )
-    family = Family(
+    family = SampledFamily(
         name=f"{record.label}-{record.name}" if record.label else record.name,
         system=record.system,
         parameters=record.parameters,
@@ -91,10 +91,10 @@ def _curve(record: FamilyRecord, source: str) -> StabilityCurve:
         arclength=curve.arclength,
     )
     roots = np.array([np.sort_complex(np.roots(row)) for row in curve.coefficients])
-    return StabilityCurve(family, curve.half_periods, roots, record.resonances, record.extrema)
+    return SampledStability(family, curve.half_periods, roots, record.resonances, record.extrema)
 
 
-def places_on(curve: StabilityCurve, marks: Sequence[MarkedPoint]) -> list[Place]:
+def places_on(curve: SampledStability, marks: Sequence[MarkedPoint]) -> list[Place]:
     """The resonances of the family file, each with the candidate that refines it, by arclength.
 
     Candidates that refine none of them, for example of other multiplicities, are placed by their point.
@@ -141,7 +141,7 @@ def places_on(curve: StabilityCurve, marks: Sequence[MarkedPoint]) -> list[Place
     return sorted(result, key=lambda item: item.arclength)
 
 
-def samples_csv(curve: StabilityCurve) -> str:
+def samples_csv(curve: SampledStability) -> str:
     """One line for each sample: place, both points on Fix(R), half period, level, stability parameters."""
     system = curve.family.system
     names = system.centre_coordinates
@@ -157,7 +157,7 @@ def samples_csv(curve: StabilityCurve) -> str:
     return _csv(header, rows.tolist())
 
 
-def events_csv(curve: StabilityCurve, places: Sequence[Place]) -> str:
+def events_csv(curve: SampledStability, places: Sequence[Place]) -> str:
     """One line for each resonance and for each extremum of a stability parameter, by arclength."""
     header = (
         "what",

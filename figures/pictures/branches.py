@@ -23,8 +23,8 @@ from matplotlib.ticker import MaxNLocator
 from orbitproof.explore.branches import BranchOrbit, BranchRecord, read_branches
 from orbitproof.figures.model import (
     Array,
-    Family,
     OrbitNotClosed,
+    SampledFamily,
     interpolate,
     orbit_through,
     read_families,
@@ -80,7 +80,7 @@ def write(branches: Path, families: Sequence[Path], folder: Path) -> list[Path]:
     return written
 
 
-def draw_overview(family: Family, branches: Sequence[BranchRecord]) -> Figure:
+def draw_overview(family: SampledFamily, branches: Sequence[BranchRecord]) -> Figure:
     """A family with all its branches.
 
     On energy levels: the first integral against a coordinate of Fix(R), and Fix(R). With a family parameter: the
@@ -128,7 +128,7 @@ def _add(axes: Axes, branch: BranchRecord, select: Callable[[Array, Array], tupl
     draw_point(axes, [float(value[0]) for value in place], branch.k, _certified(branch), branch.id)
 
 
-def draw_branch(branch: BranchRecord, family: Family | None) -> Figure:
+def draw_branch(branch: BranchRecord, family: SampledFamily | None) -> Figure:
     """One branch: bifurcation diagram, starting points, and a new orbit beside the resonant one."""
     spatial = branch.system.family_parameter is None
     figure = plt.figure(figsize=(_WIDTH, 3.1))
@@ -149,7 +149,7 @@ def draw_branch(branch: BranchRecord, family: Family | None) -> Figure:
     return figure
 
 
-def _diagram(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
+def _diagram(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> None:
     """Bifurcation parameter against the coordinate of the start that changes most along the branch."""
     place = _coordinate(branch)
     colour = marker_of(branch.k)[1]
@@ -172,7 +172,7 @@ def _diagram(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
     axes.set_title("(a)  bifurcation diagram", color=INK)
 
 
-def _starts(axes: Axes, branch: BranchRecord, family: Family | None) -> None:
+def _starts(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> None:
     """Fix(R): where new orbits start and where they are half a period later, near the point."""
     names = branch.system.centre_coordinates
     colour = marker_of(branch.k)[1]
@@ -350,14 +350,14 @@ def _limits(axes: Axes, x: Array, y: Array) -> None:
         set_limits(float(values.min()) - pad, float(values.max()) + pad)
 
 
-def _nearest(family: Family, branch: BranchRecord) -> tuple[Array, Array]:
+def _nearest(family: SampledFamily, branch: BranchRecord) -> tuple[Array, Array]:
     """The curve of the family, of its two, that passes through the bifurcation point, with its levels."""
     curves = (family.points, family.second_points)
     misses = [float(np.linalg.norm((curve - branch.point) / branch.scale, axis=1).min()) for curve in curves]
     return curves[int(np.argmin(misses))], family.levels
 
 
-def _family_of(branch: BranchRecord, families: Sequence[Family]) -> Family | None:
+def _family_of(branch: BranchRecord, families: Sequence[SampledFamily]) -> SampledFamily | None:
     """The nearest family from which the branch may start; a broken symmetry is that of its orbits."""
     odd: list[int] = []
     if branch.symmetry is not None:
@@ -368,7 +368,7 @@ def _family_of(branch: BranchRecord, families: Sequence[Family]) -> Family | Non
     return nearest if nearest is not None and distance(nearest, branch) < _NEAR else None
 
 
-def distance(family: Family, branch: BranchRecord) -> float:
+def distance(family: SampledFamily, branch: BranchRecord) -> float:
     """Of the bifurcation point from the curves of a family, in units of the branch's `scale`."""
     if family.system.name != branch.system.name or dict(family.parameters) != dict(branch.parameters):
         return np.inf

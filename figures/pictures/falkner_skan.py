@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from orbitproof.figures.model import Array, Family, MarkedPoint, place, symmetric_orbit
+from orbitproof.figures.model import Array, MarkedPoint, SampledFamily, place, symmetric_orbit
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, draw_mark, label_of, legend_below, level_label, marker_of
 
 _WIDTH = 7.2
@@ -18,7 +18,7 @@ _LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}
 _PANELS = ((0, 1), (0, 2), (1, 2))
 
 
-def draw_crossings(family: Family, marks: Sequence[MarkedPoint]) -> Figure:
+def draw_crossings(family: SampledFamily, marks: Sequence[MarkedPoint]) -> Figure:
     """Both points on Fix(R), and the period, as functions of the family parameter."""
     figure = plt.figure(figsize=(_WIDTH, 3.1))
     grid = figure.add_gridspec(1, 2, left=0.085, right=0.985, top=0.91, bottom=0.28, wspace=0.24)

@@ -14,10 +14,10 @@ from matplotlib.ticker import MaxNLocator
 
 from orbitproof.figures.model import (
     Array,
-    Family,
     MarkedPoint,
     OrbitNotClosed,
     Placement,
+    SampledFamily,
     place,
     stability_at,
     state_on_fixed_set,
@@ -44,7 +44,7 @@ _STABILITY_SHOWN = 1.35
 _LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}
 
 
-def draw_family(family: Family, marks: Sequence[MarkedPoint]) -> Figure:
+def draw_family(family: SampledFamily, marks: Sequence[MarkedPoint]) -> Figure:
     """The picture of a family with its marked points, one text width wide.
 
     Fix(R), the bifurcation parameter, the stability parameters with the resonances, and orbits. The
@@ -56,7 +56,7 @@ def draw_family(family: Family, marks: Sequence[MarkedPoint]) -> Figure:
     return _parameter_figure(family, placements)
 
 
-def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
+def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 6.0))
     grid = figure.add_gridspec(
         2, 2, left=0.085, right=0.945, top=0.955, bottom=_bottom(figure, placements), wspace=0.26, hspace=0.3
@@ -87,7 +87,7 @@ def _energy_figure(family: Family, placements: Sequence[Placement]) -> Figure:
     return figure
 
 
-def _parameter_figure(family: Family, placements: Sequence[Placement]) -> Figure:
+def _parameter_figure(family: SampledFamily, placements: Sequence[Placement]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 3.1))
     grid = figure.add_gridspec(
         2, 3, left=0.105, right=0.985, top=0.91, bottom=_bottom(figure, placements), wspace=0.5, hspace=0.12
@@ -154,7 +154,7 @@ def _claims(placements: Sequence[Placement]) -> tuple[set[tuple[int, str]], list
     return {(p.mark.k, p.mark.candidate.kind) for p in placements}, [p.mark.certified for p in placements]
 
 
-def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
+def _fixed_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:
     names = family.system.centre_coordinates
     axes.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
     axes.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
@@ -166,7 +166,7 @@ def _fixed_plane(axes: Axes, family: Family, placements: Sequence[Placement]) ->
     _curve_key(axes)
 
 
-def _fixed_line(axes: Axes, family: Family, placements: Sequence[Placement], second: bool) -> None:
+def _fixed_line(axes: Axes, family: SampledFamily, placements: Sequence[Placement], second: bool) -> None:
     curve = family.second_points if second else family.points
     axes.plot(family.levels, curve[:, 1], color=SECOND_CURVE if second else CURVE)
     for placement in placements:
@@ -204,7 +204,7 @@ def _curve_key(axes: Axes) -> None:
     axes.legend(handles=handles, loc="best", handlelength=1.8)
 
 
-def _stability_curves(axes: Axes, family: Family, placements: Sequence[Placement], abscissa: Array) -> None:
+def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Placement], abscissa: Array) -> None:
     for column in family.stability.T:
         axes.plot(abscissa, column, color=CURVE)
     axes.set_ylim(-_STABILITY_SHOWN, _STABILITY_SHOWN)
@@ -231,7 +231,7 @@ def _stability_curves(axes: Axes, family: Family, placements: Sequence[Placement
     axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
 
 
-def _orbits_in_space(axes: Any, family: Family, placements: Sequence[Placement]) -> None:
+def _orbits_in_space(axes: Any, family: SampledFamily, placements: Sequence[Placement]) -> None:
     stops = np.linspace(family.arclength[0], family.arclength[-1], _ORBITS_SHOWN)
     shown = [family.points[int(np.argmin(np.abs(family.arclength - stop)))] for stop in stops]
     drawn = [_orbit(axes, family, point, 3, color="#9db4c3", linewidth=0.8) for point in shown]
@@ -245,7 +245,7 @@ def _orbits_in_space(axes: Any, family: Family, placements: Sequence[Placement])
     set_box(axes, family.system, low, high)
 
 
-def _orbits_in_plane(axes: Axes, family: Family, placements: Sequence[Placement]) -> None:
+def _orbits_in_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:
     for placement in placements:
         k = placement.mark.k
         style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
@@ -254,7 +254,7 @@ def _orbits_in_plane(axes: Axes, family: Family, placements: Sequence[Placement]
     axes.set_ylabel(label_of(family.system.state[1]))
 
 
-def _orbit(axes: Any, family: Family, point: Array, dimension: int, **style: Any) -> Array | None:
+def _orbit(axes: Any, family: SampledFamily, point: Array, dimension: int, **style: Any) -> Array | None:
     try:
         rows = symmetric_orbit(family.system, family.parameters, list(point))
     except OrbitNotClosed:

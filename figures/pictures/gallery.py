@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from orbitproof.figures.model import Array, Family, symmetric_orbits
+from orbitproof.figures.model import Array, SampledFamily, symmetric_orbits
 from orbitproof.figures.pictures.halo_plane import family_title, mass_title
 from orbitproof.figures.style import CURVE, INK, bounds_of, set_box
 
@@ -18,7 +18,7 @@ _COLUMNS, _ROWS = 4, 3
 _SHADOW = "#b9c4cb"
 
 
-def draw_gallery(family: Family) -> Figure:
+def draw_gallery(family: SampledFamily) -> Figure:
     """Orbits spread evenly over the family, from its first to its last, each in a box with equal scales."""
     indices = _evenly(family, _COLUMNS * _ROWS)
     orbits = symmetric_orbits(family.system, family.parameters, family.points[indices], 0.5 * family.periods[indices])
@@ -58,7 +58,7 @@ def draw_gallery(family: Family) -> Figure:
     return figure
 
 
-def _draw(axes: Any, family: Family, orbit: Array) -> None:
+def _draw(axes: Any, family: SampledFamily, orbit: Array) -> None:
     primary = 1.0 - float(family.parameters["mu"])
     low, high = bounds_of([orbit, np.array([[primary, 0.0, 0.0]])])
     # A flat box would otherwise be drawn larger, beyond the picture.
@@ -83,7 +83,7 @@ def _draw(axes: Any, family: Family, orbit: Array) -> None:
     axes.plot([primary], [0.0], [0.0], linestyle="none", marker="x", color=INK, markersize=3)
 
 
-def _evenly(family: Family, count: int) -> Array:
+def _evenly(family: SampledFamily, count: int) -> Array:
     """Indices of `count` orbits, evenly spaced by how far both points on Fix(R) and the period move."""
     columns = np.hstack([family.points[:, :2], family.second_points[:, :2], 0.3 * family.periods[:, None]])
     length = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(columns, axis=0), axis=1)))

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.figures.model import Array, Family, MarkedPoint, place
+from orbitproof.figures.model import Array, MarkedPoint, SampledFamily, place
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, draw_mark, label_of, legend_below, legend_height
 from orbitproof.shared.systems import MASS_PARAMETERS
 
@@ -41,7 +41,7 @@ class Spot:
     elsewhere: bool
 
 
-def spots_on(family: Family, marks: Sequence[MarkedPoint]) -> list[Spot]:
+def spots_on(family: SampledFamily, marks: Sequence[MarkedPoint]) -> list[Spot]:
     """One spot for each orbit and multiplicity; of two candidates at one orbit the one at the starting point."""
     found: list[Spot] = []
     for placement in sorted((place(family, mark) for mark in marks), key=lambda item: item.second):
@@ -56,7 +56,7 @@ def spots_on(family: Family, marks: Sequence[MarkedPoint]) -> list[Spot]:
     return sorted(found, key=lambda spot: spot.arclength)
 
 
-def mass_title(family: Family) -> str:
+def mass_title(family: SampledFamily) -> str:
     """Earth-Moon, Sun-Jupiter, or the mass parameter."""
     for name, value in MASS_PARAMETERS.items():
         if family.parameters.get("mu") == value:
@@ -64,7 +64,7 @@ def mass_title(family: Family) -> str:
     return f"$\\mu={float(family.parameters['mu']):.6g}$"
 
 
-def family_title(family: Family) -> str:
+def family_title(family: SampledFamily) -> str:
     """For example L1 halo orbits, from the name of the family."""
     parts = family.name.split("-")
     first = next((i for i, part in enumerate(parts) if part in ("L1", "L2", "L3")), None)
@@ -73,7 +73,7 @@ def family_title(family: Family) -> str:
     return f"$L_{parts[first][1]}$ {' '.join(parts[first + 1 :])} orbits"
 
 
-def draw_closed_curves(families: Sequence[Family], marks: Sequence[Sequence[MarkedPoint]]) -> Figure:
+def draw_closed_curves(families: Sequence[SampledFamily], marks: Sequence[Sequence[MarkedPoint]]) -> Figure:
     """Each family with its mirror image under S, a closed curve, and where S breaks (k = 1)."""
     figure = plt.figure(figsize=(_WIDTH, 4.5))
     grid = figure.add_gridspec(1, len(families), left=0.085, right=0.985, top=0.93, bottom=0.25, wspace=0.12)
@@ -105,7 +105,7 @@ def draw_closed_curves(families: Sequence[Family], marks: Sequence[Sequence[Mark
     return figure
 
 
-def draw_resonant_families(halos: Mapping[str, Family], marks: Mapping[str, Sequence[MarkedPoint]]) -> Figure:
+def draw_resonant_families(halos: Mapping[str, SampledFamily], marks: Mapping[str, Sequence[MarkedPoint]]) -> Figure:
     """The L1, L2, L3 halo families of one mass, and the resonances on those of L2 and L1.
 
     As in the paper, period tupling (k = 2 squares, k = 4 disks) is marked at z > 0 and touch-and-go (k = 3
@@ -143,7 +143,7 @@ def draw_resonant_families(halos: Mapping[str, Family], marks: Mapping[str, Sequ
     return figure
 
 
-def _resonance_panel(axes: Axes, family: Family, spots: Sequence[Spot], letter: str, title: str) -> list[Spot]:
+def _resonance_panel(axes: Axes, family: SampledFamily, spots: Sequence[Spot], letter: str, title: str) -> list[Spot]:
     # Around the spots, or the whole family if there is none.
     places = [spot.arclength for spot in spots] or [float(family.arclength[0]), float(family.arclength[-1])]
     low, high = min(places), max(places)
@@ -186,7 +186,7 @@ def _crowd(spots: Sequence[Spot], extent: Array) -> list[Spot]:
     return [spots[i] for i in sorted(max(groups, key=lambda group: len(group)))]
 
 
-def _magnify(axes: Axes, family: Family, spots: Sequence[Spot]) -> None:
+def _magnify(axes: Axes, family: SampledFamily, spots: Sequence[Spot]) -> None:
     """An inset around points that touch each other."""
     inset = axes.inset_axes((0.36, 0.35, 0.42, 0.3))
     for sign in (1, -1):
@@ -222,7 +222,7 @@ def _finish(axes: Axes, letter: str, title: str) -> None:
     axes.set_title(f"({letter})  {title}", color=INK)
 
 
-def _primaries(axes: Axes, family: Family) -> None:
+def _primaries(axes: Axes, family: SampledFamily) -> None:
     mu = float(family.parameters["mu"])
     axes.plot([-mu, 1 - mu], [0.0, 0.0], linestyle="none", marker="x", color=INK, markersize=4.5)
 

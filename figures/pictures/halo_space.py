@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from orbitproof.figures.model import Array, Family, symmetric_orbits
+from orbitproof.figures.model import Array, SampledFamily, symmetric_orbits
 from orbitproof.figures.style import CURVE, INK, bounds_of, set_box
 
 _WIDTH = 7.2
@@ -24,7 +24,7 @@ _TORUS_ORBITS = 90
 _UNITS = "$x$, $y$, $z$ nondimensional (unit: distance of the primaries)"
 
 
-def draw_bifurcation(lyapunov: Family, halo: Family) -> Figure:
+def draw_bifurcation(lyapunov: SampledFamily, halo: SampledFamily) -> Figure:
     """Planar Lyapunov orbits (left) and the halo orbits that branch off from one of them (right).
 
     The halo family begins at that orbit. Shown are orbits up to three times as wide, and halo orbits, with
@@ -66,7 +66,7 @@ def draw_bifurcation(lyapunov: Family, halo: Family) -> Figure:
     return figure
 
 
-def draw_torus(halo: Family) -> Figure:
+def draw_torus(halo: SampledFamily) -> Figure:
     """The surface that a closed halo family and its mirror image sweep out, in space; colour is z on Fix(R)."""
     mirror = np.array(halo.system.symmetries["S"], dtype=float)
     orbits = _orbits(halo, _even(halo, _TORUS_ORBITS))
@@ -90,17 +90,17 @@ def draw_torus(halo: Family) -> Figure:
     return figure
 
 
-def _orbits(family: Family, indices: Array) -> list[Array]:
+def _orbits(family: SampledFamily, indices: Array) -> list[Array]:
     return symmetric_orbits(family.system, family.parameters, family.points[indices], 0.5 * family.periods[indices])
 
 
-def _spread(family: Family, first: int, last: int, count: int) -> Array:
+def _spread(family: SampledFamily, first: int, last: int, count: int) -> Array:
     """Indices of about `count` orbits, evenly spaced in arclength from `first` to `last`."""
     stops = np.linspace(family.arclength[first], family.arclength[last], count)
     return np.unique(np.clip(np.searchsorted(family.arclength, stops), first, last))
 
 
-def _even(family: Family, count: int) -> Array:
+def _even(family: SampledFamily, count: int) -> Array:
     """Indices of about `count` orbits, evenly spaced where both of their points on Fix(R) lie in the (x, z) plane."""
     moved = np.abs(np.diff(family.points[:, :2], axis=0)).sum(axis=1)
     moved += np.abs(np.diff(family.second_points[:, :2], axis=0)).sum(axis=1)
@@ -108,7 +108,7 @@ def _even(family: Family, count: int) -> Array:
     return np.unique(np.searchsorted(length, np.linspace(0.0, length[-1], count)).clip(0, len(length) - 1))
 
 
-def _primary(axes: Any, family: Family) -> None:
+def _primary(axes: Any, family: SampledFamily) -> None:
     axes.plot(
         [1.0 - float(family.parameters["mu"])], [0.0], [0.0], linestyle="none", marker="x", color=INK, markersize=4
     )

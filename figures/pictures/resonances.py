@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.explore.families import ExtremumRecord
-from orbitproof.figures.model import BAND, Place, StabilityCurve
+from orbitproof.explore.records import ExtremumRecord
+from orbitproof.figures.model import BAND, Place, SampledStability
 from orbitproof.figures.style import (
     CURVE,
     INK,
@@ -34,7 +34,7 @@ _CLOSE = 0.02
 _MOST_PANELS = 3
 
 
-def draw_resonances(curve: StabilityCurve, places: Sequence[Place]) -> Figure:
+def draw_resonances(curve: SampledStability, places: Sequence[Place]) -> Figure:
     """The figure of one family; `places` as from `figures.model.stability.places_on`."""
     crowds = _crowds(places)
     close = _close_turns(curve)
@@ -78,7 +78,7 @@ def _crowds(places: Sequence[Place]) -> list[tuple[float, float]]:
     return windows
 
 
-def _close_turns(curve: StabilityCurve) -> list[ExtremumRecord]:
+def _close_turns(curve: SampledStability) -> list[ExtremumRecord]:
     near = [item for item in curve.extrema if abs(item.stability_parameter - item.level) < _CLOSE]
     near.sort(key=lambda item: abs(item.stability_parameter - item.level))
     return sorted(near[: _MOST_PANELS - 1], key=lambda item: item.arclength)
@@ -86,7 +86,7 @@ def _close_turns(curve: StabilityCurve) -> list[ExtremumRecord]:
 
 def _panel(
     axes: Axes,
-    curve: StabilityCurve,
+    curve: SampledStability,
     places: Sequence[Place],
     window: tuple[float, float],
     letter: str,
@@ -143,7 +143,7 @@ def _draw_place(axes: Axes, item: Place, height: float | None = None) -> None:
     axes.plot(*position, marker=marker, color=colour, markerfacecolor="white", linestyle="none", zorder=6)
 
 
-def _turn(axes: Axes, curve: StabilityCurve, places: Sequence[Place], extremum: ExtremumRecord, letter: str) -> None:
+def _turn(axes: Axes, curve: SampledStability, places: Sequence[Place], extremum: ExtremumRecord, letter: str) -> None:
     """A curve that turns close to a resonant value, magnified: the difference from that value."""
     gap = abs(extremum.stability_parameter - extremum.level)
     arclength = curve.family.arclength
@@ -181,7 +181,7 @@ def _shifted(item: Place, origin: float) -> Place:
     return Place(item.k, item.kind, item.side, item.arclength - origin, item.level, item.resonant_value, item.mark)
 
 
-def _steps(axes: Axes, curve: StabilityCurve, letter: str) -> None:
+def _steps(axes: Axes, curve: SampledStability, letter: str) -> None:
     changes = curve.changes(BAND)
     middles = 0.5 * (curve.family.arclength[1:] + curve.family.arclength[:-1])
     shown = changes > 0

@@ -14,10 +14,10 @@ import pytest
 import orbitproof.explore.families.tracing
 import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.families.file import read_families, write_families
+from orbitproof.explore.families.conversion import family_of, family_record
 from orbitproof.explore.families.named import Limits, trace_family
-from orbitproof.explore.families.records import family_of, family_record
 from orbitproof.explore.families.tracing import TracedFamily
+from orbitproof.explore.records.family_file import read_families, write_families
 from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
 from orbitproof.shared.formats.candidates import InputError, read_candidates
 from orbitproof.shared.numbers import format_exact, parse_exact

@@ -19,11 +19,11 @@ from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, expand
 from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.file import write_families
+from orbitproof.explore.families.conversion import family_record
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import trace_family
-from orbitproof.explore.families.records import family_record
 from orbitproof.explore.families.tracing import TracedFamily
+from orbitproof.explore.records.family_file import write_families
 from orbitproof.shared.formats.atlas import Atlas, Covers, read_atlas, write_atlas
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 

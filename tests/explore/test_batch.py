@@ -19,10 +19,10 @@ from orbitproof.explore.flow.fields import power
 from orbitproof.explore.flow.flow import FlowFailure, Matrix, flow_of
 from orbitproof.explore.orbits.batch import OrbitBatch, correct_batch
 from orbitproof.explore.orbits.batch_algebra import characteristic_coefficients, least_norm, roots, solve
-from orbitproof.explore.orbits.falkner_skan import limit_orbit
 from orbitproof.explore.orbits.shooting import CorrectionFailure, ShootingProblem
 from orbitproof.explore.orbits.stability import characteristic_coefficients as coefficients_of_one
 from orbitproof.explore.orbits.stability import stability_parameters
+from orbitproof.explore.seeds.falkner_skan import limit_orbit
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -134,7 +134,7 @@ def test_orbits_that_fail_are_marked_and_leave_the_others_alone() -> None:
 
 
 def test_orbits_in_the_plane_stay_there_and_keep_their_stability_across_it() -> None:
-    from orbitproof.explore.orbits.libration import libration_point, lyapunov_orbit
+    from orbitproof.explore.seeds.libration_points import libration_point, lyapunov_orbit
 
     guesses = []
     for amplitude in (1e-3, 2e-3, 4e-3):

@@ -21,11 +21,11 @@ from orbitproof.explore.catalogue.file import (
 )
 from orbitproof.explore.catalogue.orbits import CorrectedCatalogue, correct_catalogue
 from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.file import read_families
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import continue_both_ways, trace_family
 from orbitproof.explore.flow.flow import flow_of
 from orbitproof.explore.orbits.stability import stability_index
+from orbitproof.explore.records.family_file import read_families
 from orbitproof.shared.formats.candidates import InputError
 from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
 

@@ -38,9 +38,9 @@ from orbitproof.explore.masses.file import (
     write_curves,
 )
 from orbitproof.explore.masses.precision import PrecisePoint, PrecisionFailure, precise_breaking, precise_extremum
-from orbitproof.explore.orbits.libration import LIBRATION_POINTS
 from orbitproof.explore.orbits.shooting import CorrectionFailure
 from orbitproof.explore.orbits.stability import half_return
+from orbitproof.explore.seeds.libration_points import LIBRATION_POINTS
 from orbitproof.figures.pictures.mass_curve import draw_mass_curves, read_mass_curves
 from orbitproof.figures.style.style import close, use_style
 from orbitproof.figures.tables.published import default_published, read_published

@@ -18,10 +18,9 @@ import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.engines.processes import Job, Lost, run_all
 from orbitproof.explore.families.continuation import Family
+from orbitproof.explore.families.conversion import family_record
 from orbitproof.explore.families.detection import Detection, detect
-from orbitproof.explore.families.file import read_families, write_families
 from orbitproof.explore.families.named import Limits, trace_family
-from orbitproof.explore.families.records import family_record
 from orbitproof.explore.families.stability_curve import (
     BAND,
     MAX_CHANGE,
@@ -30,10 +29,11 @@ from orbitproof.explore.families.stability_curve import (
     largest_changes,
 )
 from orbitproof.explore.families.tracing import TracedFamily
-from orbitproof.explore.orbits.prediction import predict
+from orbitproof.explore.numerics.prediction import predict
+from orbitproof.explore.numerics.zeros import Samples, subdivide
 from orbitproof.explore.orbits.shooting import SymmetricOrbit
 from orbitproof.explore.orbits.stability import resonant_values
-from orbitproof.explore.orbits.zeros import Samples, subdivide
+from orbitproof.explore.records.family_file import read_families, write_families
 from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
 from orbitproof.explore.search.targets import is_refined, merged, targets_of
 from orbitproof.figures.__main__ import main as figures_main

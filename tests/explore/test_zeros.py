@@ -8,7 +8,7 @@ from math import acos, cos, exp, pi, sqrt, tanh
 import numpy as np
 import pytest
 
-from orbitproof.explore.orbits.zeros import Zeros, bracketed_zero, find_zeros, resolve
+from orbitproof.explore.numerics.zeros import Zeros, bracketed_zero, find_zeros, resolve
 
 DIP = 0.437
 

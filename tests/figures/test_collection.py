@@ -22,7 +22,7 @@ from orbitproof.figures.__main__ import main
 from orbitproof.figures.collection.data_folder import DataFolder, MissingData
 from orbitproof.figures.collection.manifest import STEPS, Step, step_of
 from orbitproof.figures.collection.pictures import PICTURES
-from orbitproof.figures.model.family import Family, MarkedPoint, assign, mark_candidates, place
+from orbitproof.figures.model.family import MarkedPoint, SampledFamily, assign, mark_candidates, place
 from orbitproof.figures.model.family_file import read_families
 from orbitproof.figures.model.orbit import OrbitNotClosed, symmetric_orbit, symmetric_orbits
 from orbitproof.figures.pictures.falkner_skan import draw_crossings, draw_resonant_orbits
@@ -52,22 +52,22 @@ def marks() -> list[MarkedPoint]:
 
 
 @pytest.fixture(scope="module")
-def halo() -> Family:
+def halo() -> SampledFamily:
     return read_families(HALO)[0]
 
 
 @pytest.fixture(scope="module")
-def falkner() -> Family:
+def falkner() -> SampledFamily:
     return read_families(FALKNER)[0]
 
 
 @pytest.fixture(scope="module")
-def halo_marks(halo: Family, marks: list[MarkedPoint]) -> list[MarkedPoint]:
+def halo_marks(halo: SampledFamily, marks: list[MarkedPoint]) -> list[MarkedPoint]:
     return assign([halo.refined()], marks)[0][0]
 
 
 @pytest.fixture(scope="module")
-def falkner_marks(falkner: Family, marks: list[MarkedPoint]) -> list[MarkedPoint]:
+def falkner_marks(falkner: SampledFamily, marks: list[MarkedPoint]) -> list[MarkedPoint]:
     return assign([falkner.refined()], marks)[0][0]
 
 
@@ -259,7 +259,7 @@ def test_data_command_runs_a_real_command(tmp_path: Path, monkeypatch: pytest.Mo
     assert main(["all", str(tmp_path), "-o", str(tmp_path / "out"), "--only", "phase-portraits", "--quiet"]) == 0
 
 
-def test_orbits_side_by_side_are_those_integrated_alone(halo: Family, falkner: Family) -> None:
+def test_orbits_side_by_side_are_those_integrated_alone(halo: SampledFamily, falkner: SampledFamily) -> None:
     for family in (halo, falkner):
         indices = np.array([0, len(family.points) // 2, len(family.points) - 1])
         together = symmetric_orbits(
@@ -272,13 +272,13 @@ def test_orbits_side_by_side_are_those_integrated_alone(halo: Family, falkner: F
             assert orbit.max(axis=0) == pytest.approx(alone.max(axis=0), abs=2e-3 * np.ptp(alone))
 
 
-def test_orbit_of_a_wrong_period_is_not_drawn(halo: Family) -> None:
+def test_orbit_of_a_wrong_period_is_not_drawn(halo: SampledFamily) -> None:
     with pytest.raises(OrbitNotClosed):
         symmetric_orbits(halo.system, halo.parameters, halo.points[:2], 0.4 * halo.periods[:2])
 
 
 def test_points_of_the_falkner_skan_pictures_are_filled_if_certified(
-    falkner: Family, falkner_marks: list[MarkedPoint]
+    falkner: SampledFamily, falkner_marks: list[MarkedPoint]
 ) -> None:
     expected = {mark.candidate.id: {mark.certified} for mark in falkner_marks}
     assert {True} in expected.values()
@@ -289,7 +289,7 @@ def test_points_of_the_falkner_skan_pictures_are_filled_if_certified(
 
 
 def test_halo_plane_pictures_mark_each_orbit_once_and_fill_it_if_certified(
-    halo: Family, halo_marks: list[MarkedPoint]
+    halo: SampledFamily, halo_marks: list[MarkedPoint]
 ) -> None:
     family = halo.refined()
     spots = spots_on(family, halo_marks)
@@ -309,7 +309,7 @@ def test_halo_plane_pictures_mark_each_orbit_once_and_fill_it_if_certified(
     close(figure)
 
 
-def test_two_candidates_of_one_orbit_share_a_spot(halo: Family, halo_marks: list[MarkedPoint]) -> None:
+def test_two_candidates_of_one_orbit_share_a_spot(halo: SampledFamily, halo_marks: list[MarkedPoint]) -> None:
     family = halo.refined()
     mark = next(mark for mark in halo_marks if mark.k > 1 and not place(family, mark).second)
     s = place(family, mark).arclength
@@ -323,7 +323,7 @@ def test_two_candidates_of_one_orbit_share_a_spot(halo: Family, halo_marks: list
     assert alone.position == pytest.approx(both.position, abs=1e-4)
 
 
-def test_pictures_in_space_show_each_orbit_of_their_choice(halo: Family) -> None:
+def test_pictures_in_space_show_each_orbit_of_their_choice(halo: SampledFamily) -> None:
     torus, gallery = draw_torus(halo), draw_gallery(halo)
     assert sum(len(axes.lines) for axes in torus.axes) > 40
     panels = [axes for axes in gallery.axes if hasattr(axes, "get_zlim")]

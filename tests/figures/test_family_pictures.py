@@ -17,8 +17,8 @@ from matplotlib.lines import Line2D
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.model.family import (
-    Family,
     MarkedPoint,
+    SampledFamily,
     assign,
     level_of,
     mark_candidates,
@@ -40,7 +40,7 @@ EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 
 
 @pytest.fixture(scope="module")
-def families() -> list[Family]:
+def families() -> list[SampledFamily]:
     return [family.refined() for path in (HALO, FALKNER) for family in read_families(path)]
 
 
@@ -56,7 +56,9 @@ def style() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def pictures(families: list[Family], marks: list[MarkedPoint]) -> Iterator[list[tuple[list[MarkedPoint], Figure]]]:
+def pictures(
+    families: list[SampledFamily], marks: list[MarkedPoint]
+) -> Iterator[list[tuple[list[MarkedPoint], Figure]]]:
     """The picture of each family, with the marks that belong on it."""
     members, alone = assign(families, marks)
     assert not alone
@@ -88,7 +90,7 @@ def test_certified_points_are_filled_and_others_hollow(pictures: list[tuple[list
             assert all(is_filled(line) == mark.certified for line in lines)
 
 
-def test_without_certificates_no_marker_is_filled(families: list[Family]) -> None:
+def test_without_certificates_no_marker_is_filled(families: list[SampledFamily]) -> None:
     marks = mark_candidates(read_candidates(CANDIDATES), None, CANDIDATES)
     for family, own in zip(families, assign(families, marks)[0], strict=True):
         figure = draw_family(family, own)
@@ -154,7 +156,7 @@ def test_legend_lies_below_all_axes(pictures: list[tuple[list[MarkedPoint], Figu
             assert axes.get_tightbbox().y0 >= top - 1
 
 
-def test_points_lie_on_the_curve_of_their_crossing(families: list[Family], marks: list[MarkedPoint]) -> None:
+def test_points_lie_on_the_curve_of_their_crossing(families: list[SampledFamily], marks: list[MarkedPoint]) -> None:
     halo = families[0]
     assert halo.points.shape[0] > 100
     for second, curve in ((False, halo.points), (True, halo.second_points)):
@@ -165,7 +167,9 @@ def test_points_lie_on_the_curve_of_their_crossing(families: list[Family], marks
         assert halo.arclength[4] < placement.arclength < halo.arclength[5]
 
 
-def test_a_point_of_another_mass_or_far_away_is_on_no_family(families: list[Family], marks: list[MarkedPoint]) -> None:
+def test_a_point_of_another_mass_or_far_away_is_on_no_family(
+    families: list[SampledFamily], marks: list[MarkedPoint]
+) -> None:
     mark = next(mark for mark in marks if mark.candidate.system is CR3BP)
     assert assign(families, [mark])[1] == []
     heavier = replace(mark, candidate=replace(mark.candidate, parameters={"mu": Fraction(1, 2)}))
@@ -188,7 +192,7 @@ def test_families_of_the_stored_data_consist_of_symmetric_periodic_orbits() -> N
             assert level == pytest.approx(family.levels[i], abs=1e-9)
 
 
-def test_first_integral_is_constant_along_a_drawn_orbit(families: list[Family]) -> None:
+def test_first_integral_is_constant_along_a_drawn_orbit(families: list[SampledFamily]) -> None:
     halo = families[0]
     orbit = symmetric_orbit(CR3BP, EARTH_MOON, list(halo.points[len(halo.points) // 2]))
     mu = float(EARTH_MOON["mu"])

@@ -16,10 +16,10 @@ from flint import arb, ctx
 from support.claims import known
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases.libration import LyapunovFamily, lyapunov_atlas
+from orbitproof.explore.atlases.lyapunov import LyapunovFamily, lyapunov_atlas
 from orbitproof.explore.flow.flow import flow_of
 from orbitproof.explore.masses.curve import first_breaking
-from orbitproof.explore.orbits.libration import libration_point, lyapunov_orbit
+from orbitproof.explore.seeds.libration_points import libration_point, lyapunov_orbit
 from orbitproof.shared.formats.atlas import Atlas, Covers, atlas_from_json, read_atlas
 from orbitproof.shared.formats.candidates import InputError
 from orbitproof.shared.formats.pieces import Piece

@@ -7,16 +7,16 @@ from dataclasses import asdict
 import numpy as np
 
 from orbitproof.explore.families.continuation import Ending, Family
-from orbitproof.explore.families.file import (
-    CurveRecord,
+from orbitproof.explore.families.tracing import TracedFamily
+from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
+from orbitproof.explore.records import (
     EndingRecord,
     ExtremumRecord,
     FamilyRecord,
     OrbitRecord,
     ResonanceRecord,
+    SamplesRecord,
 )
-from orbitproof.explore.families.tracing import TracedFamily
-from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
 
 
 def family_record(item: TracedFamily) -> FamilyRecord:
@@ -72,11 +72,11 @@ def family_record(item: TracedFamily) -> FamilyRecord:
     )
 
 
-def _curve(samples: tuple[SymmetricOrbit, ...]) -> CurveRecord | None:
+def _curve(samples: tuple[SymmetricOrbit, ...]) -> SamplesRecord | None:
     if len(samples) < 2:
         return None
     integrals = [orbit.first_integral for orbit in samples if orbit.first_integral is not None]
-    return CurveRecord(
+    return SamplesRecord(
         arclength=np.array([orbit.arclength for orbit in samples]),
         points=np.array([orbit.centre("first") for orbit in samples]),
         second_points=np.array([orbit.centre("second") for orbit in samples]),

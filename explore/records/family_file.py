@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.explore.families.entries import Array, Entry, to_json
+from orbitproof.explore.records.entries import Array, Entry, to_json
 from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -62,7 +62,7 @@ class ResonanceRecord:
 
 
 @dataclass(frozen=True)
-class CurveRecord:
+class SamplesRecord:
     """A family sampled finely enough for its list of resonances, N orbits; see `explore.families.stability_curve`.
 
     Attributes:
@@ -113,7 +113,7 @@ class FamilyRecord:
     reason: str
     orbits: tuple[OrbitRecord, ...]
     resonances: tuple[ResonanceRecord, ...]
-    curve: CurveRecord | None = None
+    curve: SamplesRecord | None = None
     extrema: tuple[ExtremumRecord, ...] = ()
     beginning: EndingRecord | None = None
 
@@ -195,7 +195,7 @@ def _orbit(entry: Entry, where: str, value: Mapping[str, Any]) -> OrbitRecord:
     )
 
 
-def _curve(entry: Entry, value: Mapping[str, Any] | None) -> CurveRecord | None:
+def _curve(entry: Entry, value: Mapping[str, Any] | None) -> SamplesRecord | None:
     if value is None:
         return None
     system, count = entry.system, len(value["arclength"])
@@ -208,4 +208,4 @@ def _curve(entry: Entry, value: Mapping[str, Any] | None) -> CurveRecord | None:
         entry.refuse("curve.first_integrals", "does not fit the system")
     arrays = {name: entry.array(f"curve.{name}", value[name], *shape) for name, shape in shapes.items()}
     entry.increasing("curve.arclength", arrays["arclength"])
-    return CurveRecord(**{"first_integrals": None, **arrays})
+    return SamplesRecord(**{"first_integrals": None, **arrays})

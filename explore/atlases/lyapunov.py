@@ -15,7 +15,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from orbitproof.explore.flow import FlowFailure, Vector, flow_of
-from orbitproof.explore.orbits import LibrationPoint, bracketed_zero, libration_point, lyapunov_orbit
+from orbitproof.explore.numerics import bracketed_zero
+from orbitproof.explore.seeds import LibrationPoint, libration_point, lyapunov_orbit
 from orbitproof.shared.formats import Atlas, Claim, Covers, Piece
 from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
 

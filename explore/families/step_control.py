@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from orbitproof.explore.orbits.newton import SHOOTING
+from orbitproof.explore.numerics import SHOOTING
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,11 @@
+from .exact_numbers import exact_number as exact_number
+from .exact_numbers import fixed_parameters as fixed_parameters
+from .exact_numbers import mass_parameter as mass_parameter
+from .family_names import FAMILY_NAMES as FAMILY_NAMES
+from .family_names import POINTS as POINTS
+from .family_names import PRESETS as PRESETS
+from .family_names import Preset as Preset
+from .family_names import branch_name as branch_name
+from .family_names import branch_number as branch_number
+from .family_names import is_family_name as is_family_name
+from .family_names import mirrored_name as mirrored_name

@@ -1,0 +1,5 @@
+"""Zeros, prediction along a curve, and when Newton's method ends."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,11 @@
+from .entries import Array as Array
+from .entries import Entry as Entry
+from .entries import to_json as to_json
+from .family_file import EndingRecord as EndingRecord
+from .family_file import ExtremumRecord as ExtremumRecord
+from .family_file import FamilyRecord as FamilyRecord
+from .family_file import OrbitRecord as OrbitRecord
+from .family_file import ResonanceRecord as ResonanceRecord
+from .family_file import SamplesRecord as SamplesRecord
+from .family_file import read_families as read_families
+from .family_file import write_families as write_families
