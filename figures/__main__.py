@@ -185,7 +185,8 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
 
 def draw_stability(arguments: argparse.Namespace) -> list[Path]:
     """Read everything, then write pictures and CSV files; returns their paths. Raises `InputError`."""
-    from orbitproof.figures.model import BAND, assign, events_csv, mark_candidates, places_on, read_curves, samples_csv
+    from orbitproof.explore.records import BAND
+    from orbitproof.figures.model import assign, events_csv, mark_candidates, places_on, read_curves, samples_csv
 
     if arguments.certificates is not None and arguments.candidates is None:
         raise InputError("--certificates: need their candidates; add --candidates")

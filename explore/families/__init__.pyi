@@ -9,7 +9,6 @@ from .detection import symmetry_breakings as symmetry_breakings
 from .limits import Limits as Limits
 from .named import FamilyFailure as FamilyFailure
 from .named import trace_family as trace_family
-from .stability_curve import BAND as BAND
 from .stability_curve import largest_changes as largest_changes
 from .step_control import CONTROL as CONTROL
 from .step_control import DEFAULT as DEFAULT

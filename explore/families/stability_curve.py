@@ -18,9 +18,7 @@ from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.numerics import Samples, refine_minimum, resolve, subdivide
 from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit, resonant_values, stability_parameters
-
-BAND = 1.1
-"""Magnitude of a stability parameter up to which its changes and extrema are followed."""
+from orbitproof.explore.records import BAND
 
 CLOSE = 0.02
 """Distance of an extremum from a resonant value below which the curve is sampled more finely around it."""

@@ -1,6 +1,7 @@
 from .entries import Array as Array
 from .entries import Entry as Entry
 from .entries import to_json as to_json
+from .family_file import BAND as BAND
 from .family_file import EndingRecord as EndingRecord
 from .family_file import ExtremumRecord as ExtremumRecord
 from .family_file import FamilyRecord as FamilyRecord

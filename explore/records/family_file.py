@@ -20,6 +20,9 @@ from orbitproof.explore.records.entries import Array, Entry, to_json
 from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
 
+BAND = 1.1
+"""Magnitude of a stability parameter up to which its changes and extrema are followed."""
+
 
 @dataclass(frozen=True)
 class OrbitRecord:

@@ -10,19 +10,10 @@ import numpy as np
 
 from orbitproof.explore.catalogue import CatalogueStart, catalogue_start
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import (
-    BAND,
-    Limits,
-    Traced,
-    TracedFamily,
-    TraceTask,
-    family_of,
-    largest_changes,
-    trace_tasks,
-)
+from orbitproof.explore.families import Limits, Traced, TracedFamily, TraceTask, family_of, largest_changes, trace_tasks
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.names import mirrored_name
-from orbitproof.explore.records import FamilyRecord, read_families
+from orbitproof.explore.records import BAND, FamilyRecord, read_families
 from orbitproof.explore.refinement import refine_tasks
 from orbitproof.explore.search.branches import branches_of, shared_branches
 from orbitproof.explore.search.outputs import write_outputs

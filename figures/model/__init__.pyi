@@ -20,7 +20,6 @@ from .orbit import OrbitNotClosed as OrbitNotClosed
 from .orbit import orbit_through as orbit_through
 from .orbit import symmetric_orbit as symmetric_orbit
 from .orbit import symmetric_orbits as symmetric_orbits
-from .stability import BAND as BAND
 from .stability import Place as Place
 from .stability import SampledStability as SampledStability
 from .stability import events_csv as events_csv

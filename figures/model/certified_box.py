@@ -19,8 +19,8 @@ from orbitproof.shared.formats import Candidate, InputError, candidate_from_json
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,
     DoublySymmetricFamily,
+    Family,
     Problem,
-    SampledFamily,
     check_enclosures,
     check_family,
     check_reduction,
@@ -78,7 +78,7 @@ def certified_curves(certificate: Mapping[str, Any], where: str, parts: int = 40
             problem = check_enclosures(checklist, claim, stored.iterates, stored.first_integral, stored.return_times)
             start = check_family(checklist, problem) if claim.k > 1 else None
             reduction = check_reduction(checklist, problem, start)
-            family: SampledFamily = start if start is not None else DoublySymmetricFamily(reduction)
+            family: Family = start if start is not None else DoublySymmetricFamily(reduction)
             point = locate(checklist, problem, family, reduction).where
             beta = results["normal_form"].get("beta")
             return CertifiedCurves(
@@ -95,7 +95,7 @@ def certified_curves(certificate: Mapping[str, Any], where: str, parts: int = 40
         raise InputError(f"{where}.enclosures: {error}; verify the candidate again") from None
 
 
-def _family(problem: Problem, family: SampledFamily, parts: int) -> Array:
+def _family(problem: Problem, family: Family, parts: int) -> Array:
     """Boxes around (p_0, p_1(p_0))."""
     rows = []
     for low, high, ball in _pieces(problem.radii[0], parts):
@@ -103,7 +103,7 @@ def _family(problem: Problem, family: SampledFamily, parts: int) -> Array:
     return np.array(rows)
 
 
-def _branch(problem: Problem, family: SampledFamily, reduction: BifurcationFunction, parts: int) -> Array:
+def _branch(problem: Problem, family: Family, reduction: BifurcationFunction, parts: int) -> Array:
     """Boxes around (p_0(p_1), p_1): p_0 = -g(0, p_1) / g_0, with g and g_0 enclosed as in section 8.4."""
     p_0, p_1 = problem.box[:2]
     slope = family.jet(family.over(p_0)).slope

@@ -17,9 +17,6 @@ from orbitproof.shared.formats import InputError
 
 _SAME_ORBIT = 1e-3
 
-BAND = 1.1
-"""Magnitude of a stability parameter up to which its changes are reported."""
-
 
 @dataclass(frozen=True)
 class SampledStability:
@@ -106,17 +103,9 @@ def places_on(curve: SampledStability, marks: Sequence[MarkedPoint]) -> list[Pla
         for mark in known[:1]:
             rest.remove(mark)
         level = resonance.point[0] if resonance.first_integral is None else resonance.first_integral
-        result.append(
-            Place(
-                resonance.k,
-                resonance.kind,
-                resonance.side,
-                resonance.arclength,
-                float(level),
-                resonance.stability_parameter,
-                known[0] if known else None,
-            )
-        )
+        mark = known[0] if known else None
+        where = (resonance.side, resonance.arclength, float(level), resonance.stability_parameter)
+        result.append(Place(resonance.k, resonance.kind, *where, mark))
     for mark in rest:
         found = place(family, mark)
         # The other point on Fix(R) of an orbit in resonance: at the arclength of that orbit.
@@ -126,18 +115,10 @@ def places_on(curve: SampledStability, marks: Sequence[MarkedPoint]) -> list[Pla
             if item.k == mark.k and abs(item.arclength - found.arclength) < _SAME_ORBIT * (1 + found.arclength)
         ]
         value = near[0].stability_parameter if near else mark.candidate.provenance.get("resonant_value")
-        side = "second" if found.second else "first"
-        result.append(
-            Place(
-                mark.k,
-                mark.candidate.kind,
-                side,
-                near[0].arclength if near else found.arclength,
-                mark.level,
-                float(value) if isinstance(value, float) else np.nan,
-                mark,
-            )
-        )
+        value = float(value) if isinstance(value, float) else np.nan
+        arclength = near[0].arclength if near else found.arclength
+        where = ("second" if found.second else "first", arclength, mark.level, value)
+        result.append(Place(mark.k, mark.candidate.kind, *where, mark))
     return sorted(result, key=lambda item: item.arclength)
 
 
@@ -157,63 +138,22 @@ def samples_csv(curve: SampledStability) -> str:
     return _csv(header, rows.tolist())
 
 
+_EVENT = ("what", "arclength", "level", "k", "kind", "on_fix_r")
+_EVENT_VALUES = ("stability_parameter", "resonant_value", "distance", "candidate", "certified")
+
+
 def events_csv(curve: SampledStability, places: Sequence[Place]) -> str:
     """One line for each resonance and for each extremum of a stability parameter, by arclength."""
-    header = (
-        "what",
-        "arclength",
-        "level",
-        "k",
-        "kind",
-        "on_fix_r",
-        "stability_parameter",
-        "resonant_value",
-        "distance",
-        "candidate",
-        "certified",
-    )
-    rows: list[tuple[float, list[object]]] = []
+    rows: list[tuple[object, ...]] = []
     for item in places:
-        name, certified = (item.mark.candidate.id, item.mark.certified) if item.mark else ("", "")
-        rows.append(
-            (
-                item.arclength,
-                [
-                    "resonance",
-                    item.arclength,
-                    item.level,
-                    item.k,
-                    item.kind,
-                    item.side,
-                    item.resonant_value,
-                    item.resonant_value,
-                    0.0,
-                    name,
-                    certified,
-                ],
-            )
-        )
-    for extremum in curve.extrema:
-        value = extremum.stability_parameter
-        rows.append(
-            (
-                extremum.arclength,
-                [
-                    "extremum",
-                    extremum.arclength,
-                    extremum.first_integral,
-                    extremum.k,
-                    "",
-                    "",
-                    value,
-                    extremum.level,
-                    abs(value - extremum.level),
-                    "",
-                    "",
-                ],
-            )
-        )
-    return _csv(header, [row for _, row in sorted(rows, key=lambda pair: pair[0])])
+        where = ("resonance", item.arclength, item.level, item.k, item.kind, item.side)
+        candidate = (item.mark.candidate.id, item.mark.certified) if item.mark else ("", "")
+        rows.append((*where, item.resonant_value, item.resonant_value, 0.0, *candidate))
+    for turn in curve.extrema:
+        where = ("extremum", turn.arclength, turn.first_integral, turn.k, "", "")
+        distance = abs(turn.stability_parameter - turn.level)
+        rows.append((*where, turn.stability_parameter, turn.level, distance, "", ""))
+    return _csv((*_EVENT, *_EVENT_VALUES), sorted(rows, key=lambda row: row[1]))
 
 
 def _csv(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.explore.records import ExtremumRecord
-from orbitproof.figures.model import BAND, Place, SampledStability
+from orbitproof.explore.records import BAND, ExtremumRecord
+from orbitproof.figures.model import Place, SampledStability
 from orbitproof.figures.style import (
     CURVE,
     INK,

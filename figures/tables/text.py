@@ -63,25 +63,10 @@ def to_csv(table: Table, digits: int) -> str:
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     quantities, parameters = quantities_of(table), table.system.fixed_parameters
+    row_names = ["label", "j", "k", "kind", "verdict", "side", "fix_r"]
+    bounds = [f"{name} {part}" for name in quantities for part in ("enclosure", "lower", "upper", "published")]
     writer.writerow(
-        [
-            "system",
-            "family",
-            *parameters,
-            "label",
-            "j",
-            "k",
-            "kind",
-            "verdict",
-            "side",
-            "fix_r",
-            *(f"{name} {part}" for name in quantities for part in ("enclosure", "lower", "upper", "published")),
-            "compared",
-            "seconds",
-            "bits",
-            "id",
-            "reason",
-        ]
+        ["system", "family", *parameters, *row_names, *bounds, *["compared", "seconds", "bits", "id", "reason"]]
     )
     for section in table.sections:
         for row in section.rows:

@@ -17,13 +17,14 @@ from fractions import Fraction
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any, NoReturn
-
-from jsonschema import Draft202012Validator
-from jsonschema.exceptions import ValidationError, best_match
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+
+if TYPE_CHECKING:
+    from jsonschema import Draft202012Validator
+    from jsonschema.exceptions import ValidationError
 
 KINDS = ("symmetry_breaking", "period_tupling", "touch_and_go")
 
@@ -98,6 +99,9 @@ class Candidate:
 
 @cache
 def _validator(name: str) -> Draft202012Validator:
+    # Imported late: it takes most of the time of a command that reads nothing.
+    from jsonschema import Draft202012Validator
+
     text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
     return Draft202012Validator(json.loads(text))
 
@@ -164,6 +168,8 @@ def _refuse_other_format(document: object, name: str, path: Path) -> None:
 
 def validate_document(document: object, name: str, source: str) -> None:
     """Check a JSON value against the schema `name`; raises `InputError` that names the field and the rule."""
+    from jsonschema.exceptions import best_match
+
     error = best_match(_validator(name).iter_errors(document))
     if error is not None:
         where = _short(error.json_path.removeprefix("$").removeprefix(".")) or "the document"
