@@ -123,21 +123,25 @@ class Start:
     origin: SymmetricOrbit | None = None
 
 
-def trace(
-    problem: ShootingProblem,
-    start: Start,
-    stop: Stop,
-    *,
-    control: StepControl = DEFAULT,
-    max_orbits: int = 1000,
-    progress: Callable[[SymmetricOrbit], None] | None = None,
-) -> Family:
-    """Continue a family from `start` until a limit, closure, failure or an interrupt.
+@dataclass(frozen=True)
+class Course:
+    """How a family is followed, and how far.
 
-    Arguments:
+    Attributes:
         stop: the limits; see `Stop`.
+        control: steps and tolerances.
         max_orbits: the last limit.
         progress: called with each accepted orbit.
+    """
+
+    stop: Stop
+    control: StepControl = DEFAULT
+    max_orbits: int = 1000
+    progress: Callable[[SymmetricOrbit], None] | None = None
+
+
+def trace(problem: ShootingProblem, start: Start, course: Course) -> Family:
+    """Continue a family from `start` until a limit, closure, failure or an interrupt.
 
     Returns the family with the orbits found; raises `CorrectionFailure` only if not even the first
     orbit can be found.
@@ -149,24 +153,12 @@ def trace(
         correction = problem.correct(start.unknowns, direction)
         tangents = [problem.tangent(correction.jacobian, direction)]
         orbits = [problem.orbit(correction, 0.0, crossings(problem, _samples(problem, correction)))]
-    return extend(
-        Family(problem, tuple(orbits), tuple(tangents), "limit", "started"),
-        stop,
-        control=control,
-        max_orbits=max_orbits,
-        progress=progress,
-    )
+    return extend(Family(problem, tuple(orbits), tuple(tangents), "limit", "started"), course)
 
 
-def extend(
-    family: Family,
-    stop: Stop,
-    *,
-    control: StepControl = DEFAULT,
-    max_orbits: int = 1000,
-    progress: Callable[[SymmetricOrbit], None] | None = None,
-) -> Family:
-    """Continue a family from its last orbit; arguments and result as for `trace`."""
+def extend(family: Family, course: Course) -> Family:
+    """Continue a family from its last orbit; result as for `trace`."""
+    control, max_orbits = course.control, course.max_orbits
     problem, orbits, tangents = family.problem, list(family.orbits), list(family.tangents)
     step = control.initial
     if len(orbits) > 2:
@@ -188,13 +180,13 @@ def extend(
             touches = orbit.crossings != orbits[-1].crossings
             orbits.append(orbit)
             tangents.append(tangent)
-            if progress is not None:
-                progress(orbit)
+            if course.progress is not None:
+                course.progress(orbit)
             if touches and control.until_tangency:
                 return ended("limit", tangency(problem, orbits[-2], orbit))
             if _closes(problem, orbits):
                 return ended("closed", f"the family closes ({describe(problem, orbit)})")
-            reason = stop(orbit, states)
+            reason = course.stop(orbit, states)
             if reason is not None:
                 return ended("limit", f"{reason} ({describe(problem, orbit)})")
             step = min(_longest(problem, orbit, control), step * growth)

@@ -15,7 +15,7 @@ from itertools import groupby
 
 import numpy as np
 
-from orbitproof.explore.families.continuation import Family, Start, Stop, describe, trace
+from orbitproof.explore.families.continuation import Course, Family, Start, Stop, describe, trace
 from orbitproof.explore.families.stability_curve import Extremum, StabilityCurve
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.numerics import Samples, find_zeros
@@ -230,7 +230,7 @@ def symmetry_breaking_near(problem: ShootingProblem, symmetry: str, guess: Vecto
     best: SymmetricOrbit | None = None
     for direction in (tangent, -tangent):
         limit = reach if best is None else best.arclength
-        family = trace(inner, Start(unknowns, direction), until_breaking(inner, limit), max_orbits=200)
+        family = trace(inner, Start(unknowns, direction), Course(until_breaking(inner, limit), max_orbits=200))
         breakings = symmetry_breakings(family)
         if breakings and (best is None or breakings[0].orbit.arclength < best.arclength):
             best = breakings[0].orbit

@@ -20,7 +20,16 @@ import numpy as np
 
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed
-from orbitproof.explore.families.continuation import Family, Start, Stop, describe, extend, in_fixed_space, trace
+from orbitproof.explore.families.continuation import (
+    Course,
+    Family,
+    Start,
+    Stop,
+    describe,
+    extend,
+    in_fixed_space,
+    trace,
+)
 from orbitproof.explore.families.detection import symmetry_breaking_near, symmetry_breakings
 from orbitproof.explore.families.limits import BETA_START, Limits
 from orbitproof.explore.families.step_control import CONTROL, StepControl
@@ -87,13 +96,8 @@ def continue_family(
         return family
     if len(family.orbits) > 1 and in_fixed_space(problem, last):
         return family
-    more = extend(
-        replace(family, problem=problem),
-        _stop(problem, limits, family.orbits),
-        control=control,
-        max_orbits=limits.max_orbits,
-        progress=_report(problem, limits, progress, len(family.orbits)),
-    )
+    course = _Tracer(problem.parameters, limits, control, progress).course(problem, limits, family.orbits)
+    more = extend(replace(family, problem=problem), course)
     return _with_symmetric_end(more)
 
 
@@ -141,17 +145,14 @@ class _Tracer:
     def problem(self, system: ReversibleSystem, scale: tuple[float, ...], symmetry: str | None) -> ShootingProblem:
         return ShootingProblem(system, self.parameters, symmetry, scale, self.control.tolerance)
 
+    def course(self, problem: ShootingProblem, bounds: Limits, orbits: tuple[SymmetricOrbit, ...] = ()) -> Course:
+        """Up to `bounds` after `orbits`, with progress towards the limits asked for."""
+        report = _report(problem, self.limits, self.progress, len(orbits))
+        return Course(_stop(problem, bounds, orbits), self.control, bounds.max_orbits, report)
+
     def grown(self, problem: ShootingProblem, start: Start) -> Family:
         """The family from its start up to the limits."""
-        family = trace(
-            problem,
-            start,
-            _stop(problem, self.limits, ()),
-            control=self.control,
-            max_orbits=self.limits.max_orbits,
-            progress=_report(problem, self.limits, self.progress),
-        )
-        return _with_symmetric_end(family)
+        return _with_symmetric_end(trace(problem, start, self.course(problem, self.limits)))
 
     def planar_start(self, point: str) -> tuple[ShootingProblem, Start]:
         libration = libration_point(point, self.parameters["mu"])
@@ -173,14 +174,8 @@ class _Tracer:
         """The branch at the symmetry breaking `number` = 1, 2, .. of the planar family."""
         planar, start = self.planar_start(point)
         near = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
-        family = trace(
-            planar,
-            start,
-            after_breakings(planar, number, _stop(planar, near, ())),
-            control=self.control,
-            max_orbits=PLANAR_ORBITS,
-            progress=self._planar_report(),
-        )
+        stop = after_breakings(planar, number, _stop(planar, near, ()))
+        family = trace(planar, start, Course(stop, self.control, near.max_orbits, self._planar_report()))
         if family.outcome == "interrupted":
             raise KeyboardInterrupt
         breakings = symmetry_breakings(family)
@@ -203,25 +198,10 @@ class _Tracer:
         beta = max(BETA_START, limits.parameter_min)
         start = Start(np.array([beta, limit.upper, limit.half_period / np.sqrt(beta)]), np.array([1.0, 0.0, 0.0]))
         upwards = replace(limits, parameter_min=-np.inf)
-        report = _report(problem, limits, self.progress)
         if limits.parameter_min >= beta:
-            return trace(
-                problem,
-                start,
-                _stop(problem, upwards, ()),
-                control=self.control,
-                max_orbits=limits.max_orbits,
-                progress=report,
-            )
+            return trace(problem, start, self.course(problem, upwards))
         downwards = replace(limits, parameter_max=np.inf)
-        down = trace(
-            problem,
-            replace(start, direction=-start.direction),
-            _stop(problem, downwards, ()),
-            control=self.control,
-            max_orbits=limits.max_orbits,
-            progress=report,
-        )
+        down = trace(problem, replace(start, direction=-start.direction), self.course(problem, downwards))
         if down.outcome == "limit" and down.orbits[-1].unknowns[0] > limits.parameter_min:
             raise CorrectionFailure(f"beta = {limits.parameter_min:g} is not reached: {down.reason}; allow more orbits")
         family = down.turned()
@@ -233,13 +213,7 @@ class _Tracer:
             reason = f"limit beta = {limits.parameter_max:g} ({describe(problem, family.orbits[end])})"
             orbits, tangents = family.orbits[: end + 1], family.tangents[: end + 1]
             return replace(family, orbits=orbits, tangents=tangents, outcome="limit", reason=reason)
-        return extend(
-            family,
-            _stop(problem, upwards, family.orbits),
-            control=self.control,
-            max_orbits=limits.max_orbits,
-            progress=report,
-        )
+        return extend(family, self.course(problem, upwards, family.orbits))
 
 
 RETURNED = "the family returns to Fix(S)"

@@ -89,20 +89,9 @@ def _catalogue_tasks(request: Request, start: CatalogueStart) -> list[TraceTask]
     if start.seed is None:
         return []
     options, problem = request.options, start.seed.problem
-    speed = options.vy_max[0] if options.vy_max else None
-    return [
-        TraceTask(
-            system=problem.system.name,
-            name=start.name,
-            label=start.label,
-            parameters=dict(problem.parameters),
-            limits=_limits(options, speed),
-            multiplicities=request.multiplicities,
-            start=start.seed,
-            both_ways=True,
-            control=request.control,
-        )
-    ]
+    asked = FamilyRequest(problem.system, start.name, problem.parameters, start.label)
+    limits = _limits(options, options.vy_max[0] if options.vy_max else None)
+    return [_trace_task(request, asked, limits, start=start.seed, both_ways=True)]
 
 
 def _trace_tasks(request: Request) -> list[TraceTask]:
@@ -116,8 +105,8 @@ def _trace_tasks(request: Request) -> list[TraceTask]:
             "leave the option out"
         )
     if not request.families:
-        speed = options.vy_max[0] if options.vy_max else None
-        return [_resuming(request, record, _limits(options, speed)) for record in records]
+        limits = _limits(options, options.vy_max[0] if options.vy_max else None)
+        return [_trace_task(request, record, limits, start=family_of(record)) for record in records]
     return [_task(request, family, records) for family in request.families]
 
 
@@ -127,7 +116,11 @@ def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) 
     limits = _limits(request.options, family.velocity_max)
     for record in records:
         if record.name == name and dict(record.parameters) == dict(family.parameters):
-            return _resuming(request, record, limits)
+            return _trace_task(request, record, limits, start=family_of(record))
+    return _trace_task(request, family, limits, mirrored=mirrored)
+
+
+def _trace_task(request: Request, family: FamilyRequest | FamilyRecord, limits: Limits, **more: Any) -> TraceTask:
     return TraceTask(
         system=family.system.name,
         name=family.name,
@@ -135,21 +128,8 @@ def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) 
         parameters=dict(family.parameters),
         limits=limits,
         multiplicities=request.multiplicities,
-        mirrored=mirrored,
         control=request.control,
-    )
-
-
-def _resuming(request: Request, record: FamilyRecord, limits: Limits) -> TraceTask:
-    return TraceTask(
-        system=record.system.name,
-        name=record.name,
-        label=record.label,
-        parameters=dict(record.parameters),
-        limits=limits,
-        multiplicities=request.multiplicities,
-        start=family_of(record),
-        control=request.control,
+        **more,
     )
 
 

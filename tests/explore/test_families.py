@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orbitproof.explore.families.continuation import Family, Start, StepControl, trace
+from orbitproof.explore.families.continuation import Course, Family, Start, StepControl, trace
 from orbitproof.explore.families.detection import Detection, detect, symmetry_breakings
 from orbitproof.explore.families.named import FamilyFailure, Limits, continue_family, trace_family
 from orbitproof.explore.orbits.shooting import CorrectionFailure, ShootingProblem
@@ -200,7 +200,7 @@ def test_a_family_that_cannot_start_says_why() -> None:
     problem = ShootingProblem(FALKNER_SKAN, {})
     start = Start(np.array([100.0, 5.0, 3.0]), np.array([1.0, 0.0, 0.0]))
     with pytest.raises(CorrectionFailure):
-        trace(problem, start, lambda orbit, states: None)
+        trace(problem, start, Course(lambda orbit, states: None))
     with pytest.raises(FamilyFailure, match=r"beta = 1\.001 is not reached: 3 orbits"):
         trace_family(FALKNER_SKAN, "odd", {}, Limits(max_orbits=3, parameter_min=1.001))
 
@@ -208,6 +208,6 @@ def test_a_family_that_cannot_start_says_why() -> None:
 def test_a_family_whose_steps_become_too_small_ends_with_reason_and_place(odd_family: Family) -> None:
     control = StepControl(initial=1e-3, minimum=1e-3, maximum=1e-3, turning=1e-9)
     start = Start(odd_family.orbits[0].unknowns, np.array([0.0, 0.0, 1.0]))
-    family = trace(odd_family.problem, start, lambda orbit, states: None, control=control, max_orbits=5)
+    family = trace(odd_family.problem, start, Course(lambda orbit, states: None, control, max_orbits=5))
     assert family.outcome == "failed"
     assert "beta = " in family.reason
