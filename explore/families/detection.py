@@ -18,13 +18,13 @@ import numpy as np
 from orbitproof.explore.families.continuation import Course, Family, Start, Stop, describe, trace
 from orbitproof.explore.families.stability_curve import Extremum, StabilityCurve
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
+from orbitproof.explore.names import resonant_values
 from orbitproof.explore.numerics import Samples, find_zeros
 from orbitproof.explore.orbits import (
     CorrectionFailure,
     ShootingProblem,
     Side,
     SymmetricOrbit,
-    resonant_values,
     tupling_sides,
 )
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.flow import Vector
+from orbitproof.explore.names import resonant_values
 from orbitproof.explore.numerics import Samples, refine_minimum, resolve, subdivide
-from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit, resonant_values, stability_parameters
+from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit, stability_parameters
 from orbitproof.explore.records import BAND
 
 CLOSE = 0.02

@@ -1,4 +1,4 @@
-"""What can be asked for by name, and exact numbers as they are given."""
+"""What can be asked for: families by name, resonances, exact numbers as they are given."""
 
 import lazy_loader
 

@@ -9,3 +9,4 @@ from .family_names import branch_name as branch_name
 from .family_names import branch_number as branch_number
 from .family_names import is_family_name as is_family_name
 from .family_names import mirrored_name as mirrored_name
+from .resonances import resonant_values as resonant_values

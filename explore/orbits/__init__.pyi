@@ -7,7 +7,6 @@ from .shooting import CorrectionFailure as CorrectionFailure
 from .shooting import ShootingProblem as ShootingProblem
 from .shooting import SymmetricOrbit as SymmetricOrbit
 from .stability import Side as Side
-from .stability import resonant_values as resonant_values
 from .stability import stability_index as stability_index
 from .stability import stability_parameters as stability_parameters
 from .stability import tupling_sides as tupling_sides

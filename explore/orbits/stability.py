@@ -23,7 +23,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import cos, gcd, pi
 from typing import Literal
 
 import numpy as np
@@ -134,16 +133,6 @@ def stability_index(parameters: Iterable[complex]) -> float:
         size = max(abs(s + root), abs(s - root))
         result = max(result, 0.5 * float(size + 1 / size))
     return result
-
-
-def resonant_values(k: int) -> tuple[float, ...]:
-    """The stability parameters cos(2 pi j/k), gcd(j, k) = 1, 1 <= j <= k/2, of a 1:k resonance."""
-    if k < 1:
-        raise ValueError("a multiplicity is at least 1")
-    if k == 1:
-        return (1.0,)
-    # Rounded where cos is off in the last digit, so that 1:4 is 0 and 1:3 is -1/2.
-    return tuple(round(cos(2 * pi * j / k), 15) for j in range(1, k // 2 + 1) if gcd(j, k) == 1)
 
 
 def tupling_sides(derivative: HalfReturn, k: int) -> tuple[Side, ...]:

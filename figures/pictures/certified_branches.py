@@ -15,7 +15,16 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.figures.model import PHYSICAL, Array, Curve, Stretch
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, draw_point, label_of, legend_below, legend_height
+from orbitproof.figures.style import (
+    CURVE,
+    INK,
+    SECOND_CURVE,
+    draw_point,
+    label_of,
+    legend_below,
+    legend_height,
+    show_around,
+)
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 _WIDTH = 7.2
@@ -143,16 +152,7 @@ def _magnify(axes: Axes, curve: Curve) -> None:
         inset.plot(stretch.points[:, 0], stretch.points[:, 1], color=colour, linewidth=1.6)
     for index in crowd:
         draw_point(inset, places[index], curve.marks[index].k, True, curve.marks[index].id)
-    low, high = places[crowd].min(axis=0), places[crowd].max(axis=0)
-    pad = 0.12 * (high - low)
-    inset.set_xlim(low[0] - pad[0], high[0] + pad[0])
-    inset.set_ylim(low[1] - pad[1], high[1] + pad[1])
-    inset.tick_params(labelsize=6, pad=1.5, length=2)
-    inset.xaxis.set_major_locator(MaxNLocator(3))
-    inset.yaxis.set_major_locator(MaxNLocator(4))
-    for side in ("top", "right"):
-        inset.spines[side].set_visible(True)
-    axes.indicate_inset_zoom(inset, edgecolor="#888888", linewidth=0.6)
+    show_around(axes, inset, places[crowd], margin=0.12, ticks=(3, 4))
 
 
 _CLOSE = 0.2

@@ -14,7 +14,16 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.figures.model import Array, MarkedPoint, SampledFamily, place
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, draw_mark, label_of, legend_below, legend_height
+from orbitproof.figures.style import (
+    CURVE,
+    INK,
+    SECOND_CURVE,
+    draw_mark,
+    label_of,
+    legend_below,
+    legend_height,
+    show_around,
+)
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 _WIDTH = 7.2
@@ -192,18 +201,8 @@ def _magnify(axes: Axes, family: SampledFamily, spots: Sequence[Spot]) -> None:
     for sign in (1, -1):
         inset.plot(family.points[:, 0], sign * family.points[:, 1], color=CURVE)
     _draw_spots(inset, spots)
-    positions = np.array([_shown_at(spot) for spot in spots])
-    low, high = positions.min(axis=0), positions.max(axis=0)
-    pad = 0.25 * (high - low)
-    inset.set_xlim(low[0] - pad[0], high[0] + pad[0])
-    inset.set_ylim(low[1] - pad[1], high[1] + pad[1])
     inset.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
-    inset.tick_params(labelsize=6, pad=1.5, length=2)
-    inset.xaxis.set_major_locator(MaxNLocator(2))
-    inset.yaxis.set_major_locator(MaxNLocator(3))
-    for side in ("top", "right"):
-        inset.spines[side].set_visible(True)
-    axes.indicate_inset_zoom(inset, edgecolor="#888888", linewidth=0.6)
+    show_around(axes, inset, np.array([_shown_at(spot) for spot in spots]), margin=0.25, ticks=(2, 3))
 
 
 def _parted(spots: Sequence[Spot]) -> tuple[Sequence[Spot], Sequence[Spot]]:

@@ -17,5 +17,6 @@ from .style import level_label as level_label
 from .style import marker_of as marker_of
 from .style import resonances as resonances
 from .style import save as save
+from .style import show_around as show_around
 from .style import use_style as use_style
 from .style import verdict_handles as verdict_handles

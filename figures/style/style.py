@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import io
-import os
-import tempfile
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from importlib import resources
-from math import cos, gcd, pi
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +18,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from orbitproof.explore.names import resonant_values
 from orbitproof.figures.model import MarkedPoint
-from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.formats import write_bytes
 from orbitproof.shared.systems import ReversibleSystem
 
 INK = "#222222"
@@ -159,12 +157,26 @@ def level_label(system: ReversibleSystem) -> str:
     return f"{system.first_integral_name or 'first integral'}  (nondimensional)"
 
 
-def resonances(multiplicities: Sequence[int]) -> dict[int, list[float]]:
-    """Values of the stability parameter in 1:k resonance, cos(2 pi j/k) with gcd(j, k) = 1, by k."""
-    return {
-        k: sorted({round(cos(2 * pi * j / k), 12) for j in range(1, k // 2 + 1) if gcd(j, k) == 1} or {1.0})
-        for k in sorted(set(multiplicities))
-    }
+def resonances(multiplicities: Sequence[int]) -> dict[int, tuple[float, ...]]:
+    """Values of the stability parameter in 1:k resonance, by k."""
+    return {k: resonant_values(k) for k in sorted(set(multiplicities))}
+
+
+def show_around(axes: Axes, inset: Axes, points: NDArray[np.float64], margin: float, ticks: tuple[int, int]) -> None:
+    """Let an inset show the surroundings of points, shape (N, 2), and mark in `axes` what it shows.
+
+    `margin` is a part of what the points span, `ticks` the largest numbers of intervals on the two axes.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    pad = margin * (high - low)
+    inset.set_xlim(low[0] - pad[0], high[0] + pad[0])
+    inset.set_ylim(low[1] - pad[1], high[1] + pad[1])
+    inset.tick_params(labelsize=6, pad=1.5, length=2)
+    for axis, number in zip((inset.xaxis, inset.yaxis), ticks, strict=True):
+        axis.set_major_locator(MaxNLocator(number))
+    for side in ("top", "right"):
+        inset.spines[side].set_visible(True)
+    axes.indicate_inset_zoom(inset, edgecolor="#888888", linewidth=0.6)
 
 
 def save(figure: Figure, stem: Path) -> list[Path]:
@@ -176,7 +188,7 @@ def save(figure: Figure, stem: Path) -> list[Path]:
         # No date inside: the same data give the same bytes.
         metadata = {"CreationDate": None} if suffix == ".pdf" else {"Software": None}
         figure.savefig(buffer, format=suffix[1:], metadata=metadata)
-        _write_bytes(path, buffer.getvalue())
+        write_bytes(path, buffer.getvalue())
         written.append(path)
     return written
 
@@ -184,19 +196,3 @@ def save(figure: Figure, stem: Path) -> list[Path]:
 def close(figure: Figure) -> None:
     """Release a figure that is saved."""
     plt.close(figure)
-
-
-def _write_bytes(path: Path, data: bytes) -> None:
-    check_writable(path)
-    temporary: str | None = None
-    try:
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        with os.fdopen(descriptor, "wb") as stream:
-            stream.write(data)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except OSError as error:
-        if temporary is not None:
-            with suppress(OSError):
-                os.unlink(temporary)
-        raise InputError(f"{path}: cannot be written ({error.strerror}); free space or choose another path") from None

@@ -12,9 +12,8 @@ from typing import Any
 
 from orbitproof.figures.tables.intervals import Interval, parse_interval
 from orbitproof.figures.tables.rows import CertifiedRow
-from orbitproof.shared.formats import InputError, read_document
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
+from orbitproof.shared.formats import InputError, read_document, read_system
+from orbitproof.shared.systems import ReversibleSystem
 
 _NEARNESS = Fraction(1, 1000)
 """Rows that do not overlap belong together within this fraction of the gap to the next published row."""
@@ -74,12 +73,7 @@ def read_published(path: Path) -> list[PublishedList]:
 
 
 def _list(entry: Mapping[str, Any], source: str) -> PublishedList:
-    system = SYSTEMS.get(entry["system"])
-    if system is None:
-        raise InputError(f"{source}.system: unknown system {entry['system']!r}; known: {', '.join(SYSTEMS)}")
-    if set(entry["parameters"]) != set(system.fixed_parameters):
-        wanted = ", ".join(system.fixed_parameters) or "none"
-        raise InputError(f"{source}.parameters: {system.name} takes the parameters: {wanted}; give exactly these")
+    system, parameters = read_system(entry, source)
     name = system.family_parameter or system.first_integral_name
     if entry["parameter_name"] != name:
         raise InputError(f"{source}.parameter_name: not the bifurcation parameter of {system.name}; write {name!r}")
@@ -96,7 +90,7 @@ def _list(entry: Mapping[str, Any], source: str) -> PublishedList:
     return PublishedList(
         entry["source"],
         system,
-        {key: parse_exact(text) for key, text in entry["parameters"].items()},
+        parameters,
         entry["family"],
         entry["parameter_name"],
         entry["complete"],

@@ -11,6 +11,7 @@ from orbitproof.shared.formats.candidates import (
     read_document,
     read_system,
     validate_document,
+    write_bytes,
     write_candidates,
     write_text,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "read_system",
     "validate_document",
     "write_atlas",
+    "write_bytes",
     "write_candidates",
     "write_text",
 ]

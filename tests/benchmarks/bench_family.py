@@ -46,7 +46,8 @@ def main() -> None:
         command_line("command line, 500 planar orbits, first run", Path(folder))
         command_line("  the same, compiled code at hand", Path(folder))
 
-    families = timed("import JAX and diffrax", lambda: importlib.import_module("orbitproof.explore.families"))
+    timed("import JAX and diffrax", lambda: importlib.import_module("orbitproof.explore.families.named"))
+    families = importlib.import_module("orbitproof.explore.families")
     detection = importlib.import_module("orbitproof.explore.families.detection")
     flow_of = importlib.import_module("orbitproof.explore.flow").flow_of
     from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS

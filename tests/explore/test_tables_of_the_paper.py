@@ -23,10 +23,10 @@ from orbitproof.explore.families.detection import Detection, detect
 from orbitproof.explore.families.named import Limits, trace_family
 from orbitproof.explore.families.stability_curve import MAX_CHANGE, StabilityCurve, largest_change, largest_changes
 from orbitproof.explore.families.tracing import TracedFamily
+from orbitproof.explore.names import resonant_values
 from orbitproof.explore.numerics.prediction import predict
 from orbitproof.explore.numerics.zeros import Samples, subdivide
 from orbitproof.explore.orbits.shooting import SymmetricOrbit
-from orbitproof.explore.orbits.stability import resonant_values
 from orbitproof.explore.records import BAND
 from orbitproof.explore.records.family_file import read_families, write_families
 from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
