@@ -274,6 +274,18 @@ def test_trouble_with_the_cache_is_silent_and_other_warnings_are_not(
         warnings.warn("something else", stacklevel=1)
 
 
+def test_compiled_orbits_are_kept_for_the_next_process(tmp_path: Path) -> None:
+    script = """
+from orbitproof.explore.flow import flow_of
+from orbitproof.shared.systems import FALKNER_SKAN
+flow_of(FALKNER_SKAN).derivative([0.0, 0.94, 0.0], 0.2, [340.0])
+"""
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMP", "XDG_"))}
+    environment |= {"ORBITPROOF_CACHE": str(tmp_path), "JAX_PLATFORMS": "cpu"}
+    subprocess.run([sys.executable, "-c", script], env=environment, check=True, timeout=300)
+    assert [path for path in tmp_path.glob("*/*-cache") if "integrate" in path.name]
+
+
 CACHED_RUN = """
 import sys, numpy as np
 from orbitproof.explore.flow.compilation import compiled, configure_jax

@@ -98,6 +98,18 @@ def test_flow_is_reversible() -> None:
     assert flow.derivative(end, -0.9, [MU]).state == pytest.approx(start, abs=1e-11)
 
 
+def test_samples_are_states_of_the_orbit_with_both_ends() -> None:
+    flow, start = flow_of(CR3BP), np.array([0.85, 0.01, 0.1, 0.02, 0.2, -0.03])
+    for time in (0.9, -0.4):
+        path = flow.samples(start, time, [MU])
+        assert path[0] == pytest.approx(start, abs=0)
+        assert path[-1] == pytest.approx(flow.derivative(start, time, [MU]).state, abs=0)
+        assert CR3BP.first_integral is not None
+        levels = [float(CR3BP.first_integral(state, [MU])[0]) for state in path]
+        assert levels == pytest.approx([levels[0]] * len(path), abs=1e-12)
+    assert flow.samples(start, 0.0, [MU]) == pytest.approx(start[None], abs=0)
+
+
 def test_state_transition_matrix_agrees_with_finite_differences() -> None:
     start, time, step = np.array([0.85, 0.01, 0.1, 0.02, 0.2, -0.03]), 0.7, 1e-5
     flow = flow_of(CR3BP)
@@ -114,6 +126,8 @@ def test_state_transition_matrix_agrees_with_finite_differences() -> None:
 def test_orbit_into_a_primary_is_a_failure_with_a_reason() -> None:
     with pytest.raises(FlowFailure, match="singularity"):
         flow_of(CR3BP).derivative([1.0 - MU, 0.0, 0.0, 0.0, 0.0, 0.0], 1.0, [MU])
+    with pytest.raises(FlowFailure, match="nan"):
+        flow_of(CR3BP).derivative([0.8, 0.0, 0.1, 0.0, 0.2, 0.0], float("nan"), [MU])
     problem = ShootingProblem(CR3BP, {"mu": EARTH_MOON})
     with pytest.raises(CorrectionFailure):
         problem.correct(np.array([1.0 - MU, 0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0, 0.0]))

@@ -208,11 +208,11 @@ def test_orbit_into_the_primary_is_reported() -> None:
 
 def test_resonances_are_the_primitive_roots() -> None:
     levels = resonances([1, 2, 3, 4, 5])
-    assert levels[1] == [1.0]
-    assert levels[2] == [-1.0]
+    assert levels[1] == (1.0,)
+    assert levels[2] == (-1.0,)
     assert levels[3] == pytest.approx([-0.5])
     assert levels[4] == pytest.approx([0.0])
-    assert levels[5] == pytest.approx([(-1 - 5**0.5) / 4, (-1 + 5**0.5) / 4])
+    assert levels[5] == pytest.approx([(-1 + 5**0.5) / 4, (-1 - 5**0.5) / 4])
 
 
 def test_command_writes_pdf_and_png_of_each_family(tmp_path: Path, capsys: Any) -> None:
