@@ -67,11 +67,11 @@ class Entry:
             self.refuse(name, "a number is too large for a double")
         return result
 
-    def increasing(self, name: str, places: Array) -> Array:
-        """Places along a curve, in order."""
-        if not np.all(np.diff(places) > 0):
-            self.refuse(name, "does not increase", "list the orbits along the family")
-        return places
+    def increasing(self, name: str, places: Array) -> None:
+        """Refuse places along a curve that are not in order; `name` has {} for the index."""
+        wrong = np.flatnonzero(~(np.diff(places) > 0))
+        if len(wrong):
+            self.refuse(name.format(wrong[0] + 1), "does not increase", "list the orbits along the family")
 
     def stability(self, name: str, pairs: Any) -> tuple[complex, ...]:
         """The stability parameters of an orbit."""

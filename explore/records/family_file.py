@@ -154,7 +154,7 @@ def _family(value: Mapping[str, Any], source: str) -> FamilyRecord:
     if not np.all(scale > 0):
         entry.refuse("scale", "not positive", f"it needs {size + 1} positive numbers")
     orbits = tuple(_orbit(entry, f"orbits[{index}]", orbit) for index, orbit in enumerate(value["orbits"]))
-    entry.increasing("orbits", np.array([orbit.arclength for orbit in orbits]))
+    entry.increasing("orbits[{}].arclength", np.array([orbit.arclength for orbit in orbits]))
     resonances: list[ResonanceRecord] = []
     for index, resonance in enumerate(value["resonances"]):
         where = f"resonances[{index}]"
@@ -210,5 +210,5 @@ def _curve(entry: Entry, value: Mapping[str, Any] | None) -> SamplesRecord | Non
     elif value["first_integrals"] is not None:
         entry.refuse("curve.first_integrals", "does not fit the system")
     arrays = {name: entry.array(f"curve.{name}", value[name], *shape) for name, shape in shapes.items()}
-    entry.increasing("curve.arclength", arrays["arclength"])
+    entry.increasing("curve.arclength[{}]", arrays["arclength"])
     return SamplesRecord(**{"first_integrals": None, **arrays})
