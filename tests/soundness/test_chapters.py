@@ -59,6 +59,12 @@ SEEDS = {
     ),
     "the cover lists a section elsewhere": ("wrong_cover", "docs/method.md", "7, 7.2 to 7.4", "7, 7.1 to 7.4"),
     "a chapter has no row on the cover": ("wrong_cover", "docs/method.md", "../verify/flow/README.md", "flow"),
+    "the cover lists a chapter before what it uses": (
+        "wrong_order",
+        "docs/method.md",
+        "[verify/newton](../verify/newton",
+        "[verify/flow](../verify/flow",
+    ),
     "a link leads nowhere": ("broken_links", "docs/method.md", "../shared/README.md", "../shared/statement.md"),
     "a document names a file that is not there": (
         "lost_paths",
@@ -86,7 +92,8 @@ def test_a_mistake_is_found(seed: str, tmp_path: Path) -> None:
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=kept)
     for folder in ("docs/images", "tests/benchmarks"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
-    shutil.copy(ROOT / "README.md", tmp_path)
+    for file_kept in ("README.md", "pyproject.toml"):
+        shutil.copy(ROOT / file_kept, tmp_path)
     path = tmp_path / file
     text = path.read_text("utf-8")
     assert before in text

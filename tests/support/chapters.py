@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -103,7 +104,7 @@ def repeated_numbers(root: Path) -> list[str]:
 def unnamed_modules(root: Path) -> list[str]:
     """Modules that their chapter does not name, and modules in its table that are not there."""
     found = []
-    for room in sorted(path.parent for path in (root / "verify").glob("*/__init__.py")):
+    for room in [root / "shared" / "systems", *sorted(path.parent for path in (root / "verify").glob("*/__init__.py"))]:
         chapter = room / "README.md"
         if not chapter.exists():
             found.append(f"{room.relative_to(root)}: there is no README.md")
@@ -173,6 +174,16 @@ def wrong_cover(root: Path) -> list[str]:
         if there != listed:
             found.append(f"{cover.name}: {path.relative_to(root)} has sections {sorted(there ^ listed)} or has not")
     return found
+
+
+def wrong_order(root: Path) -> list[str]:
+    """Rooms of verify/ that the cover lists in another order than the one in which they may import each other."""
+    contracts = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]["contracts"]
+    (layers,) = (entry["layers"] for entry in contracts if entry.get("containers") == ["orbitproof.verify"])
+    order = {name: place for place, layer in enumerate(reversed(layers)) for name in re.findall(r"\w+", layer)}
+    text = (root / "docs" / "method.md").read_text("utf-8")
+    listed = [Path(folder).name for folder, _ in _COVER_ROW.findall(text) if folder.startswith("verify/")]
+    return [f"the cover lists {b} after {a}" for a, b in pairwise(listed) if order.get(b, -1) < order.get(a, -1)]
 
 
 def broken_links(root: Path) -> list[str]:
@@ -291,6 +302,7 @@ CHECKS = (
     roundabout_citations,
     lost_paths,
     wrong_cover,
+    wrong_order,
     broken_links,
     ill_formed,
 )
