@@ -241,6 +241,8 @@ def test_the_family_is_proved_down_to_the_libration_point(
     on = [entry.id for entry in conclusion.bifurcations if entry.place is not None]
     assert on == ["earth-moon-L1-halo-k1-1"]
     assert "emanates from L1" in conclusion.statement
+    assert "x_l is the only root X of X = (1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2 between" in conclusion.statement
+    assert "the initial point x = 1, y = 0" in conclusion.statement
     assert conclusion.outcome.results.ends["start"]["eps"] < 0 < conclusion.outcome.results.ends["end"]["eps"]
     (piece,) = atlas.curve_pieces()
     with mpmath.workdps(DIGITS):

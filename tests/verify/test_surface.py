@@ -331,6 +331,27 @@ def test_the_statement_says_where_the_orbits_reach_higher() -> None:
     assert "Over h in [0.248046875, 0.501953125] all this holds up to |zeta| <= 0.002." in text
 
 
+def test_the_parameter_stays_in_the_range_of_the_system_and_ends_are_exact() -> None:
+    pieces = three()
+    assert "At the first h of the pieces, 0.125, the" in conclude(pieces).statement
+    assert "not part of the theorem" in conclude(pieces).statement
+    edges = [(Fraction(1, 2), Fraction(3, 4)), (Fraction(5, 8), ONE), (Fraction(7, 8), Fraction(9, 8))]
+    beyond = [flat_piece(k, *edge) for k, edge in enumerate(edges)]
+    claim = flat_atlas(beyond, "0.5", "0.9").claim
+    outcome = conclude_surface(replace(flat_atlas(beyond), claim=claim), [result_of(p) for p in beyond]).outcome
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "parameter"
+    assert "leaves (-1, 1)" in outcome.reason.message
+
+
+def test_ranges_of_parameters_are_rounded_inward() -> None:
+    start, end = Fraction(1, 8) + Fraction(1, 2**50), Fraction(1, 2) - Fraction(1, 2**50)
+    atlas = flat_atlas([flat_piece(1, start, end)])
+    atlas = replace(atlas, claim=replace(atlas.claim, covers=None))
+    statement = conclude_surface(atlas, [result_of(piece) for piece in atlas.surface_pieces()]).statement
+    assert "of h in [0.125000000001, 0.499999999999]" in statement
+
+
 def test_the_place_of_a_point_in_the_next_box_inverts_its_coordinates() -> None:
     piece = three()[2]
     sheet = Sheet(piece, piece.parameters["h"], ())

@@ -12,7 +12,7 @@ from orbitproof.verify.claim import check_symmetries, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
-from orbitproof.verify.evidence import Checklist, Evidence, IntegrationFailure, all_finite, excludes_zero
+from orbitproof.verify.evidence import Checklist, Evidence, IntegrationFailure, all_finite, exact_text, excludes_zero
 
 KINDS = ("arc", "symmetric-arc", "symmetric-loop", "loop")
 _REMEDY = "write the atlas again with more overlap, wider tubes, or narrower pieces where they are not proved"
@@ -150,10 +150,8 @@ def _check_covers(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
     covers = atlas.claim.covers
     assert covers is not None
     index = atlas.system.centre_coordinates.index(covers.coordinate)
-    low, high = float(covers.start), float(covers.end)
-    statement = (
-        f"{covers.coordinate} is at most {low:.17g} where the curve begins and at least {high:.17g} where it ends"
-    )
+    low, high = exact_text(covers.start), exact_text(covers.end)
+    statement = f"{covers.coordinate} is at most {low} where the curve begins and at least {high} where it ends"
     with checklist.hypothesis("covers", "15.7", statement, "let the pieces reach further") as evidence:
         first, last = (end[index] for end in chain.ends)
         evidence.record("beginning", first)

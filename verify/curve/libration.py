@@ -10,7 +10,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
 from orbitproof.verify.curve.libration_point import derived_parameter
-from orbitproof.verify.evidence import IntegrationFailure, excludes_zero
+from orbitproof.verify.evidence import IntegrationFailure, decimal_interval, excludes_zero
 
 PLANAR = "S"
 """The symmetry of the CR3BP that fixes the planar orbits, z -> -z."""
@@ -46,6 +46,30 @@ def in_units_of_orbit(
     return {"eps": eps, "vy": point["vy"] / eps} if excludes_zero(eps) else None
 
 
+_SIDES = {
+    "L1": ("between the primaries", "(1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2"),
+    "L2": ("beyond the smaller primary", "(1 - mu)/(X + mu)^2 + mu/(X - 1 + mu)^2"),
+    "L3": ("beyond the larger primary", "-(1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2"),
+}
+"""Where the libration point lies on the axis, and what X is there."""
+
+_SHOWN_DIGITS = 20
+
+
+def libration_units(atlas: Atlas) -> str:
+    """A sentence on the units of a system around a libration point; empty for other systems."""
+    name = point_name(atlas.system)
+    if name is None:
+        return ""
+    side, force = _SIDES[name]
+    x_l = derived_parameter(atlas.system, "x_l", atlas.parameters, ctx.prec).ball
+    return (
+        f" In its coordinates X = x_l + eps x, Y = eps y of the three-body problem with primaries at -mu and 1 - mu, "
+        f"x_l is the only root X of X = {force} {side}, in {decimal_interval(x_l, _SHOWN_DIGITS)}, and (eps, vy) "
+        f"stands for the initial point x = 1, y = 0, x' = 0, y' = vy."
+    )
+
+
 def meaning(atlas: Atlas) -> str:
     """What a proved curve around a libration point says about the CR3BP; empty if it says nothing more.
 
@@ -55,9 +79,8 @@ def meaning(atlas: Atlas) -> str:
     if name is None or covers is None or "eps" not in atlas.claim.increasing:
         return ""
     text = (
-        f"Here the planar circular restricted three-body problem is written around its libration point {name}, "
-        f"X = x_l + eps x and Y = eps y: for eps other than 0 the orbit of (eps, vy) is the planar R-symmetric orbit "
-        f"through X = x_l + eps, Y' = eps vy on the axis, with the same half period."
+        "For eps other than 0 the orbit of (eps, vy) is the planar R-symmetric orbit of the circular restricted "
+        "three-body problem through X = x_l + eps, Y' = eps vy on the axis, with the same half period."
     )
     if covers.coordinate != "eps" or not covers.start <= 0 <= covers.end:
         return text

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Ends
-from orbitproof.verify.curve.libration import meaning
-from orbitproof.verify.evidence import decimal_interval
+from orbitproof.verify.curve.libration import libration_units, meaning
+from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text
 
 _DIGITS = 18
 
@@ -27,7 +25,8 @@ def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
     if claim.covers is not None:
         covers = claim.covers
         paragraphs.append(
-            f"Along it {covers.coordinate} takes all values from {_number(covers.start)} to {_number(covers.end)}."
+            f"Along it {covers.coordinate} takes all values from {exact_text(covers.start)} to "
+            f"{exact_text(covers.end)}."
         )
     further = meaning(atlas)
     if further:
@@ -57,11 +56,11 @@ def bifurcation_statement(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> 
 
 def _setting(atlas: Atlas) -> str:
     system = atlas.system
-    values = ", ".join(f"{name} = {_number(value)}" for name, value in atlas.parameters.items())
+    values = ", ".join(f"{name} = {exact_text(value)}" for name, value in atlas.parameters.items())
     with_values = f" with {values}" if values else ""
     return (
         f"Consider the {system.title}{with_values}, and the map P to the next crossing of the section "
-        f"{{{system.section} = 0}}."
+        f"{{{system.section} = 0}}.{libration_units(atlas)}"
     )
 
 
@@ -101,7 +100,7 @@ def _increasing(atlas: Atlas, ends: Ends) -> str:
     fixed = [name for name in claim.increasing if signs[name] == 1]
     sentences = [f"From end to end {_grow(negated)}."] if negated else []
     if fixed:
-        minima = ", ".join(f"the minimum of {name}, in {_interval(ends['start'][name])}" for name in fixed)
+        minima = ", ".join(f"the minimum of {name}, in {interval_text(ends['start'][name], _DIGITS)}" for name in fixed)
         sentences.append(f"From its symmetric point to either end {_grow(fixed)}; at that point is {minima}.")
     return " ".join(sentences)
 
@@ -117,7 +116,7 @@ def _bifurcation(entry: Bifurcation) -> str:
         "touch_and_go": f"touch-and-go of order {entry.k}",
     }.get(entry.kind, entry.kind)
     assert entry.place is not None
-    value = "" if entry.parameter is None else f", {entry.parameter_name} in {_interval(entry.parameter)}"
+    value = "" if entry.parameter is None else f", {entry.parameter_name} in {interval_text(entry.parameter, _DIGITS)}"
     where = "at the symmetric point of" if entry.place.s.is_zero() else "in"
     which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
     mirror = " (its mirror image)" if entry.place.mirrored else ""
@@ -125,16 +124,4 @@ def _bifurcation(entry: Bifurcation) -> str:
 
 
 def _point(coordinates: Mapping[str, arb]) -> str:
-    return "(" + ", ".join(_interval(ball) for ball in coordinates.values()) + ")"
-
-
-def _interval(ball: arb) -> str:
-    return "0" if ball.is_zero() else decimal_interval(ball, _DIGITS)
-
-
-def _number(value: Fraction) -> str:
-    """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
-    if value.denominator == 1:
-        return str(value.numerator)
-    exact = format_exact(value)
-    return str(float(value)) if Fraction(str(float(value))) == value else f"{float(value):.17g} (exactly {exact})"
+    return "(" + ", ".join(interval_text(ball, _DIGITS) for ball in coordinates.values()) + ")"

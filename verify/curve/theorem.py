@@ -76,10 +76,12 @@ def conclude(
         try:
             placed = tuple(place_bifurcation(atlas, chain, entry, examine, partner) for entry in bifurcations)
             curve = ProvedCurve(chain, _ends(atlas, chain, placed))
-        except EmptyIntersectionError as error:
-            reason = Reason("bifurcations", f"curve and certificates contradict each other: {error}", "report this")
+            texts = (curve_statement(atlas, curve.ends, _half_period(chain)), bifurcation_statement(atlas, placed))
+        except (EmptyIntersectionError, NotEstablishedError) as error:
+            reason = Reason(
+                "bifurcations", f"curve, parameters and certificates contradict each other: {error}", "report this"
+            )
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)), placed)
-        texts = (curve_statement(atlas, curve.ends, _half_period(chain)), bifurcation_statement(atlas, placed))
         theorem = Theorem("\n".join(text for text in texts if text), hypotheses_of(atlas))
     return Conclusion(Proved(theorem, curve, tuple(checklist.hypotheses)), placed)
 

@@ -8,7 +8,9 @@ from orbitproof.verify.evidence.balls_as_text import (
     certain_digits,
     count_certain_digits,
     decimal_interval,
+    exact_text,
     exact_value,
+    interval_text,
 )
 from orbitproof.verify.evidence.comparisons import (
     EmptyIntersectionError,
@@ -67,10 +69,12 @@ __all__ = [
     "decimal_interval",
     "dot",
     "enclose",
+    "exact_text",
     "exact_value",
     "excludes_zero",
     "guarded",
     "hull",
+    "interval_text",
     "is_below",
     "is_inside",
     "is_outside",

@@ -8,7 +8,7 @@ from math import ceil, floor
 
 from flint import arb
 
-from orbitproof.shared.numbers import format_dyadic, parse_exact
+from orbitproof.shared.numbers import format_dyadic, format_exact, parse_exact
 
 _PLAIN = range(-7, 22)
 """Decimal exponents that are written without an exponent."""
@@ -82,6 +82,19 @@ def decimal_interval(ball: arb, digits: int = 40) -> str:
     lower, upper = bounds(ball)
     places = _places(lower, upper, digits)
     return f"[{_decimal(floor(lower * _ten(places)), places)}, {_decimal(ceil(upper * _ten(places)), places)}]"
+
+
+def interval_text(ball: arb, digits: int) -> str:
+    """As `decimal_interval`, and 0 for the number 0."""
+    return "0" if ball.is_zero() else decimal_interval(ball, digits)
+
+
+def exact_text(value: Fraction) -> str:
+    """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
+    if value.denominator == 1:
+        return str(value.numerator)
+    exact = format_exact(value)
+    return str(float(value)) if Fraction(str(float(value))) == value else f"{float(value):.17g} (exactly {exact})"
 
 
 def certain_digits(ball: arb, digits: int = 60) -> str:

@@ -12,10 +12,9 @@ from math import ceil, floor
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import HILL
 from orbitproof.verify.curve import Ends
-from orbitproof.verify.evidence import decimal_interval
+from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text
 
 _DIGITS = 12
 _SIDES = {"below": "less than at it", "above": "greater than at it"}
@@ -42,32 +41,33 @@ def surface_statement(atlas: Atlas, ends: Ends, heights: Sequence[Height], sides
     odd = next(name for name in names if signs[system.state.index(name)] < 0)
     even = [name for name in names if name != odd]
     if claim.covers is None:
-        reach = f"[{_rough(ends['start'][parameter])}, {_rough(ends['end'][parameter])}]"
+        reach = f"[{_digits(heights[0].start, ceil)}, {_digits(heights[-1].end, floor)}]"
     else:
-        reach = f"[{_number(claim.covers.start)}, {_number(claim.covers.end)}]"
+        reach = f"[{exact_text(claim.covers.start)}, {exact_text(claim.covers.end)}]"
     point = ", ".join(f"{name}({parameter}, {odd})" if name != odd else odd for name in names)
     level = f"the value of the {system.first_integral_name}" if system is not HILL else f"the value of {_HILL_LEVEL}"
     paragraphs = [
         f"Consider the {system.title} and the map P to the next crossing of the section {{{system.section} = 0}}.",
-        f"There are smooth functions {' and '.join(even)} of {parameter} in {reach} and |{odd}| <= {_number(height)}, "
-        f"even in {odd}, such that X({parameter}, {odd}) = ({point}) in Fix(R), in the coordinates "
-        f"({', '.join(names)}), has these properties.",
+        f"There are smooth functions {' and '.join(even)} of {parameter} in {reach} and "
+        f"|{odd}| <= {exact_text(height)}, even in {odd}, such that X({parameter}, {odd}) = ({point}) in Fix(R), in "
+        f"the coordinates ({', '.join(names)}), has these properties.",
         f"1. X({parameter}, 0) is a symmetry breaking bifurcation of P^2, with {level} as parameter: a pair of "
         f"R-symmetric periodic orbits, exchanged by {symmetry}, branches off from the family of R- and "
-        f"{symmetry}-symmetric ones.",
+        f"{symmetry}-symmetric ones. Which family of such orbits that is, and whether it is the one that emanates "
+        f"from a libration point, is not part of the theorem.",
         f"2. X({parameter}, {odd}) is the initial condition of an R-symmetric periodic orbit, P^2(X) = X; if {odd} is "
         f"not 0, it is none of the orbits that {symmetry} fixes point by point.",
     ]
     if len(sides) == 1 and (side := _SIDES.get(next(iter(sides)))) is not None:
         paragraphs.append(f"Near the bifurcation point {level} on them is {side}.")
-    for key, text in (("start", "first"), ("end", "last")):
-        values = ", ".join(f"{name} in {_interval(ends[key][name])}" for name in even)
+    for key, text, value in (("start", "first", heights[0].start), ("end", "last", heights[-1].end)):
+        values = ", ".join(f"{name} in {interval_text(ends[key][name], _DIGITS)}" for name in even)
         paragraphs.append(
-            f"At the {text} {parameter}, {_rough(ends[key][parameter])}, the bifurcation point has {values}."
+            f"At the {text} {parameter} of the pieces, {exact_text(value)}, the bifurcation point has {values}."
         )
     paragraphs += [
         f"Over {parameter} in [{_digits(run.start, ceil)}, {_digits(run.end, floor)}] all this holds up to "
-        f"|{odd}| <= {_number(run.z)}."
+        f"|{odd}| <= {exact_text(run.z)}."
         for run in _higher(heights, height)
     ]
     if half_period.is_finite():
@@ -95,8 +95,9 @@ def _meaning(atlas: Atlas, height: Fraction) -> str:
     masses = f"{lowest}, {_decimal(covers.end**3, floor)}]"
     return (
         f"In the circular restricted three-body problem with mass parameter mu = h^3 this is the point (x, z, vy) = "
-        f"(1 - mu + h xi, h zeta, h veta): for all mu in {masses} there is a symmetry breaking, and there are halo "
-        f"orbits for |z| <= {_number(height)} mu^(1/3)."
+        f"(1 - mu + h xi, h zeta, h veta): for all mu in {masses} there is a symmetry breaking, and there are the "
+        f"orbits that branch off, halo orbits up to the identification of the family with that of Lyapunov, for "
+        f"|z| <= {exact_text(height)} mu^(1/3)."
         + (" At h = 0 the equations are those of Hill's lunar problem." if covers.start == 0 else "")
     )
 
@@ -109,20 +110,3 @@ def _decimal(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
 def _digits(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
     """A number with twelve decimals, rounded to one side."""
     return f"{Decimal(rounded(value * 10**12)).scaleb(-12).normalize():f}"
-
-
-def _interval(ball: arb) -> str:
-    return "0" if ball.is_zero() else decimal_interval(ball, _DIGITS)
-
-
-def _rough(ball: arb) -> str:
-    """About the value of a parameter that the pieces give exactly."""
-    return f"{float(ball.mid()):.9g}"
-
-
-def _number(value: Fraction) -> str:
-    """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
-    if value.denominator == 1:
-        return str(value.numerator)
-    exact = format_exact(value)
-    return str(float(value)) if Fraction(str(float(value))) == value else f"{float(value):.17g} (exactly {exact})"

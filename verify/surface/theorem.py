@@ -120,10 +120,18 @@ def _check(
             gap = sheet.gap()
             evidence.require(gap is None, f"piece {sheet.piece.id} is not proved from s = {float(gap or 0):.6g} on")
     with checklist.hypothesis(
-        "parameter", "17.3", "the parameter increases with s on every piece", "turn the pieces around"
+        "parameter",
+        "17.3",
+        "the parameter increases with s on every piece, within the range of the system",
+        "turn the pieces around",
     ) as evidence:
         for sheet in sheets:
             evidence.require(sheet.increases(), f"the parameter of {sheet.piece.id} is not shown to increase")
+            admissible = system.parameters[parameter]
+            ends = (evaluate(sheet.parameter, Fraction(end)) for end in (-1, 1))
+            evidence.require(
+                all(map(admissible.contains, ends)), f"{parameter} leaves {admissible} on {sheet.piece.id}"
+            )
     joints: list[SurfaceJoint] = []
     with checklist.hypothesis(
         "glued",
