@@ -1,1 +1,37 @@
-"""The statement both sides agree on: systems, symmetries, sections, parameters and JSON formats."""
+"""The statement that search and proof agree on: systems, exact numbers, claims and their files.
+
+`CR3BP` and `FALKNER_SKAN` are the systems, `EARTH_MOON` and `SUN_JUPITER` exact mass parameters of the CR3BP, a
+`Candidate` is a claim about a box. All units are nondimensional: in the CR3BP the primaries are 1 apart, their masses
+add up to 1 and they turn once in the time 2 pi.
+
+>>> from orbitproof.shared import CR3BP, EARTH_MOON
+>>> CR3BP.centre_coordinates
+('x', 'z', 'vy')
+>>> f"{float(EARTH_MOON):.10f}"
+'0.0121505845'
+"""
+
+from orbitproof.shared.formats import KINDS, Candidate, InputError, read_candidates, write_candidates
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL, MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+
+EARTH_MOON = MASS_PARAMETERS["earth-moon"]
+SUN_JUPITER = MASS_PARAMETERS["sun-jupiter"]
+
+__all__ = [
+    "CR3BP",
+    "EARTH_MOON",
+    "FALKNER_SKAN",
+    "HILL",
+    "KINDS",
+    "MASS_PARAMETERS",
+    "SUN_JUPITER",
+    "SYSTEMS",
+    "Candidate",
+    "InputError",
+    "ReversibleSystem",
+    "format_exact",
+    "parse_exact",
+    "read_candidates",
+    "write_candidates",
+]

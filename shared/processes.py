@@ -17,12 +17,14 @@ import multiprocessing
 import os
 import pickle
 import signal
+import sys
 import threading
 import time
-from collections.abc import Callable, Generator
-from contextlib import suppress
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from types import ModuleType
 from typing import Any, Literal
 
 from orbitproof.shared.interrupts import ENDING_SIGNALS, held_back
@@ -136,6 +138,21 @@ def answers(
         raise KeyboardInterrupt
 
 
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Without a main module, so that a process that is started meanwhile does not run the user's script again.
+
+    The work is a function of a module that can be imported. A script, a notebook, ``python -c`` and standard input
+    are all the same then, with and without ``if __name__ == "__main__"``.
+    """
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
+
+
 class _Worker:
     """A process, seen from the one that started it; the deadline counts from when the task has begun there."""
 
@@ -143,7 +160,7 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.connection, there = context.Pipe()
         self.process = context.Process(target=_serve, args=(there, work), daemon=True, name=_WORKER)
-        with held_back():
+        with held_back(), _without_main():
             self.process.start()
         there.close()
         self.task: Task | None = None

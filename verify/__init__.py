@@ -1,6 +1,28 @@
-"""Rigorous verification of bifurcations of symmetric periodic orbits.
+"""Proofs of bifurcations of symmetric periodic orbits, in ball arithmetic (docs/method.md).
 
-Each room is a chapter of the method, its README.md: what is shown, its proof, and the module that computes it. They
-read from `evidence` to `atlas`, as imports run. "Section 8.4" here and in certificates is found through the table of
-docs/method.md.
+`certify` takes claims, `Candidate` values, and gives a `Certificate` for each; `write` and `read` are their files,
+`recheck` checks them again. Whole branches are proved by the command ``orbitproof verify atlas``. Nothing here imports
+`orbitproof.explore`.
 """
+
+from orbitproof.shared.formats import InputError
+from orbitproof.verify.certificate import Certificate, Computation, Finding, Recheck
+from orbitproof.verify.evidence import Hypothesis, Reason, bounds, certain_digits, decimal_interval
+from orbitproof.verify.scripting import certify, read, recheck, write
+
+__all__ = [
+    "Certificate",
+    "Computation",
+    "Finding",
+    "Hypothesis",
+    "InputError",
+    "Reason",
+    "Recheck",
+    "bounds",
+    "certain_digits",
+    "certify",
+    "decimal_interval",
+    "read",
+    "recheck",
+    "write",
+]

@@ -5,6 +5,7 @@ from .continuation import in_fixed_space as in_fixed_space
 from .conversion import family_of as family_of
 from .conversion import family_record as family_record
 from .detection import LocatedResonance as LocatedResonance
+from .detection import detect as detect
 from .detection import symmetry_breakings as symmetry_breakings
 from .limits import Limits as Limits
 from .named import FamilyFailure as FamilyFailure

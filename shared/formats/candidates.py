@@ -66,6 +66,51 @@ class Candidate:
     provenance: Mapping[str, Any] = field(default_factory=dict)
     level_sign: int | None = None
 
+    def __post_init__(self) -> None:
+        """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
+
+        def refuse(name: str, why: str, remedy: str) -> NoReturn:
+            raise InputError(f"{name}: {why}; {remedy}")
+
+        if not isinstance(self.id, str) or not self.id or not self.id.isprintable():
+            refuse("id", f"{self.id!r} has characters that cannot be printed, or none", "use letters, digits and signs")
+        if self.kind not in KINDS:
+            refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join(KINDS)}")
+        if not isinstance(self.k, int) or self.k < 1:
+            refuse("k", f"{self.k!r} is no multiplicity", "give an integer, at least 1")
+        if self.symmetry is not None and self.symmetry not in self.system.symmetries:
+            known = ", ".join(self.system.symmetries) or "none"
+            refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
+        names, kernel = self.coordinates, len(self.system.kernel_coordinates)
+        size, wanted = len(names), ", ".join(names)
+        for name, values in (("centre", self.centre), ("radii", self.radii)):
+            if len(values) != size:
+                refuse(name, f"{len(values)} numbers", f"{self.system.name} needs {size}: {wanted}")
+        for name, matrix, n in (("frame", self.frame, size), ("kernel_frame", self.kernel_frame, kernel)):
+            if len(matrix) != n or any(len(row) != n for row in matrix):
+                refuse(name, "wrong shape", f"give {n} rows of {n} numbers")
+        numbers: dict[str, Sequence[Sequence[Fraction]]] = {
+            **{f"parameters.{name}": [[value]] for name, value in self.parameters.items()},
+            "centre": [self.centre],
+            "frame": self.frame,
+            "kernel_frame": self.kernel_frame,
+            "radii": [self.radii],
+        }
+        for name, rows in numbers.items():
+            for value in (value for row in rows for value in row):
+                if not isinstance(value, (int, Fraction)):
+                    refuse(name, f"{value!r} is no exact number", "give Fractions, shared.parse_exact reads them")
+                try:
+                    short_enough = _can_be_written(Fraction(value))
+                except ValueError:
+                    refuse(name, f"{_short(str(value))} is neither dyadic nor decimal", "round it to a decimal number")
+                if not short_enough:
+                    why = "a number is too long to be written exactly"
+                    refuse(name, why, "give fewer digits or an exponent closer to 0")
+        for position, radius in enumerate(self.radii):
+            if radius <= 0:
+                refuse(f"radii[{position}]", "not positive", "give positive half-widths")
+
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates of the centre, 1 + n of them."""
@@ -269,47 +314,23 @@ def candidate_from_json(
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
     system, parameters = read_system(entry, source, systems)
-    if not entry["id"].isprintable():
-        refuse("id", f"{entry['id']!r} has characters that cannot be printed", "use letters, digits and signs")
     kind, k = entry["kind"], entry["k"]
     symmetry = entry.get("symmetry")
     if (kind == "symmetry_breaking") != (k == 1):
         refuse("k", f"{kind} with k = {k}", "symmetry_breaking has k = 1, the other kinds have k > 1")
-    if symmetry is not None and symmetry not in system.symmetries:
-        known = ", ".join(system.symmetries) or "none"
-        refuse("symmetry", f"{system.name} has no symmetry {symmetry!r}", f"known: {known}")
     level_sign = entry.get("level_sign")
     if (entry.get("parameter") is None) != (level_sign is None):
         refuse("parameter", "parameter and level_sign belong together", "give both or none")
     if level_sign is not None and system.level_coordinate is None:
         refuse("parameter", f"{system.name} has no coordinate that follows from its first integral", "leave it out")
-    names = system.centre_coordinates if level_sign is None else system.level_coordinates
-    size = len(names)
-    kernel = len(system.kernel_coordinates)
-    vector = tuple(parse_exact(text) for text in entry["centre"])
-    radii = tuple(parse_exact(text) for text in entry["radii"])
-    for name, values in (("centre", vector), ("radii", radii)):
-        if len(values) != size:
-            wanted = ", ".join(names)
-            refuse(name, f"{len(values)} numbers", f"{system.name} needs {size}: {wanted}")
-    for position, radius in enumerate(radii):
-        if radius <= 0:
-            refuse(f"radii[{position}]", "not positive", "give positive half-widths")
-    frame = _matrix(entry["frame"], size)
-    kernel_frame = _matrix(entry["kernel_frame"], kernel)
-    if frame is None:
-        refuse("frame", "wrong shape", f"give {size} rows of {size} numbers")
-    if kernel_frame is None:
-        refuse("kernel_frame", "wrong shape", f"give {kernel} rows of {kernel} numbers")
-    numbers = {"centre": [vector], "frame": frame, "kernel_frame": kernel_frame, "radii": [radii]}
-    for name, rows in {"parameters": [tuple(parameters.values())], **numbers}.items():
-        if not all(_can_be_written(value) for row in rows for value in row):
-            refuse(name, "a number is too long to be written exactly", "give fewer digits or an exponent closer to 0")
-    return Candidate(
-        id=entry["id"], system=system, parameters=parameters, kind=kind, k=k, symmetry=symmetry, centre=vector,
-        frame=frame, kernel_frame=kernel_frame, radii=radii, provenance=entry.get("provenance", {}),
-        level_sign=level_sign,
-    )  # fmt: skip
+    try:
+        return Candidate(
+            id=entry["id"], system=system, parameters=parameters, kind=kind, k=k, symmetry=symmetry,
+            centre=_vector(entry["centre"]), frame=_matrix(entry["frame"]), radii=_vector(entry["radii"]),
+            kernel_frame=_matrix(entry["kernel_frame"]), provenance=entry.get("provenance", {}), level_sign=level_sign,
+        )  # fmt: skip
+    except InputError as error:
+        raise InputError(f"{source}.{error}") from None
 
 
 def _can_be_written(value: Fraction) -> bool:
@@ -318,10 +339,12 @@ def _can_be_written(value: Fraction) -> bool:
     return re.fullmatch(schema["$defs"]["number"]["pattern"], format_exact(value)) is not None
 
 
-def _matrix(rows: Sequence[Sequence[str]], size: int) -> tuple[tuple[Fraction, ...], ...] | None:
-    if len(rows) != size or any(len(row) != size for row in rows):
-        return None
-    return tuple(tuple(parse_exact(text) for text in row) for row in rows)
+def _vector(texts: Sequence[str]) -> tuple[Fraction, ...]:
+    return tuple(parse_exact(text) for text in texts)
+
+
+def _matrix(rows: Sequence[Sequence[str]]) -> tuple[tuple[Fraction, ...], ...]:
+    return tuple(_vector(row) for row in rows)
 
 
 def write_candidates(path: Path, candidates: Sequence[Candidate]) -> None:

@@ -14,7 +14,7 @@ from math import ceil, isfinite
 import numpy as np
 from flint import arb
 
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.verify.bifurcation import (
     BifurcationResults,
     check_exactly,
@@ -172,6 +172,8 @@ def broken_off(stage: str, error: Exception) -> Reason:
     message = " ".join(f"the {stage} broke off: {type(error).__name__}: {error}".split()).removesuffix(":")
     if isinstance(error, MemoryError):
         remedy = "free memory, or give fewer --jobs or --max-precision less"
+    elif isinstance(error, InputError):
+        remedy = "correct the candidate"
     elif isinstance(error, (ArithmeticError, ValueError)):
         remedy = "smaller radii or another centre"
     else:

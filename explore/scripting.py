@@ -1,0 +1,361 @@
+"""The search for scripts and notebooks; `orbitproof.explore` hands these names on.
+
+Everything is in nondimensional units and in double precision, except what `refine` gives. Nothing is proved here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from html import escape
+from importlib import import_module
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import solve_ivp
+
+from orbitproof.explore.engines import Reporter
+from orbitproof.explore.families import (
+    FAMILY_NAMES,
+    POINTS,
+    Limits,
+    TracedFamily,
+    detect,
+    is_family_name,
+    trace_family,
+)
+from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
+from orbitproof.explore.refinement import RefinementFailure, refine_tasks
+from orbitproof.explore.search import Target, targets_of
+from orbitproof.shared.formats import Candidate
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+
+_TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True, repr=False)
+class Orbit:
+    """A symmetric periodic orbit, in double precision.
+
+    Attributes:
+        system: what it is an orbit of.
+        parameters: all parameters of the vector field, by name.
+        point: shape (m,), the state at time 0, on Fix(R).
+        period: the full period, in the system's time units (CR3BP: 2 pi for one turn of the primaries).
+        first_integral: the Jacobi constant in the CR3BP; `None` for a system with a family parameter.
+        stability: the n stability parameters (lambda + 1/lambda)/2; between -1 and 1: stable in that direction.
+        arclength: along its family from the first orbit, in the family's scaled unknowns.
+    """
+
+    system: ReversibleSystem
+    parameters: Mapping[str, float]
+    point: NDArray[np.float64]
+    period: float
+    first_integral: float | None
+    stability: tuple[complex, ...]
+    arclength: float
+
+    def states(self, times: ArrayLike) -> NDArray[np.float64]:
+        """The states at given times, of any sign; the orbit is periodic.
+
+        Arguments:
+            times: shape (N,), in the system's time units, 0 at `point`.
+
+        Returns shape (N, m), columns in the order of `system.state` (CR3BP: x, y, z, vx, vy, vz).
+        """
+        instants = np.atleast_1d(np.asarray(times, dtype=float))
+        if instants.ndim != 1 or not np.all(np.isfinite(instants)):
+            raise ValueError("times: give a list of finite numbers")
+        half = self.period / 2
+        phase = np.mod(instants, self.period)
+        mirrored = phase > half
+        signs = np.array(self.system.reversing_symmetry, dtype=float)
+        found = np.asarray(self._half(np.where(mirrored, self.period - phase, phase)).T, dtype=float)
+        return np.where(mirrored[:, None], found * signs, found)
+
+    def trajectory(self, count: int = 200) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """`count` equidistant times over one period, shape (count,), and the states, shape (count, m)."""
+        times = np.linspace(0.0, self.period, count)
+        return times, self.states(times)
+
+    @cached_property
+    def _half(self) -> Any:
+        values = [self.parameters[name] for name in self.system.parameters]
+
+        def field(time: float, state: NDArray[np.float64]) -> Sequence[float]:
+            return self.system.vector_field(state.tolist(), values)
+
+        solution = solve_ivp(
+            field, (0.0, self.period / 2), self.point, method="DOP853", rtol=_TOLERANCE, atol=_TOLERANCE,
+            dense_output=True,
+        )  # fmt: skip
+        return solution.sol
+
+    def __repr__(self) -> str:
+        return f"<Orbit of {self.system.name}: period {self.period:.10g}{_level(self)}>"
+
+
+@dataclass(frozen=True, repr=False)
+class OrbitFamily(Sequence[Orbit]):
+    """A family of symmetric periodic orbits: a sequence of `Orbit`, in order along the family.
+
+    Attributes:
+        name: as asked for, for example "L1-halo".
+        system: what they are orbits of.
+        outcome: "limit", "closed", "failed" or "interrupted".
+        reason: the same in words, with the place.
+    """
+
+    name: str
+    system: ReversibleSystem
+    outcome: str
+    reason: str
+    _traced: TracedFamily
+
+    def __len__(self) -> int:
+        return len(self._traced.family.orbits)
+
+    @overload
+    def __getitem__(self, index: int) -> Orbit: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Orbit]: ...
+    def __getitem__(self, index: int | slice) -> Orbit | list[Orbit]:
+        family = self._traced.family
+        if isinstance(index, slice):
+            return [_orbit(family.problem, orbit) for orbit in family.orbits[index]]
+        return _orbit(family.problem, family.orbits[index])
+
+    def __iter__(self) -> Iterator[Orbit]:
+        return (self[index] for index in range(len(self)))
+
+    def to_dataframe(self) -> Any:
+        """A `pandas.DataFrame`, one row for each orbit.
+
+        Columns: the state at time 0 by its names, `period`, the first integral (or the family parameter), the
+        stability parameters `s1`, `s2`, .. and `arclength`. Raises `ModuleNotFoundError` where pandas is missing.
+        """
+        try:
+            pandas = import_module("pandas")
+        except ModuleNotFoundError:
+            raise ModuleNotFoundError("to_dataframe needs pandas: pip install pandas", name="pandas") from None
+        return pandas.DataFrame([self._row(orbit) for orbit in self])
+
+    def _row(self, orbit: Orbit) -> dict[str, float | complex]:
+        row: dict[str, Any] = dict(zip(self.system.state, orbit.point.tolist(), strict=True))
+        row["period"] = orbit.period
+        if self.system.family_parameter is not None:
+            row[self.system.family_parameter] = orbit.parameters[self.system.family_parameter]
+        elif orbit.first_integral is not None:
+            row[self.system.first_integral_name or "first integral"] = orbit.first_integral
+        for number, value in enumerate(orbit.stability, start=1):
+            row[f"s{number}"] = value.real if value.imag == 0 else value
+        row["arclength"] = orbit.arclength
+        return row
+
+    def __repr__(self) -> str:
+        return f"<OrbitFamily {self.name} of {self.system.name}: {len(self)} orbits, ends: {self.reason}>"
+
+    def _repr_html_(self) -> str:
+        """The table that a notebook shows: the first and the last orbits."""
+        ends = [self[index] for index in sorted({*range(min(3, len(self))), *range(max(0, len(self) - 3), len(self))})]
+        rows = [self._row(orbit) for orbit in ends]
+        head = "".join(f"<th>{escape(name)}</th>" for name in rows[0])
+        body = "".join("<tr>" + "".join(f"<td>{v:.8g}</td>" for v in row.values()) + "</tr>" for row in rows)
+        return f"<table><caption>{escape(repr(self)[1:-1])}</caption><tr>{head}</tr>{body}</table>"
+
+
+@dataclass(frozen=True, repr=False)
+class ResonantOrbit:
+    """An orbit at which a family bifurcates, located in double precision.
+
+    Attributes:
+        id: which one it is: system or mass, family, k, and its number along the family.
+        kind: one of `shared.KINDS`.
+        k: multiplicity, 1 for symmetry breaking.
+        orbit: the orbit itself.
+        point: shape (1 + n,), where it meets Fix(R) and new orbits appear, in the order of `system.centre_coordinates`.
+    """
+
+    id: str
+    kind: str
+    k: int
+    orbit: Orbit
+    point: NDArray[np.float64]
+    _target: Target
+
+    def __repr__(self) -> str:
+        return f"<ResonantOrbit {self.id}: {self.kind}{_level(self.orbit)}>"
+
+
+def families_of(system: ReversibleSystem) -> tuple[str, ...]:
+    """The names of the families that can be traced.
+
+    >>> from orbitproof import explore
+    >>> from orbitproof.shared import FALKNER_SKAN
+    >>> explore.families_of(FALKNER_SKAN)
+    ('odd',)
+    """
+    return FAMILY_NAMES.get(system.name, ())
+
+
+def trace(
+    system: ReversibleSystem,
+    name: str,
+    *,
+    mu: Fraction | float | str | None = None,
+    z_max: float | None = None,
+    vy_max: float | None = None,
+    beta: tuple[float, float] | None = None,
+    jacobi_min: float | None = None,
+    max_orbits: int = Limits.max_orbits,
+    mirrored: bool = False,
+    quiet: bool = False,
+) -> OrbitFamily:
+    """Follow a family of symmetric periodic orbits through its folds, up to the first limit that it reaches.
+
+    Arguments:
+        system: `shared.CR3BP` or `shared.FALKNER_SKAN`.
+        name: one of `families_of(system)`; "L1-halo-2", "L1-halo-3", .. are later branches of the planar family.
+        mu: mass parameter of the CR3BP, in (0, 1): a `Fraction` or a decimal text is taken exactly, a float as the
+            double that it is.
+        z_max, vy_max: largest absolute value of that coordinate of the first point on Fix(R).
+        beta: smallest and largest parameter of the Falkner-Skan equation; (100, 1000) by default.
+        jacobi_min: smallest Jacobi constant.
+        max_orbits: largest number of orbits.
+        mirrored: the image of a halo family under (x, y, z) -> (x, y, -z).
+        quiet: nothing on standard error; else progress with the time that is left.
+
+    Returns the family, which says why it ends (`reason`); what the continuation could not follow is "failed" there.
+
+    Raises `ValueError` for an unknown name and for a parameter that is missing, too many or out of range, and
+    `FamilyFailure` if not even a first orbit is found.
+
+    >>> from orbitproof import explore
+    >>> from orbitproof.shared import CR3BP, EARTH_MOON
+    >>> explore.trace(CR3BP, "L7-halo", mu=EARTH_MOON)
+    Traceback (most recent call last):
+    ValueError: name: 'L7-halo' is no family of cr3bp; there are L1-halo, L2-halo, L3-halo, L1-lyapunov, L2-lyapunov, \
+L3-lyapunov, L1-vertical, L2-vertical, L3-vertical
+    >>> explore.trace(CR3BP, "L1-halo")
+    Traceback (most recent call last):
+    ValueError: mu: missing; give the mass parameter of cr3bp, in (0, 1), for example shared.EARTH_MOON
+    """
+    if not is_family_name(system.name, name):
+        known = ", ".join(FAMILY_NAMES.get(system.name, ())) or "none"
+        raise ValueError(f"name: {name!r} is no family of {system.name}; there are {known}")
+    parameters = _parameters(system, mu)
+    for option, value in (("z_max", z_max), ("vy_max", vy_max), ("jacobi_min", jacobi_min)):
+        if value is not None and system.family_parameter is not None:
+            raise ValueError(f"{option}: {system.name} has no such limit; give beta=(smallest, largest)")
+    if beta is not None and system.family_parameter is None:
+        raise ValueError(f"beta: {system.name} has no such parameter; there are z_max, vy_max and jacobi_min")
+    smallest, largest = (Limits.parameter_min, Limits.parameter_max) if beta is None else beta
+    if not 1 < smallest < largest:
+        raise ValueError(f"beta: ({smallest:g}, {largest:g}) is no interval above 1")
+    bounds = {coordinate: bound for coordinate, bound in (("z", z_max), ("vy", vy_max)) if bound is not None}
+    limits = Limits(
+        max_orbits, coordinate_max=bounds, parameter_min=smallest, parameter_max=largest, integral_min=jacobi_min
+    )
+    label = next((key for key, value in MASS_PARAMETERS.items() if parameters.get("mu") == value), "")
+    with Reporter(quiet) as report:
+        report.stage(name)
+        family = trace_family(system, name, parameters, limits, mirrored=mirrored, progress=report.update)
+    return OrbitFamily(name, system, family.outcome, family.reason, TracedFamily(name, label, family))
+
+
+def resonances(
+    family: OrbitFamily, k: int | Iterable[int] = (1, 2, 3, 4), *, points: str = "one", quiet: bool = False
+) -> list[ResonantOrbit]:
+    """The orbits of a family at which it is in 1:k resonance, for k = 1 those at which its symmetry breaks.
+
+    Arguments:
+        k: one multiplicity or several, each at least 1.
+        points: "one", "distinct" or "all": whether a claim about the other point of an orbit on Fix(R) is wanted too,
+            where new orbits appear at both.
+        quiet: nothing on standard error.
+
+    Returns them in order along the family; an empty list where there are none. Places at which it cannot be told
+    whether there is one are named on standard error. Raises `ValueError` for what is no multiplicity.
+    """
+    wanted = [k] if isinstance(k, int) else list(k)
+    for value in wanted:
+        if not isinstance(value, int) or value < 1:
+            raise ValueError(f"k: {value!r} is no multiplicity; give integers, at least 1")
+    if points not in POINTS:
+        raise ValueError(f"points: {points!r} is unknown; there are {', '.join(POINTS)}")
+    traced = family._traced
+    if not traced.system.symmetries:
+        wanted = [value for value in wanted if value > 1]
+    with Reporter(quiet) as report:
+        report.stage(f"{family.name}: resonances")
+        detection = detect(traced.family, wanted)
+        for line in detection.undecided:
+            report.message(line)
+    return [
+        ResonantOrbit(
+            target.id, target.resonance.kind, target.resonance.k,
+            _orbit(traced.family.problem, target.resonance.orbit), target.guess, target,
+        )
+        for target in targets_of(replace(traced, detection=detection), points)
+    ]  # fmt: skip
+
+
+def refine(resonance: ResonantOrbit, *, digits: int = 50, quiet: bool = False) -> Candidate:
+    """The bifurcation point to many digits, with box and frames: a claim for `verify.certify`.
+
+    Arguments:
+        digits: decimal digits of the centre.
+        quiet: nothing on standard error.
+
+    Raises `RefinementFailure`, one line, if Newton's method does not come to a point.
+    """
+    if digits < 1:
+        raise ValueError(f"digits: {digits!r} is not positive")
+    with Reporter(quiet) as report:
+        report.stage(f"refining {resonance.id}")
+        ((_, result),) = refine_tasks([resonance._target.task(digits)], 1, report.update)
+    if result.candidate is None:
+        raise RefinementFailure(f"{resonance.id}: not refined: {result.failure}")
+    return result.candidate
+
+
+def _parameters(system: ReversibleSystem, mu: Fraction | float | str | None) -> dict[str, Fraction]:
+    if not system.fixed_parameters:
+        if mu is not None:
+            raise ValueError(f"mu: {system.name} has no mass parameter; leave it out")
+        return {}
+    if mu is None:
+        raise ValueError(
+            f"mu: missing; give the mass parameter of {system.name}, in (0, 1), for example shared.EARTH_MOON"
+        )
+    try:
+        value = MASS_PARAMETERS.get(mu) or parse_exact(mu) if isinstance(mu, str) else Fraction(mu)
+    except (ValueError, OverflowError):
+        raise ValueError(f"mu: {mu!r} is no number; names are {', '.join(MASS_PARAMETERS)}") from None
+    if not 0 < value < 1:
+        raise ValueError(f"mu: {mu} lies outside (0, 1); give the smaller mass over the total mass")
+    return {"mu": value}
+
+
+def _orbit(problem: ShootingProblem, orbit: SymmetricOrbit) -> Orbit:
+    values = problem.parameter_values(orbit.unknowns)
+    return Orbit(
+        system=SYSTEMS[problem.system.name],
+        parameters=dict(zip(problem.system.parameters, values.tolist(), strict=True)),
+        point=problem.initial_state(orbit.unknowns),
+        period=orbit.period,
+        first_integral=orbit.first_integral,
+        stability=orbit.stability,
+        arclength=orbit.arclength,
+    )
+
+
+def _level(orbit: Orbit) -> str:
+    name = orbit.system.family_parameter
+    if name is not None:
+        return f", {name} = {orbit.parameters[name]:.10g}"
+    return f", {orbit.system.first_integral_name} = {orbit.first_integral:.10g}"
