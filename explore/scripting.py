@@ -18,15 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import (
-    FAMILY_NAMES,
-    POINTS,
-    Limits,
-    TracedFamily,
-    detect,
-    is_family_name,
-    trace_family,
-)
+from orbitproof.explore.families import Limits, TracedFamily, detect, trace_family
+from orbitproof.explore.names import FAMILY_NAMES, POINTS, is_family_name
 from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
