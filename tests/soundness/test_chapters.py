@@ -74,6 +74,12 @@ SEEDS = {
     ),
     "a proof does not end": ("ill_formed", "verify/newton/README.md", "theorem. QED", "theorem."),
     "a lemma has no proof": ("ill_formed", "verify/newton/README.md", "*Proof.* For y", "For y"),
+    "a paragraph turns into a list": (
+        "ill_formed",
+        "verify/newton/README.md",
+        "## 7. Tools\n",
+        "## 7. Tools\n\nx\n- y\n",
+    ),
     "a heading skips a level": ("ill_formed", "verify/newton/README.md", "\n## 7. Tools", "\n#### 7. Tools"),
     "a table has a row too short": ("ill_formed", "verify/flow/README.md", "| module | what it does |", "| module |"),
 }

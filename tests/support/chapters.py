@@ -28,6 +28,8 @@ _ARGUMENT = re.compile(r'(?<=[(,\s=])"(\d{1,2}\.\d)"(?=[,)])')
 """The section of a hypothesis, as it is handed to the checklist."""
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _COVER_ROW = re.compile(r"^\| [^|]+ \| \[[^\]]+\]\(\.\./([^)]+)/README\.md\) \| ([^|]*)\|", re.MULTILINE)
+_BROKEN_LINE = re.compile(r"^(?!    |[-|#>]|\d+\. ).+\n((?:[-+*>] |\d+[.)] |=+$|-+$).*)", re.MULTILINE)
+"""A line of a paragraph that Markdown takes for something else."""
 _ROOMS = ("shared", "verify")
 
 
@@ -214,6 +216,7 @@ def ill_formed(root: Path) -> list[str]:
             if len(cells) > 1:
                 found.append(f"{name}: a table has rows of different lengths: {table.splitlines()[0]}")
         found += [f"{name}: {problem}" for problem in _unproved(prose)]
+        found += [f"{name}: read as a list or a heading: {line}" for line in _BROKEN_LINE.findall(prose)]
         found += [f"{name}: unbalanced ** in: {block[:60]}" for block in prose.split("\n\n") if block.count("**") % 2]
     return found
 
