@@ -1,0 +1,384 @@
+"""Forged certificates: well formed, with a new digest, and found at the level that can see them."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from support import atlas_work
+from support.chain_cases import parabola
+from support.claims import known
+from support.forgeries import (
+    DATA,
+    Change,
+    Document,
+    atlas_certificate,
+    changes,
+    checked,
+    forged,
+    honest,
+    read,
+)
+
+import orbitproof.verify.certificate.rechecking as rechecking
+from orbitproof.shared.formats import InputError
+from orbitproof.shared.systems import SYSTEMS, Program
+from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck
+from orbitproof.verify.certificate.certificate import make_certificate
+from orbitproof.verify.certificate.certify import certify
+
+NO_ENGINE: Callable[[float, str], None] = lambda fraction, label: None  # noqa: E731
+
+
+@pytest.fixture(scope="module")
+def point() -> Certificate:
+    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
+    return certify(known("fs3"), Limits(max_precision=256))
+
+
+def of_parabola() -> tuple[Any, list[Document]]:
+    """The pieces of y = beta^2/100 with true results."""
+    atlas, _ = parabola()
+    whole = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
+    return atlas, [atlas_work.proving({**whole, "piece": piece.to_json()}, NO_ENGINE) for piece in atlas.pieces]
+
+
+@pytest.fixture(scope="module")
+def curve(point: Certificate) -> Document:
+    """A curve, and a bifurcation that is not shown to lie on it."""
+    atlas, results = of_parabola()
+    return json.loads(json.dumps(atlas_certificate(atlas, results, [point])))  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def family() -> Document:
+    """A libration family, with a result that a prover could have found."""
+    atlas = read("atlas-lyapunov.json")
+    result = {
+        **of_parabola()[1][0],
+        "piece": "p001",
+        "deviation": ["0x1p-40"],
+        "slope_deviation": ["0x1p-36"],
+    }
+    return json.loads(json.dumps(atlas_certificate(atlas, [result])))  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def surface() -> Document:
+    """A surface, from stored results."""
+    results = json.loads((DATA / "surface-results.json").read_text())
+    return json.loads(json.dumps(atlas_certificate(read("surface.json"), results)))  # type: ignore[no-any-return]
+
+
+def with_honest_prover(document: Document, original: Document, given: Any = ()) -> Recheck:
+    return checked(document, honest(original["results"]), given)
+
+
+@pytest.mark.parametrize("kind", ["curve", "family", "surface"])
+def test_an_honest_certificate_stands_at_every_level(kind: str, request: pytest.FixtureRequest) -> None:
+    document = request.getfixturevalue(kind)
+    assert document["verdict"] == "proved", document["reason"]
+    assert checked(document).findings == ()
+    found = with_honest_prover(document, document)
+    assert (found.findings, found.level) == ((), Level.INTEGRATION)
+
+
+def test_a_certificate_of_a_point_stands_at_every_level(point: Certificate) -> None:
+    found = recheck(point, True)
+    assert (found.findings, found.level) == ((), Level.INTEGRATION)
+
+
+# What is printed follows from what is stored
+
+
+def _infinitely_many(document: Document) -> None:
+    text = "infinitely many period doublings for beta from 1 to 1000000"
+    document["statement"]["theorem"] = document["conclusion"]["statement"] = text
+
+
+def _listed(document: Document) -> None:
+    document["conclusion"]["bifurcations"][0].update(on_curve=True, piece="p000", reason="")
+
+
+def _dropped_from_the_list(document: Document) -> None:
+    document["conclusion"]["bifurcations"] = []
+    document["rests_on"] = []
+
+
+CONCLUSION: dict[str, tuple[Callable[[Document], Any], str]] = {
+    "theorem": (_infinitely_many, "theorem"),
+    "theorem of the statement alone": (lambda d: d["statement"].update(theorem="more"), "theorem"),
+    "end": (lambda d: d["conclusion"]["ends"]["end"].update(d["conclusion"]["ends"]["start"]), "ends"),
+    "bifurcation put on the curve": (_listed, "bifurcations"),
+    "bifurcation left out": (_dropped_from_the_list, "theorem"),
+    "sign in the field": (
+        lambda d: d["statement"].update(vector_field=d["statement"]["vector_field"].replace(" - ", " + ", 1)),
+        "vector_field",
+    ),
+    "sign of R": (lambda d: d["statement"].update(reversing_symmetry=[1, 1, -1]), "reversing_symmetry"),
+    "section": (lambda d: d["statement"].update(section="x"), "section"),
+    "name of the system": (lambda d: d["statement"]["names"].update(system="the weather"), "names"),
+    "joint": (lambda d: d["conclusion"]["joints"].pop(), "joints"),
+}
+
+
+@pytest.mark.parametrize(("change", "where"), CONCLUSION.values(), ids=CONCLUSION.keys())
+def test_what_does_not_follow_is_found_without_integrating(curve: Document, change: Any, where: str) -> None:
+    found = checked(forged(curve, change))
+    assert found.level is Level.FORM, found.findings
+    assert where in " ".join(finding.place for finding in found.findings)
+
+
+def test_a_certificate_with_other_bifurcations_than_it_lists_is_malformed(curve: Document) -> None:
+    found = checked(forged(curve, lambda d: d.update(rests_on=[])))
+    assert found.level is Level.NONE
+    assert [finding.place for finding in found.findings] == ["rests_on"]
+
+
+def test_certificates_beside_the_file_have_to_be_those_in_it(curve: Document, point: Certificate) -> None:
+    assert checked(curve, given=[point]).stands
+    other = Certificate.from_json(forged(point.to_json(), lambda d: d["computation"].update(seconds=0)))
+    for given in ([other], [point, Certificate.from_json(forged(point.to_json(), lambda d: d.update(id="x")))]):
+        assert [finding.place for finding in checked(curve, given=given).findings] == ["rests_on"]
+
+
+def test_an_older_file_says_what_it_lacks(curve: Document, point: Certificate) -> None:
+    older = forged(curve, lambda d: (d.pop("rests_on"), d["statement"].pop("names")))
+    found = checked(older)
+    assert not found.findings
+    assert found.word == "cannot be checked here"
+    assert "give them with --bifurcations" in found.obstacle
+    found = checked(older, given=[point])
+    assert found.stands
+    assert "does not record" in found.notes[0]
+    with_more = forged(older, _infinitely_many)
+    assert not checked(with_more, given=[point]).stands
+    assert not checked(with_more).stands
+
+
+# What is stored is integrated again
+
+
+@pytest.mark.parametrize("key", ["deviation", "slope_deviation"])
+def test_deviations_that_are_too_small_are_found_by_integrating(curve: Document, key: str) -> None:
+    def smaller(document: Document) -> None:
+        for result in document["results"]:
+            result[key] = ["0x0"]
+
+    atlas, results = of_parabola()
+    document = copy.deepcopy(results)
+    for result in document:
+        result[key] = ["0x0"]
+    consistent = atlas_certificate(atlas, document)
+    assert checked(consistent).stands
+    found = checked(consistent, honest(results))
+    assert found.level is Level.CONCLUSION
+    assert all(f"{key} 1" in finding.place for finding in found.findings)
+    assert len(found.findings) == len(results)
+
+
+def test_half_periods_that_are_too_narrow_are_found_by_integrating() -> None:
+    atlas, results = of_parabola()
+    narrow = [{**result, "time": {"mid": "0x3", "rad": "0x1p-9", "decimal": "[2.99, 3.01]"}} for result in results]
+    consistent = atlas_certificate(atlas, narrow)
+    assert checked(consistent).stands
+    found = checked(consistent, honest(results))
+    assert "half period" in found.findings[0].place
+
+
+def fabricated(point: Certificate, where: tuple[str, str], name: str) -> Certificate:
+    """The tables of a true certificate in a box elsewhere, with everything that follows from them."""
+    entry = point.to_json()
+    claim = {**entry["statement"]["candidate"], "id": name, "centre": list(where)}
+    entry["statement"]["candidate"] = claim
+    stated = rechecking._read(entry)
+    outcome = rechecking._conclude(stated.claim, entry["computation"]["precision"], stated.enclosures)
+    return make_certificate(stated.candidate, outcome, entry["computation"], stated.enclosures)
+
+
+def test_a_bifurcation_that_does_not_exist_is_found_by_integrating(point: Certificate) -> None:
+    doubling = fabricated(point, ("2", "4e-2"), "fabricated")
+    assert recheck(doubling).stands
+    atlas, results = of_parabola()
+    document = atlas_certificate(atlas, results, [doubling])
+    assert "- fabricated: touch-and-go of order 3" in document["statement"]["theorem"]
+    assert checked(document).stands
+    found = checked(document, honest(results))
+    assert found.level is Level.CONCLUSION
+    assert "bifurcation fabricated" in found.findings[0].place
+
+
+def test_a_point_farther_off_than_the_deviation_is_a_contradiction(point: Certificate) -> None:
+    """Inside the tube, where there is exactly one orbit, but not where that is."""
+    atlas, results = of_parabola()
+    apart = fabricated(point, ("2", "400001e-7"), "apart")
+    document = atlas_certificate(atlas, results, [apart])
+    assert document["verdict"] == "not proved"
+    assert document["reason"]["condition"] == "bifurcations"
+    assert "contradict" in document["reason"]["message"]
+    near = fabricated(point, ("2", "4e-2"), "near")
+    assert atlas_certificate(atlas, results, [near])["verdict"] == "proved"
+
+
+def _vague(document: Document) -> None:
+    for result in document["results"]:
+        for part in result["parts"]:
+            for balls in part["hypotheses"].values():
+                for name in balls:
+                    balls[name] = {"mid": "0x0", "rad": "0x1", "decimal": "[-1, 1]"}
+
+
+def _turned(document: Document) -> None:
+    for result in document["results"]:
+        for part in result["parts"]:
+            part["side"] = {"below": "above", "above": "below"}[part["side"]]
+
+
+@pytest.mark.parametrize("change", [_vague, _turned])
+def test_parts_of_a_surface_that_show_nothing_or_another_side_are_found(surface: Document, change: Any) -> None:
+    found = checked(forged(surface, change))
+    assert found.level is Level.FORM
+    assert "results[0].parts[0]" in found.findings[0].place
+
+
+def test_a_side_that_is_consistent_with_a_false_enclosure_is_found_by_integrating(surface: Document) -> None:
+    results = copy.deepcopy(surface["results"])
+    for result in results:
+        for part in result["parts"]:
+            ball = part["hypotheses"]["h_b''"]["h_b''"]
+            ball["mid"] = ball["mid"].removeprefix("-") if ball["mid"].startswith("-") else f"-{ball['mid']}"
+            part["side"] = {"below": "above", "above": "below"}[part["side"]]
+    consistent = atlas_certificate(read("surface.json"), results)
+    assert checked(consistent).stands
+    found = checked(consistent, honest(surface["results"]))
+    assert found.level is Level.CONCLUSION
+    assert any("side" in finding.place for finding in found.findings)
+
+
+# Systems that are not known here
+
+
+def renamed(document: Document, change: Callable[[Document], Any] = lambda document: None) -> Document:
+    """The same with the system under a name that nobody knows."""
+
+    def rename(entry: Document) -> None:
+        for claim in (entry["statement"].get("candidate"), entry["statement"].get("level_form"),
+                      entry["statement"].get("atlas")):  # fmt: skip
+            if claim is not None:
+                claim["system"] = "somebody-elses"
+        change(entry)
+
+    return forged(document, rename)
+
+
+@pytest.mark.parametrize("name", ["fs3", "em1"])
+def test_a_system_that_is_not_known_is_checked_by_the_program_of_the_file(name: str) -> None:
+    certificate = certify(known(name), Limits(max_precision=256))
+    assert ("level_form" in certificate.statement) == (name == "em1")
+    found = recheck(Certificate.from_json(renamed(certificate.to_json())), True)
+    assert (found.findings, found.obstacle, found.level) == ((), "", Level.INTEGRATION)
+    assert "not known here" in found.notes[0]
+
+
+def test_a_field_of_an_unknown_system_that_gives_no_such_orbit_is_found_by_integrating(point: Certificate) -> None:
+    def turn(entry: Document) -> None:
+        entry["statement"]["vector_field"] = entry["statement"]["vector_field"].replace("v9 = v7 - v8", "v9 = v8 - v7")
+
+    document = renamed(point.to_json(), turn)
+    assert document["statement"]["vector_field"] != point.statement["vector_field"]
+    entry = Certificate.from_json(document)
+    assert recheck(entry).stands
+    assert recheck(entry, True).level is Level.CONCLUSION
+
+
+def test_a_curve_of_an_unknown_system_is_checked_too() -> None:
+    atlas, results = of_parabola()
+    document = renamed(atlas_certificate(atlas, results))
+    asked: list[Any] = []
+
+    def prover(argument: Any, report: Any) -> Any:
+        asked.append(argument)
+        return honest(results)(argument, report)
+
+    found = checked(document, prover)
+    assert (found.findings, found.level) == ((), Level.INTEGRATION)
+    assert asked[0]["stated"]["statement"]["vector_field"] == document["statement"]["vector_field"]
+
+
+def test_an_unknown_system_without_its_names_cannot_be_checked(point: Certificate) -> None:
+    entry = renamed(point.to_json(), lambda d: d["statement"].pop("names"))
+    found = recheck(Certificate.from_json(entry))
+    assert found.word == "cannot be checked here"
+    assert not found.findings
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "return v0",
+        "v0 = x\nreturn v1",
+        "v0 = x\nv1 = v0 ** (__import__('os'))\nreturn v1",
+        "v0 = x\nv1 = v0.real\nreturn v1",
+        "v0 = x\nv1 = v1 + v0\nreturn v1",
+        "v0 = x\nv2 = v0 + v0\nreturn v2",
+        "v0 = x\nv1 = v0 + v0\nv2 = y\nreturn v1",
+        "v0 = x\nv1 = 1/0\nreturn v1",
+        "v0 = x\nv1 = 2/4\nreturn v1",
+        "v0 = x\nv1 = v0 + v0\nv2 = v0 + v0\nreturn v2",
+        "v0 = x\nreturn v0\n",
+        "v0 = x\nv1 = v0 ** (1.5)\nreturn v1",
+    ],
+)
+def test_a_text_that_is_no_program_is_refused(text: str) -> None:
+    with pytest.raises(ValueError):
+        Program.from_text(text)
+
+
+@pytest.mark.parametrize("system", SYSTEMS.values(), ids=SYSTEMS.keys())
+def test_a_program_is_read_as_it_was_written(system: Any) -> None:
+    assert Program.from_text(system.program.text()) == system.program
+
+
+# Every field of every format
+
+
+def _survey(document: Document, check: Callable[[Document], Recheck], each: int) -> dict[str, dict[str, list[Change]]]:
+    """The changes by field, and by the level that found them: "form", "conclusion", "integration", or "nothing".
+
+    Of each field and way of changing at most `each` places are tried.
+    """
+    found: dict[str, dict[str, list[Change]]] = {}
+    tried: dict[tuple[str, str], int] = {}
+    for change in changes(document):
+        key = (change.field, change.how)
+        tried[key] = tried.get(key, 0) + 1
+        if tried[key] > each:
+            continue
+        try:
+            result = check(forged(document, change.apply))
+        except InputError:
+            level = "form"
+        else:
+            # What was passed is one less than what found it.
+            level = "nothing" if result.stands else Level(result.level + 1).name.lower()
+        found.setdefault(change.field, {}).setdefault(level, []).append(change)
+    return found
+
+
+def _unnoticed(found: dict[str, dict[str, list[Change]]]) -> set[str]:
+    return {field for field, levels in found.items() if "nothing" in levels}
+
+
+COMPUTATION = {"computation.steps", "computation.attempts", "computation.seconds", "computation.coordinates"}
+SOFTWARE = {"software.orbitproof", "software.source", "software.python", "software.python-flint", "software.FLINT"}
+
+
+def _point_check(point: Certificate, monkeypatch: pytest.MonkeyPatch) -> Callable[[Document], Recheck]:
+    """Checks with one true integration in place of many."""
+    fresh = rechecking.enclose_iterates(known("fs3"), rechecking.IntegratorSettings(400, accuracy=(300, 300)))
+    monkeypatch.setattr(rechecking, "enclose_iterates", lambda *arguments: fresh)
+    return lambda document: recheck(Certificate.from_json(document), True)

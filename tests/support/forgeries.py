@@ -1,0 +1,145 @@
+"""Certificates changed on purpose: well formed, with a new digest, and checked at a level without processes."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from orbitproof.shared.formats.atlas import Atlas, read_atlas
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify.atlas.certificate import make_atlas_certificate
+from orbitproof.verify.atlas.recheck import Means, recheck_atlas
+from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck
+from orbitproof.verify.curve import conclude
+from orbitproof.verify.engines import Answer, Task
+from orbitproof.verify.surface import conclude_surface
+
+DATA = Path(__file__).parents[1] / "data"
+
+Document = dict[str, Any]
+Place = tuple[str | int, ...]
+Prover = Callable[[Mapping[str, Any], Callable[[float, str], None]], Mapping[str, Any]]
+
+
+def forged(document: Mapping[str, Any], change: Callable[[Document], Any]) -> Document:
+    """A changed copy with a digest that fits."""
+    entry = copy.deepcopy(dict(document))
+    change(entry)
+    entry["digest"] = digest(entry)
+    return entry
+
+
+def conclusion_of(atlas: Atlas, results: Sequence[Mapping[str, Any]], rests_on: Sequence[Certificate]) -> Document:
+    """What results give together, as JSON."""
+    if atlas.is_surface:
+        return conclude_surface(atlas, results).to_json()
+    return conclude(atlas, results, rests_on).to_json()
+
+
+def atlas_certificate(atlas: Atlas, results: Sequence[Document], rests_on: Sequence[Certificate] = ()) -> Document:
+    """The certificate that results give."""
+    return make_atlas_certificate(atlas, results, conclusion_of(atlas, results, rests_on), rests_on)
+
+
+def checked(document: Mapping[str, Any], prover: Prover | None = None, given: Sequence[Certificate] = ()) -> Recheck:
+    """The certificate of an atlas, checked up to its conclusion, or with a `prover` up to the integration."""
+
+    def prove(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
+        assert prover is not None
+        for task in tasks:
+            finished(Answer(task, prover(task.argument, lambda fraction, label: None), 0.0))
+
+    means = Means(conclusion_of, prove, lambda entries: [recheck(entry, True) for entry in entries])
+    return recheck_atlas(document, given, prover is not None, means)
+
+
+def honest(results: Sequence[Mapping[str, Any]]) -> Prover:
+    """A prover that finds for each piece what these results say, and nothing for others."""
+
+    def prover(argument: Mapping[str, Any], report: Callable[[float, str], None]) -> Mapping[str, Any]:
+        for result in results:
+            if result["piece"] == argument["piece"]["id"] and argument["interval"] == result["interval"]:
+                return result
+        reason = {"condition": "newton", "message": "there is no such orbit", "remedy": ""}
+        head = {"piece": argument["piece"]["id"], "interval": argument["interval"]}
+        return {**head, "verdict": "not proved", "reason": reason, "computation": {"seconds": 0.0}}
+
+    return prover
+
+
+@cache
+def read(name: str) -> Atlas:
+    """An atlas of tests/data."""
+    return read_atlas(DATA / name)
+
+
+@dataclass(frozen=True)
+class Change:
+    """One field of a document changed so that it stays well formed.
+
+    Attributes:
+        place: keys and indices down to the field.
+        how: in one word.
+        value: what stands there instead.
+    """
+
+    place: Place
+    how: str
+    value: Any
+
+    @property
+    def field(self) -> str:
+        """The field without indices: changes of one class have the same."""
+        return ".".join("*" if isinstance(key, int) else key for key in self.place)
+
+    def apply(self, document: Document) -> None:
+        """Make the change."""
+        target: Any = document
+        for key in self.place[:-1]:
+            target = target[key]
+        target[self.place[-1]] = self.value
+
+
+_EXACT = re.compile(r"-?0x[0-9a-f]+(p[+-]?[0-9]+)?")
+_DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[+-]?[0-9]+)?")
+_BALL = re.compile(r"(-?0x[0-9a-f]+(?:p-?[0-9]+)?) \+- (0x[0-9a-f]+(?:p-?[0-9]+)?)")
+
+
+def changes(value: Any, place: Place = ()) -> Iterator[Change]:
+    """Every field of a JSON value changed, each in the ways that keep it well formed."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield from changes(inner, (*place, key))
+        return
+    if isinstance(value, list):
+        for index, inner in enumerate(value):
+            yield from changes(inner, (*place, index))
+        return
+    if place[-1] == "digest":
+        return
+    if isinstance(value, bool):
+        yield Change(place, "turned", not value)
+    elif isinstance(value, (int, float)):
+        yield Change(place, "other number", -value if value in (1, -1) else value + 1)
+    elif isinstance(value, str):
+        yield from _other_text(value, place)
+
+
+def _other_text(text: str, place: Place) -> Iterator[Change]:
+    ball = _BALL.fullmatch(text)
+    if ball is not None:
+        middle, radius = (parse_exact(part) for part in ball.groups())
+        yield Change(place, "moved", f"{format_exact(middle + 3 * radius + 1)} +- {format_exact(radius)}")
+        return
+    if _EXACT.fullmatch(text) or _DECIMAL.fullmatch(text):
+        number = parse_exact(text)
+        yield Change(place, "larger", format_exact(2 * number if number else parse_exact("0x1p-40")))
+        yield Change(place, "smaller", format_exact(number / 2 if number else parse_exact("-0x1p-40")))
+        return
+    choices = {"above": "below", "below": "above", "both": "above", "proved": "not proved"}
+    yield Change(place, "other words", choices.get(text, f"{text} indeed"))
