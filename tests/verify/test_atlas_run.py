@@ -365,7 +365,7 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path, capsys: Any, monk
     assert "too small" in refused(capsys, source, "--precision", "3")
     assert "not an address" in refused(capsys, source, "--scheduler", "somewhere")
     assert "--output: --recheck writes no file" in refused(capsys, "--recheck", source, "-o", str(target))
-    assert "field the document" in refused(capsys, "--recheck", source)
+    assert "the file holds an atlas" in refused(capsys, "--recheck", source)
     write_atlas_certificate(target, certificate_of(replace(CURVE, id="another"), atlas_work.proving))
     assert "certificate of another atlas ('another')" in refused(capsys, source, "-o", str(target))
     target.write_text("{")
