@@ -24,7 +24,14 @@ from orbitproof.verify.certificate import (
     verdict_table,
     write_certificates,
 )
-from orbitproof.verify.engines import GRACE_SECONDS, ArgumentParser, Display, positive_integer, positive_seconds
+from orbitproof.verify.engines import (
+    GRACE_SECONDS,
+    ArgumentParser,
+    Display,
+    engine_of,
+    positive_integer,
+    positive_seconds,
+)
 
 _EXAMPLES = """\
 examples:
@@ -34,6 +41,8 @@ examples:
       the same on two cores, certificates in a file; if interrupted, the same command goes on
   orbitproof verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
       one row again, with more bits
+  orbitproof verify candidates.json -o certificates.json --scheduler tcp://192.0.2.1:8786
+      hand the candidates to a cluster (dask.distributed)
   orbitproof verify --recheck certificates.json
       check that every certificate follows from the enclosures that it carries, without integrating
   orbitproof verify --recheck --integrate certificates.json --jobs 2
@@ -75,6 +84,9 @@ def _parser() -> argparse.ArgumentParser:
         "--jobs", type=positive_integer, default=1, metavar="N",
         help="candidates side by side, each in a process of its own (default: 1)",
     )  # fmt: skip
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
+    )
     parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
     parser.add_argument("--fresh", action="store_true", help="verify again what an earlier run proved")
     parser.add_argument("--recheck", action="store_true", help="check the certificates of a file again")
@@ -138,11 +150,13 @@ def _run(options: argparse.Namespace) -> int:
     interrupted = False
     unsaved: InputError | None = None
     try:
-        with display.shown():
-            certify_all(pending, limits, options.jobs, display.advance, finished)
+        with engine_of(options.scheduler, options.jobs, options.row_timeout) as engine, display.shown():
+            certify_all(pending, limits, options.jobs, display.advance, finished, engine)
     except KeyboardInterrupt:
         interrupted = True
     except InputError as error:
+        if not fresh:
+            raise
         unsaved = error
     done = {name: certificate for name, certificate in certificates.items() if name in fresh | kept}
     print(verdict_table(selected, done, kept), flush=True)
@@ -159,6 +173,8 @@ def _recheck(options: argparse.Namespace) -> int:
     for name in ("output", "fresh"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
+    if options.scheduler is not None:
+        raise InputError("--scheduler: certificates are checked again on this machine; give --jobs instead")
     stored = read_certificates(options.file)
     for name in options.only or ():
         if name not in stored:

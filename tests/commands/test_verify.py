@@ -73,7 +73,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Names of the candidates that are certified; what is certified is not proved, at once."""
     names: list[str] = []
 
-    def stub(candidates: Any, limits: Limits, jobs: int, progress: Any, finished: Any) -> None:
+    def stub(candidates: Any, limits: Limits, jobs: int, progress: Any, finished: Any, engine: Any) -> None:
         for candidate in candidates:
             names.append(candidate.id)
             finished(not_proved(candidate, Reason("stub", "message", "remedy"), 0.0))
@@ -179,7 +179,7 @@ def test_a_file_that_holds_no_certificates_is_not_overwritten(
 def test_finished_rows_survive_an_interrupt(tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     source, target = tmp_path / "candidates.json", tmp_path / "certificates.json"
 
-    def interrupted(candidates: Any, limits: Limits, jobs: int, progress: Any, finished: Any) -> None:
+    def interrupted(candidates: Any, limits: Limits, jobs: int, progress: Any, finished: Any, engine: Any) -> None:
         finished(certify(candidates[0], limits))
         raise KeyboardInterrupt
 
@@ -249,6 +249,36 @@ def test_worker_processes_give_the_same_certificates(finished: tuple[Path, Path]
         for row in rows.values():
             del row["computation"]["seconds"], row["digest"]
     assert one == two
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_gives_the_same_certificates(finished: tuple[Path, Path], tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    target = tmp_path / "certificates.json"
+    options = {"n_workers": 2, "threads_per_worker": 2, "dashboard_address": ":0", "silence_logs": 50}
+    with distributed.LocalCluster(**options) as cluster:
+        arguments = [str(finished[0]), "-o", str(target), "--scheduler", cluster.scheduler_address]
+        assert main([*arguments, "--max-precision", "256"]) == 1
+    one, two = read(finished[1]), read(target)
+    assert list(one) == list(two)
+    for rows in (one, two):
+        for row in rows.values():
+            del row["computation"]["seconds"], row["digest"]
+    assert one == two
+
+
+def test_a_cluster_that_is_not_there_is_refused_and_rows_are_checked_again_here(tmp_path: Path, capsys: Any) -> None:
+    source = write(tmp_path / "candidates.json", TRUE)
+    for arguments, word in (
+        ([source, "--scheduler", "somewhere"], "not an address"),
+        (["--recheck", source, "--scheduler", "127.0.0.1:8786"], "give --jobs instead"),
+    ):
+        assert main(arguments) == 2
+        output, errors = capsys.readouterr()
+        assert output == ""
+        assert word in errors
+        assert len(errors.splitlines()) == 1
 
 
 def test_a_row_whose_process_dies_is_not_proved_and_the_others_go_on() -> None:

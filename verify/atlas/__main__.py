@@ -6,7 +6,6 @@ import argparse
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -33,11 +32,9 @@ from orbitproof.verify.engines import (
     Answer,
     ArgumentParser,
     Display,
-    Engine,
-    Processes,
     Task,
     Work,
-    connected,
+    engine_of,
     positive_integer,
     positive_seconds,
 )
@@ -150,7 +147,7 @@ def _run(options: argparse.Namespace, work: Work) -> int:
     interrupted = False
     unsaved: InputError | None = None
     try:
-        with _engine(options) as engine, display.shown():
+        with engine_of(options.scheduler, options.jobs, options.timeout) as engine, display.shown():
             run.run(engine, display, saved, work)
     except KeyboardInterrupt:
         interrupted = True
@@ -196,12 +193,6 @@ def _limits(options: argparse.Namespace, atlas: Atlas) -> RunLimits:
     except ValueError as error:
         raise InputError(f"--precision, --order, --width: {error}; give larger numbers") from None
     return limits
-
-
-def _engine(options: argparse.Namespace) -> AbstractContextManager[Engine]:
-    if options.scheduler is not None:
-        return connected(options.scheduler)
-    return nullcontext(Processes(options.jobs, options.timeout))
 
 
 def _earlier(options: argparse.Namespace, atlas: Atlas, attempts: Sequence[Settings]) -> list[Result]:
@@ -288,7 +279,7 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
         def answered(answer: Answer) -> None:
             display.finish(answer.task.name, finished(answer))
 
-        with _engine(options) as engine, display.shown():
+        with engine_of(options.scheduler, options.jobs, options.timeout) as engine, display.shown():
             engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)
 
     def integrate_again(entries: Sequence[Certificate]) -> Sequence[Recheck]:

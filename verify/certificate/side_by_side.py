@@ -15,19 +15,25 @@ from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, broken_off, certify, not_proved
 from orbitproof.verify.certificate.levels import Finding, Recheck
 from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.engines import Answer, Failure, Processes, Progress, Report, Task
+from orbitproof.verify.engines import Answer, Engine, Failure, Processes, Progress, Report, Task
 from orbitproof.verify.evidence import Reason
 
 Finished = Callable[[Certificate], None]
 
 
 def certify_all(
-    candidates: Sequence[Candidate], limits: Limits, jobs: int, progress: Progress, finished: Finished
+    candidates: Sequence[Candidate],
+    limits: Limits,
+    jobs: int,
+    progress: Progress,
+    finished: Finished,
+    engine: Engine | None = None,
 ) -> None:
     """Certify every candidate and hand each certificate to `finished`, in the order in which they are done.
 
-    A row takes at most the time limit and `engines.GRACE_SECONDS`; what became of a process that was ended, or
-    that ended by itself, is the reason of its row.
+    They are done by `engine`, or by `jobs` processes of this machine. There a row takes at most the time limit and
+    `engines.GRACE_SECONDS`; what became of a process that was ended, or that ended by itself, is the reason of its
+    row.
     """
     known = {candidate.id: candidate for candidate in candidates}
     waiting = deque(candidates)
@@ -41,7 +47,7 @@ def certify_all(
     def answered(answer: Answer) -> None:
         finished(_certificate(known[answer.task.name], answer))
 
-    Processes(jobs, limits.timeout).run(certify_task, source, progress, answered)
+    (engine or Processes(jobs, limits.timeout)).run(certify_task, source, progress, answered)
 
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:

@@ -1,7 +1,7 @@
 """Where tasks are done, side by side, and what people see of it."""
 
 from orbitproof.shared.processes import GRACE_SECONDS, Answer, Failure, Progress, Report, Task
-from orbitproof.verify.engines.cluster import connected
+from orbitproof.verify.engines.cluster import connected, engine_of
 from orbitproof.verify.engines.options import ArgumentParser, positive_integer, positive_seconds
 from orbitproof.verify.engines.processes import Engine, Processes, Work
 from orbitproof.verify.engines.progress import Display, aligned
@@ -20,6 +20,7 @@ __all__ = [
     "Work",
     "aligned",
     "connected",
+    "engine_of",
     "positive_integer",
     "positive_seconds",
 ]

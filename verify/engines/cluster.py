@@ -12,13 +12,13 @@ import re
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from importlib import import_module
 from typing import Any
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Progress, Source, Task
-from orbitproof.verify.engines.processes import Finished, Work, on_text
+from orbitproof.verify.engines.processes import Engine, Finished, Processes, Work, on_text
 from orbitproof.verify.evidence import software
 
 _CONNECT_SECONDS = 10
@@ -84,6 +84,11 @@ def _result(future: Any) -> Mapping[str, Any] | Failure:
         return Failure("process", "a worker of the cluster has another version of the software")
     result: Mapping[str, Any] = json.loads(answer["result"])
     return result
+
+
+def engine_of(scheduler: str | None, jobs: int, timeout: float | None) -> AbstractContextManager[Engine]:
+    """The cluster of a scheduler if its address is given, otherwise processes of this machine."""
+    return nullcontext(Processes(jobs, timeout)) if scheduler is None else connected(scheduler)
 
 
 @contextmanager
