@@ -137,7 +137,7 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
         return
     if stated.enclosures is None:
         yield Finding("enclosures", "there are none, so nothing shows that the claim is proved")
-    theorem = theorem_of(stated.claim)
+    theorem = theorem_of(stated.candidate, stated.form)
     names = tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"])
     if not isinstance(theorem, Theorem):
         yield Finding("statement.candidate", f"{theorem.message}: {theorem.remedy}")
