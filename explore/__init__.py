@@ -9,6 +9,8 @@ from typing import Any
 
 import lazy_loader
 
+from orbitproof.shared.extras import missing_extra
+
 # XLA reports on standard error that it takes some processors' tuning preferences for missing instructions
 # (the code is then compiled again). It reads this once, when JAX is imported.
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
@@ -22,7 +24,7 @@ def __getattr__(name: str) -> Any:
     try:
         return _attribute(name)
     except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] == "orbitproof":
+        line = missing_extra(error)
+        if line is None:
             raise
-        message = f"orbitproof.explore needs {error.name}: pip install 'orbitproof[explore]'"
-        raise ModuleNotFoundError(message, name=error.name) from None
+        raise ModuleNotFoundError(line, name=error.name) from None

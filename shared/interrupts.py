@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 
+from orbitproof.shared.extras import missing_extra
+
 ENDING_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 """The signals that ask a run to end, as far as the system knows them."""
 
@@ -32,10 +34,19 @@ def held_back() -> Iterator[None]:
 
 
 def run_command(main: Callable[[], int]) -> int:
-    """The exit code of a command line that signals end as Ctrl-C does; 130 where it does not care for itself."""
+    """The exit code of a command line that signals end as Ctrl-C does; 130 where it does not care for itself.
+
+    Where a package of an extra is missing, one line says so, and the code is 2.
+    """
     with ending_by_signals():
         try:
             return main()
+        except ModuleNotFoundError as error:
+            line = missing_extra(error)
+            if line is None:
+                raise
+            print(f"error: {line}", file=sys.stderr)
+            return 2
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)
             return 130

@@ -33,6 +33,14 @@ from orbitproof.verify.engines import (
     positive_seconds,
 )
 
+_DESCRIPTION = """\
+Prove bifurcations of symmetric periodic orbits: rigorous verification of candidate boxes.
+
+commands:
+  orbitproof verify FILE ..         certificates of bifurcations, from candidates (this page)
+  orbitproof verify atlas FILE ..   certificates of whole branches, from atlases (orbitproof verify atlas --help)
+"""
+
 _EXAMPLES = """\
 examples:
   orbitproof verify candidates.json
@@ -57,7 +65,7 @@ with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input
 def _parser() -> argparse.ArgumentParser:
     parser = ArgumentParser(
         prog="orbitproof verify",
-        description="Prove bifurcations of symmetric periodic orbits: rigorous verification of candidate boxes.",
+        description=_DESCRIPTION,
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

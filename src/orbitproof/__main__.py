@@ -32,13 +32,7 @@ def _run() -> int:
     if name not in _ROOMS:
         print(f"error: {name}: there is no such command; there are {', '.join(_ROOMS)}", file=sys.stderr)
         return 2
-    try:
-        room = importlib.import_module(f"orbitproof.{name}.__main__")
-    except ModuleNotFoundError as error:
-        if (error.name or "").partition(".")[0] == "orbitproof":
-            raise
-        print(f"error: orbitproof {name} needs {error.name}: pip install 'orbitproof[{name}]'", file=sys.stderr)
-        return 2
+    room = importlib.import_module(f"orbitproof.{name}.__main__")
     code: int = room.main(arguments[1:])
     return code
 
