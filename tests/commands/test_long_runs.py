@@ -5,7 +5,11 @@ from __future__ import annotations
 import errno
 import json
 import os
+import re
+import shlex
+import shutil
 import signal
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -217,3 +221,32 @@ def test_a_step_of_the_data_command_ends_with_it(sent: str, tmp_path: Path) -> N
         assert run.returncode == 130
         assert "go on with: orbitproof figures data" in errors
     assert (tmp_path / "unfinished.txt").exists()
+
+
+@pytest.mark.skipif(not SEES_PROCESSES or shutil.which("make") is None, reason="needs make and /proc")
+@pytest.mark.parametrize("sent", ["SIGKILL", "SIGTERM"])
+def test_a_command_that_make_runs_ends_with_make(sent: str, tmp_path: Path) -> None:
+    source, target, file = tmp_path / "candidates.json", tmp_path / "certificates.json", tmp_path / "Makefile"
+    write(source, TRUE, ENDLESS)
+    (bound,) = re.findall(r"^BOUND = .+$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    words = shlex.join([sys.executable, *command(source, target, "2")])
+    file.write_text(f"{bound}\nall:\n\t@$(BOUND) {words} || exit $$?\n")
+    with started(["-f", str(file)], program="make") as run:
+        wait_until(target.exists)
+        (shell,) = children(run.pid, "orbitproof")
+        (verifier,) = children(shell, "orbitproof")
+        found = [verifier, *workers(verifier)]
+        assert len(found) > 1
+        run.send_signal(getattr(signal, sent))
+        run.wait(timeout=60)
+        wait_until(lambda: not any(is_running(process) for process in found))
+    assert list(read(target)) == ["true"]
+
+
+def test_every_long_recipe_is_bound_to_make() -> None:
+    """All but those that end by themselves in a moment."""
+    recipes = re.findall(r"^(\w+):.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    running = {name: text for name, text in recipes if re.search(r"\$\((EXPLORE|VERIFY|FIGURES)\)|orbitproof ", text)}
+    assert {"demo", "branches", "figures"} <= set(running)
+    for name in ("demo", "branches", "figures"):
+        assert running[name].startswith("\t@$(BOUND) "), name

@@ -18,8 +18,10 @@ _PATIENCE_SECONDS = 120.0
 
 
 @contextmanager
-def started(words: Sequence[str], sigint: Any = signal.default_int_handler, **options: Any) -> Iterator[Any]:
-    """A Python process with these arguments, in a process group of its own that is ended whatever happens.
+def started(
+    words: Sequence[str], sigint: Any = signal.default_int_handler, program: str = sys.executable, **options: Any
+) -> Iterator[Any]:
+    """A process of Python, or another program, in a process group of its own that is ended whatever happens.
 
     Signals work in it also where they are ignored in the tests (Ctrl-C in the background of a script, SIGHUP under
     nohup); `sigint` may be `signal.SIG_IGN`.
@@ -28,7 +30,7 @@ def started(words: Sequence[str], sigint: Any = signal.default_int_handler, **op
     before = {number: signal.signal(number, handler) for number, handler in handling.items()}
     try:
         run = subprocess.Popen(
-            [sys.executable, *words], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            [program, *words], cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             start_new_session=True, **options,
         )  # fmt: skip
     finally:
