@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import json
 import os
@@ -141,6 +142,25 @@ def test_a_resonance_is_found_refined_and_proved(family: explore.OrbitFamily) ->
     (certificate,) = verify.certify([claim], quiet=True)
     assert str(certificate).startswith(PROVED)
     assert certificate.candidate.centre == claim.centre
+
+
+def test_the_notebook_runs_and_ends_in_a_certificate_that_stands(capsys: pytest.CaptureFixture[str]) -> None:
+    """Cell by cell, as a notebook does: the last expression of a cell is shown."""
+    notebook = json.loads((ROOT / "docs" / "first-proof.ipynb").read_text("utf-8"))
+    names: dict[str, object] = {}
+    shown: list[object] = []
+    for cell in notebook["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        assert cell["outputs"] == []
+        body = ast.parse("".join(cell["source"])).body
+        last = body.pop() if isinstance(body[-1], ast.Expr) else None
+        exec(compile(ast.Module(body, []), "notebook", "exec"), names)
+        if last is not None:
+            shown.append(eval(compile(ast.Expression(last.value), "notebook", "eval"), names))
+    assert shown[-1] is True
+    assert PROVED in capsys.readouterr().out
+    assert all("<table>" in value._repr_html_() for value in shown if hasattr(value, "_repr_html_"))
 
 
 def test_a_family_is_a_sequence_of_orbits(family: explore.OrbitFamily) -> None:
