@@ -26,9 +26,10 @@ from orbitproof.verify.bifurcation import (
     check_reduction,
     level_form,
     locate,
+    reduced_function,
 )
 from orbitproof.verify.certificate import tables_from_json
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, guarded, meet, up_to
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, guarded, meet
 
 
 @dataclass(frozen=True)
@@ -104,22 +105,12 @@ def _family(problem: Problem, family: Family, parts: int) -> Array:
 
 
 def _branch(problem: Problem, family: Family, reduction: BifurcationFunction, parts: int) -> Array:
-    """Boxes around (p_0(p_1), p_1): p_0 = -g(0, p_1) / g_0, with g and g_0 enclosed as in section 8.4."""
+    """Boxes around (p_0(p_1), p_1), from the reduced function of section 8.4."""
     p_0, p_1 = problem.box[:2]
-    slope = family.jet(family.over(p_0)).slope
-    over_box = reduction.jet(reduction.over(p_0, p_1))
-    g_0 = over_box.derivative(1, 1) + over_box.derivative(0, 2) * slope / 2
-    foot = family.over(arb(0))
-    at_foot, across = reduction.jet(foot), reduction.jet(reduction.over(arb(0), p_1))
+    reduced = reduced_function(p_0, p_1, family, reduction)
     rows = []
     for low, high, ball in _pieces(problem.radii[1], parts):
-        distance = ball - foot[1]
-        square = up_to(distance.abs_upper() * distance.abs_upper()) if distance.contains(0) else distance * distance
-        first = at_foot.derivative(0, 1) + across.derivative(0, 2) * distance / 2
-        second = (
-            at_foot.derivative(0, 1) + at_foot.derivative(0, 2) * distance / 2 + across.derivative(0, 3) * square / 6
-        )
-        rows.append([*_ends(meet(p_0, -meet(first, second) / g_0), problem.radii[0]), low, high])
+        rows.append([*_ends(meet(p_0, reduced.zero(ball)), problem.radii[0]), low, high])
     return np.array(rows)
 
 

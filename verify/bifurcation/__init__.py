@@ -8,7 +8,7 @@ from orbitproof.verify.bifurcation.level_forms import (
     level_form,
     level_spread,
 )
-from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family
+from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family, reduced_function
 from orbitproof.verify.bifurcation.theorem import (
     BifurcationResults,
     check_exactly,
@@ -37,5 +37,6 @@ __all__ = [
     "locate",
     "prepare",
     "prove",
+    "reduced_function",
     "theorem_of",
 ]

@@ -14,7 +14,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import remedies
-from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family, PeriodTwoFamily
+from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family, PeriodTwoFamily, reduced_function
 from orbitproof.verify.evidence import (
     Checklist,
     Evidence,
@@ -26,7 +26,6 @@ from orbitproof.verify.evidence import (
     meet,
     show,
     symmetric,
-    up_to,
 )
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, indices_up_to, is_regular
 from orbitproof.verify.poincare import MAX_ORDER, DerivativeTable
@@ -169,28 +168,10 @@ def check_reduced_function(
     remedy = "widen P_0 or choose a smaller P_1; is k right, and the centre at the bifurcation point?"
     with checklist.hypothesis(f"{problem.prefix}C3", "8.4", statement, remedy) as evidence:
         p_0, p_1 = problem.box[:2]
-        slope = family.jet(family.over(p_0)).slope
-        jet = reduction.jet(reduction.over(p_0, p_1))
-        g_0 = evidence.record("g_0", jet.derivative(1, 1) + jet.derivative(0, 2) * slope / 2)
-        _require_nonzero(evidence, "g_0 = ", g_0)
-        g = evidence.record("g(0, P_1)", _reduced_function_at_centre(problem, family, reduction))
-        _require_inside(evidence, "p_0(P_1)", -g / g_0, problem.radii[0], (0, 1))
-
-
-def _reduced_function_at_centre(problem: Problem, family: Family, reduction: BifurcationFunction) -> arb:
-    """Enclosure of g(0, P_1), by Taylor's theorem in p_1 about the family's point c = p_1(0).
-
-    g(0, p_1) is the mean of G_1(0, c + t (p_1 - c)) over t in [0, 1]; the powers of t have means 1/2, 1/3.
-    """
-    p_1 = problem.box[1]
-    foot = family.over(arb(0))
-    at_foot = reduction.jet(foot)
-    across = reduction.jet(reduction.over(arb(0), p_1))
-    distance = p_1 - foot[1]
-    square = up_to(distance.abs_upper() * distance.abs_upper())
-    first = at_foot.derivative(0, 1) + across.derivative(0, 2) * distance / 2
-    second = at_foot.derivative(0, 1) + at_foot.derivative(0, 2) * distance / 2 + across.derivative(0, 3) * square / 6
-    return meet(first, second)
+        reduced = reduced_function(p_0, p_1, family, reduction)
+        _require_nonzero(evidence, "g_0 = ", evidence.record("g_0", reduced.slope))
+        evidence.record("g(0, P_1)", reduced.at_centre(p_1))
+        _require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem.radii[0], (0, 1))
 
 
 def check_transversality(

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from flint import arb
+from flint import arb, fmpq, fmpq_mat
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import round_dyadic
@@ -69,9 +69,10 @@ def level_form(candidate: Candidate) -> Candidate | None:
             tuple(value if (j == 1) == is_odd else Fraction(0) for j, value in enumerate(row))
             for row, is_odd in zip(frame, odd, strict=True)
         )
-    tilt = _solve(across, along)
-    if tilt is None:
+    unsheared = _inverse(tuple(zip(*across, strict=True)))
+    if unsheared is None:
         return None
+    tilt = [sum((a * b for a, b in zip(row, along, strict=True)), Fraction(0)) for row in unsheared]
     level = round_dyadic(exact_value(table.centre[(0,) * size].mid()), 2 * bits)
     form = replace(
         candidate,
@@ -181,8 +182,9 @@ def _images(form: Candidate, candidate: Candidate, table: DerivativeTable, kept:
     p_i' = T_i0 (H(0) - h_c + Q) + sum_j (T_i0 s_j + L_ij) p_j, where L is T times the kept rows of the old frame.
     """
     size = len(form.radii)
-    columns = [[row[j] for row in form.frame] for j in range(size)]
-    inverse = [_solve(columns, [Fraction(int(i == j)) for i in range(size)]) for j in range(size)]
+    inverse = _inverse(form.frame)
+    if inverse is None:
+        return None
     sides = [symmetric(radius) for radius in candidate.radii]
     remainder = arb(0)
     for i in range(size):
@@ -191,16 +193,10 @@ def _images(form: Candidate, candidate: Candidate, table: DerivativeTable, kept:
             remainder = remainder + table.box[index] * sides[i] * sides[j] / 2
     offset = table.centre[(0,) * size] - enclose(form.centre[0]) + remainder
     images = []
-    for i in range(size):
-        rows = [column[i] if column is not None else None for column in inverse]
-        first, *others = rows
-        if first is None or any(value is None for value in others):
-            return None
+    for first, *others in inverse:
         value = enclose(first) * offset
         for j, side in enumerate(sides):
-            direct = sum(
-                (t * candidate.frame[n][j] for t, n in zip(others, kept, strict=True) if t is not None), Fraction(0)
-            )
+            direct = sum((t * candidate.frame[n][j] for t, n in zip(others, kept, strict=True)), Fraction(0))
             unit = tuple(int(j == n) for n in range(size))
             value = value + (enclose(first) * table.centre[unit] + enclose(direct)) * side
         images.append(value)
@@ -208,13 +204,12 @@ def _images(form: Candidate, candidate: Candidate, table: DerivativeTable, kept:
 
 
 def coordinates_in_box(candidate: Candidate, point: Mapping[str, arb]) -> list[arb]:
-    """Enclosures of the p of a point of Fix(R), given by its coordinates. The frame has to be regular."""
-    size = len(candidate.radii)
-    columns = [[row[j] for row in candidate.frame] for j in range(size)]
-    inverse = [_solve(columns, [Fraction(int(i == j)) for i in range(size)]) for j in range(size)]
+    """Enclosures of the p of a point of Fix(R), given by its coordinates. Not finite if the frame is singular."""
     distance = [point[name] - enclose(c) for name, c in zip(candidate.coordinates, candidate.centre, strict=True)]
-    rows = [[enclose(column[i]) for column in inverse if column is not None] for i in range(size)]
-    return [dot(row, distance) for row in rows]
+    inverse = _inverse(candidate.frame)
+    if inverse is None:
+        return [arb("nan")] * len(distance)
+    return [dot([enclose(value) for value in row], distance) for row in inverse]
 
 
 def in_box(candidate: Candidate, point: Mapping[str, arb]) -> bool:
@@ -223,18 +218,10 @@ def in_box(candidate: Candidate, point: Mapping[str, arb]) -> bool:
     return all(is_inside(ball, radius) for ball, radius in zip(where, candidate.radii, strict=True))
 
 
-def _solve(columns: Sequence[Sequence[Fraction]], right: Sequence[Fraction]) -> list[Fraction] | None:
-    """x with sum_j x_j columns[j] = right; `None` if the columns are dependent."""
-    size = len(right)
-    rows = [[columns[j][i] for j in range(size)] + [right[i]] for i in range(size)]
-    for column in range(size):
-        pivot = next((i for i in range(column, size) if rows[i][column]), None)
-        if pivot is None:
-            return None
-        rows[column], rows[pivot] = rows[pivot], rows[column]
-        rows[column] = [value / rows[column][column] for value in rows[column]]
-        for i in range(size):
-            if i != column and rows[i][column]:
-                factor = rows[i][column]
-                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
-    return [row[size] for row in rows]
+def _inverse(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]] | None:
+    """The inverse, exactly; `None` if there is none."""
+    try:
+        rows = fmpq_mat([[fmpq(value.numerator, value.denominator) for value in row] for row in matrix]).inv().tolist()
+    except ZeroDivisionError:
+        return None
+    return [[Fraction(int(value.p), int(value.q)) for value in row] for row in rows]

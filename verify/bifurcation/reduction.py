@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
+from orbitproof.verify.evidence import meet, up_to
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet, compose
 
 
@@ -79,3 +80,43 @@ class DoublySymmetricFamily:
 
 
 Family = PeriodTwoFamily | DoublySymmetricFamily
+
+
+@dataclass(frozen=True)
+class ReducedFunction:
+    """g(p_0, p_1), the mean of G_1 between the family and p_1, whose zeros are the branch of new orbits (section 8.4).
+
+    Attributes:
+        slope: enclosure of dg/dp_0 over the box.
+        foot: p_1 of the family at p_0 = 0.
+        at_foot: jet of G there.
+        across: jet of G at all points with p_0 = 0.
+    """
+
+    slope: arb
+    foot: arb
+    at_foot: Jet
+    across: Jet
+
+    def at_centre(self, p_1: arb) -> arb:
+        """Enclosure of g(0, p_1) for p_1 in a part of P_1, by Taylor's theorem about the family's point c = p_1(0).
+
+        g(0, p_1) is the mean of G_1(0, c + t (p_1 - c)) over t in [0, 1]; the powers of t have means 1/2, 1/3.
+        """
+        distance, value = p_1 - self.foot, self.at_foot.derivative(0, 1)
+        square = up_to(distance.abs_upper() * distance.abs_upper())
+        first = value + self.across.derivative(0, 2) * distance / 2
+        second = value + self.at_foot.derivative(0, 2) * distance / 2 + self.across.derivative(0, 3) * square / 6
+        return meet(first, second)
+
+    def zero(self, p_1: arb) -> arb:
+        """Enclosure of the p_0 at which g(p_0, p_1) = 0, by the interval Newton operator at p_0 = 0."""
+        return -self.at_centre(p_1) / self.slope
+
+
+def reduced_function(p_0: arb, p_1: arb, family: Family, reduction: BifurcationFunction) -> ReducedFunction:
+    """The reduced function on the box P_0 x P_1."""
+    jet = reduction.jet(reduction.over(p_0, p_1))
+    slope = jet.derivative(1, 1) + jet.derivative(0, 2) * family.jet(family.over(p_0)).slope / 2
+    foot = family.over(arb(0))
+    return ReducedFunction(slope, foot[1], reduction.jet(foot), reduction.jet(reduction.over(arb(0), p_1)))

@@ -17,7 +17,7 @@ import numpy as np
 
 from orbitproof.shared.formats import Candidate, candidate_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS
-from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, in_own_box, level_form, prove, theorem_of
+from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, level_form, prove, theorem_of
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certify import (
     GREATEST_PRECISION,
@@ -142,9 +142,8 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     if not isinstance(theorem, Theorem):
         yield Finding("statement.candidate", f"{theorem.message}: {theorem.remedy}")
         return
-    expected = (theorem if stated.form is None else in_own_box(theorem)).hypotheses
-    if names != expected:
-        texts = (", ".join(entries) for entries in (names, expected))
+    if names != theorem.hypotheses:
+        texts = (", ".join(entries) for entries in (names, theorem.hypotheses))
         yield Finding("hypotheses", "stored are {}; the theorem takes {}".format(*texts))
 
 

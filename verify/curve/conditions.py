@@ -42,20 +42,16 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[Mapping[st
         "symmetries", "1.3", "R reverses the system, and the symmetry of the claim commutes with its flow", _REMEDY
     ) as evidence:
         evidence.require(_symmetries_hold(atlas), "the vector field was not shown to have the symmetries")
-    with checklist.hypothesis(
-        "pieces", "15.3", "the pieces are of the kinds that the claim takes, regular, and adapted to its symmetry",
-        "write the atlas again",
-    ) as evidence:  # fmt: skip
+    statement = "the pieces are of the kinds that the claim takes, regular, and adapted to its symmetry"
+    with checklist.hypothesis("pieces", "15.3", statement, "write the atlas again") as evidence:
         _check_pieces(evidence, atlas)
     by_piece: dict[str, list[Mapping[str, Any]]] = {piece.id: [] for piece in atlas.curve_pieces()}
     for result in results:
         by_piece.setdefault(str(result.get("piece")), []).append(result)
     tubes = [read_tube(piece, by_piece[piece.id]) for piece in atlas.curve_pieces()]
     found: Chain | None = None
-    with checklist.hypothesis(
-        "curve", "15.5", "every piece is proved where the curve uses it and leads into the tube of the next one",
-        _REMEDY,
-    ) as evidence:  # fmt: skip
+    statement = "every piece is proved where the curve uses it and leads into the tube of the next one"
+    with checklist.hypothesis("curve", "15.5", statement, _REMEDY) as evidence:
         found = follow(evidence, claim.kind, tubes)
     assert found is not None
     if claim.kind in ("symmetric-arc", "symmetric-loop"):
