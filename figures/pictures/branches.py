@@ -41,6 +41,7 @@ from orbitproof.figures.style import (
     label_of,
     legend_below,
     legend_handles,
+    legend_row,
     level_label,
     marker_of,
     save,
@@ -279,13 +280,7 @@ def _branch_legend(figure: Figure, branch: BranchRecord, with_family: bool) -> N
         Line2D([], [], color=INK, marker=".", linestyle="none", markersize=6, label="the orbit of (c) there"),
     ]
     for row, height in ((lines, 0.25), (points, 0.06)):
-        figure.legend(
-            handles=row,
-            loc="lower center",
-            ncols=len(row),
-            borderaxespad=0.0,
-            bbox_to_anchor=(0.5, height / figure.get_figheight()),
-        )
+        legend_row(figure, row, height)
 
 
 def _legend(figure: Figure, branches: Sequence[BranchRecord]) -> None:

@@ -24,6 +24,7 @@ from orbitproof.figures.style import (
     close,
     draw_point,
     label_of,
+    legend_row,
     marker_of,
     save,
     use_style,
@@ -83,13 +84,7 @@ def draw_certified(curves: CertifiedCurves, branch: BranchRecord | None) -> Figu
     )
     points = verdict_handles([True, False] if branch is not None else [True])
     for row, height in ((handles, 0.25), ([line, *points], 0.06)):
-        figure.legend(
-            handles=row,
-            loc="lower center",
-            ncols=len(row),
-            borderaxespad=0.0,
-            bbox_to_anchor=(0.5, height / figure.get_figheight()),
-        )
+        legend_row(figure, row, height)
     return figure
 
 

@@ -255,10 +255,4 @@ def _legend(figure: Figure, handles: Sequence[Any], claims: Sequence[tuple[int, 
     certified = [True] * bool(claims)
     if claims:
         legend_below(figure, claims, certified)
-    figure.legend(
-        handles=list(handles),
-        loc="lower center",
-        ncols=len(handles),
-        borderaxespad=0.0,
-        bbox_to_anchor=(0.5, legend_height(claims, certified) / figure.get_figheight()),
-    )
+    legend_row(figure, list(handles), legend_height(claims, certified))

@@ -30,6 +30,7 @@ from orbitproof.figures.style import (
     bottom_margin,
     bounds_of,
     draw_mark,
+    draw_resonance,
     label_of,
     legend_below,
     level_label,
@@ -211,17 +212,7 @@ def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Pl
     levels = resonances([p.mark.k for p in placements] or [1, 2, 3, 4])
     for k, values in levels.items():
         for value in values:
-            axes.axhline(value, color=marker_of(k)[1], linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
-            axes.annotate(
-                f"1:{k}",
-                (1.0, value),
-                xycoords=("axes fraction", "data"),
-                xytext=(4, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=7,
-                color=INK,
-            )
+            draw_resonance(axes, k, value)
     for placement in placements:
         found = stability_at(family, placement.arclength)
         miss = [float(np.nanmin(np.abs(found - value), initial=np.inf)) for value in levels[placement.mark.k]]

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from orbitproof.figures.model import Array, SampledFamily, symmetric_orbits
 from orbitproof.figures.pictures.halo_plane import family_title, mass_title
-from orbitproof.figures.style import CURVE, INK, bounds_of, set_box
+from orbitproof.figures.style import CURVE, INK, bounds_of, legend_row, set_box
 
 _WIDTH = 7.2
 _COLUMNS, _ROWS = 4, 3
@@ -49,7 +49,7 @@ def draw_gallery(family: SampledFamily) -> Figure:
         Line2D([], [], color=_SHADOW, linewidth=0.8, label="its shadow on the floor"),
         Line2D([], [], linestyle="none", marker="x", color=INK, markersize=3, label="smaller primary"),
     ]
-    figure.legend(handles=handles, loc="lower center", ncols=3, borderaxespad=0.0, bbox_to_anchor=(0.5, 0.25 / height))
+    legend_row(figure, handles, 0.25)
     text = (
         f"$C$ {family.system.first_integral_name}, $T$ period, third line: extent in $x$, $y$, $z$; nondimensional. "
         "Arrow on the floor: direction of $x$."

@@ -22,6 +22,7 @@ from orbitproof.figures.style import (
     label_of,
     legend_below,
     legend_height,
+    legend_row,
     show_around,
 )
 from orbitproof.shared.systems import MASS_PARAMETERS
@@ -234,11 +235,4 @@ def _legend(figure: Figure, handles: list[Line2D], marks: Sequence[MarkedPoint])
     """The usual legend below all axes, with one more row above it."""
     claims, certified = {(m.k, m.candidate.kind) for m in marks}, [m.certified for m in marks]
     legend_below(figure, claims, certified)
-    height = figure.get_figheight()
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        ncols=len(handles),
-        borderaxespad=0.0,
-        bbox_to_anchor=(0.5, legend_height(claims, certified) / height),
-    )
+    legend_row(figure, handles, legend_height(claims, certified))

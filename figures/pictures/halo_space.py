@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from orbitproof.figures.model import Array, SampledFamily, symmetric_orbits
-from orbitproof.figures.style import CURVE, INK, bounds_of, set_box
+from orbitproof.figures.style import CURVE, INK, bounds_of, legend_row, set_box
 
 _WIDTH = 7.2
 _HALO = "#b2182b"
@@ -116,12 +116,5 @@ def _primary(axes: Any, family: SampledFamily) -> None:
 
 def _legend(figure: Figure, handles: list[Line2D], text: str) -> None:
     height = figure.get_figheight()
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        ncols=len(handles),
-        borderaxespad=0.0,
-        columnspacing=1.2,
-        bbox_to_anchor=(0.5, 0.25 / height),
-    )
+    legend_row(figure, handles, 0.25, columnspacing=1.2)
     figure.text(0.5, 0.07 / height, text, ha="center", va="bottom", fontsize=7, color=INK)

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.portraits import Portrait
-from orbitproof.figures.style import CURVE, INK
+from orbitproof.figures.style import CURVE, INK, legend_row
 
 _WIDTH = 7.2
 _MANIFOLD = "#b2182b"
@@ -99,12 +99,5 @@ def _legend(figure: Figure) -> None:
         Line2D([], [], color="#777777", linewidth=0.8, linestyle=(0, (5, 3)), label="Fix($R$)"),
     ]
     height = figure.get_figheight()
-    figure.legend(
-        handles=handles,
-        loc="lower center",
-        ncols=5,
-        borderaxespad=0.0,
-        bbox_to_anchor=(0.5, 0.25 / height),
-        columnspacing=1.2,
-    )
+    legend_row(figure, handles, 0.25, columnspacing=1.2)
     figure.text(0.5, 0.06 / height, "hollow: numerical only", ha="center", va="bottom", fontsize=7.5, color=INK)

@@ -23,6 +23,7 @@ from orbitproof.figures.style import (
     SECOND_CURVE,
     bottom_margin,
     draw_mark,
+    draw_resonance,
     legend_below,
     marker_of,
     resonances,
@@ -102,18 +103,7 @@ def _panel(
     axes.plot(arclength, pairs, color=SECOND_CURVE, linestyle="dotted")
     for k, values in resonances(sorted({item.k for item in places}) or [2, 3, 4]).items():
         for value in values:
-            axes.axhline(value, color=marker_of(k)[1], linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
-            if high == arclength[-1] or letter == "a":
-                axes.annotate(
-                    f"1:{k}",
-                    (1.0, value),
-                    xycoords=("axes fraction", "data"),
-                    xytext=(4, 0),
-                    textcoords="offset points",
-                    va="center",
-                    fontsize=7,
-                    color=INK,
-                )
+            draw_resonance(axes, k, value, named=high == arclength[-1] or letter == "a")
     for item in sorted(places, key=_is_certified):
         if low <= item.arclength <= high:
             _draw_place(axes, item)

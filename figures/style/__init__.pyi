@@ -9,10 +9,12 @@ from .style import bottom_margin as bottom_margin
 from .style import close as close
 from .style import draw_mark as draw_mark
 from .style import draw_point as draw_point
+from .style import draw_resonance as draw_resonance
 from .style import label_of as label_of
 from .style import legend_below as legend_below
 from .style import legend_handles as legend_handles
 from .style import legend_height as legend_height
+from .style import legend_row as legend_row
 from .style import level_label as level_label
 from .style import marker_of as marker_of
 from .style import resonances as resonances

@@ -118,13 +118,15 @@ def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:
 def legend_below(figure: Figure, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> None:
     """Legend below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean."""
     for number, row in enumerate(_legend_rows(claims, certified)):
-        figure.legend(
-            handles=row,
-            loc="lower center",
-            ncols=len(row),
-            borderaxespad=0.0,
-            bbox_to_anchor=(0.5, (_LEGEND_FOOT + number * _LEGEND_ROW) / figure.get_figheight()),
-        )
+        legend_row(figure, row, _LEGEND_FOOT + number * _LEGEND_ROW)
+
+
+def legend_row(figure: Figure, handles: Sequence[Any], height: float, **look: Any) -> None:
+    """One row of a legend in the middle of a figure, `height` inches above its foot."""
+    place = (0.5, height / figure.get_figheight())
+    figure.legend(
+        handles=handles, loc="lower center", ncols=len(handles), borderaxespad=0.0, bbox_to_anchor=place, **look
+    )
 
 
 def legend_height(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:
@@ -160,6 +162,14 @@ def level_label(system: ReversibleSystem) -> str:
 def resonances(multiplicities: Sequence[int]) -> dict[int, tuple[float, ...]]:
     """Values of the stability parameter in 1:k resonance, by k."""
     return {k: resonant_values(k) for k in sorted(set(multiplicities))}
+
+
+def draw_resonance(axes: Axes, k: int, value: float, named: bool = True) -> None:
+    """The line of a resonant value across axes of stability parameters, named 1:k on their right."""
+    axes.axhline(value, color=marker_of(k)[1], linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
+    if named:
+        where = {"xycoords": ("axes fraction", "data"), "xytext": (4, 0), "textcoords": "offset points"}
+        axes.annotate(f"1:{k}", (1.0, value), va="center", fontsize=7, color=INK, **where)
 
 
 def show_around(axes: Axes, inset: Axes, points: NDArray[np.float64], margin: float, ticks: tuple[int, int]) -> None:
