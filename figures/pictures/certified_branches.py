@@ -23,6 +23,7 @@ from orbitproof.figures.style import (
     label_of,
     legend_below,
     legend_height,
+    legend_row,
     show_around,
 )
 from orbitproof.shared.systems import MASS_PARAMETERS
