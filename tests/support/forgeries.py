@@ -58,11 +58,14 @@ def checked(document: Mapping[str, Any], prover: Prover | None = None, given: Se
     return recheck_atlas(document, given, prover is not None, means)
 
 
-def honest(results: Sequence[Mapping[str, Any]]) -> Prover:
-    """A prover that finds for each piece what these results say, and nothing for others."""
+def honest(results: Sequence[Mapping[str, Any]], pieces: Sequence[Mapping[str, Any]] | None = None) -> Prover:
+    """A prover that finds for each piece what these results say, and nothing for others.
+
+    With `pieces`, nothing for a piece either that is none of them as it stands.
+    """
 
     def prover(argument: Mapping[str, Any], report: Callable[[float, str], None]) -> Mapping[str, Any]:
-        for result in results:
+        for result in results if pieces is None or argument["piece"] in pieces else ():
             if result["piece"] == argument["piece"]["id"] and argument["interval"] == result["interval"]:
                 return result
         reason = {"condition": "newton", "message": "there is no such orbit", "remedy": ""}

@@ -29,6 +29,7 @@ from orbitproof.verify.certificate import (
     Recheck,
     climb,
     confirmed,
+    decimals,
     differences,
     digest_findings,
     other_software,
@@ -122,6 +123,7 @@ def _conclusion(
         examination.notes += (f"{atlas.system.name}: {UNKNOWN}",)
     bifurcations = _rests_on(document, given, examination)
     yield from _other_certificates(document, given)
+    yield from decimals(document["results"], "results")
     if atlas.is_surface:
         pieces = {piece.id: piece for piece in atlas.surface_pieces()}
         for index, result in enumerate(document["results"]):

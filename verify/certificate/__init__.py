@@ -22,6 +22,7 @@ from orbitproof.verify.certificate.levels import (
     Recheck,
     climb,
     confirmed,
+    decimals,
     differences,
     other_software,
 )
@@ -47,6 +48,7 @@ __all__ = [
     "certify_all",
     "climb",
     "confirmed",
+    "decimals",
     "differences",
     "digest",
     "digest_findings",

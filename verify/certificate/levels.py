@@ -15,7 +15,7 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import InputError
-from orbitproof.verify.evidence import ball_from_json, bounds, decimal_interval, software
+from orbitproof.verify.evidence import ball_from_json, ball_to_json, bounds, decimal_interval, software
 
 _SHOWN_DIGITS = 45
 _LONGEST_SHOWN = 100
@@ -166,6 +166,18 @@ def differences(stored: Any, again: Any, place: str) -> Iterator[Finding]:
             yield from differences(left, right, f"{place}[{index}]")
         return
     yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}")
+
+
+def decimals(value: Any, place: str) -> Iterator[Finding]:
+    """Where the decimals beside a ball, anywhere in a JSON value, are not those of the ball."""
+    if isinstance(value, Mapping) and {"mid", "rad"} <= set(value):
+        yield from differences(value, ball_to_json(ball_from_json(value)), place)
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from decimals(inner, f"{place}, {key}")
+    elif isinstance(value, list):
+        for index, inner in enumerate(value):
+            yield from decimals(inner, f"{place}[{index}]")
 
 
 def other_software(certificate: Mapping[str, Any]) -> Iterator[Finding]:
