@@ -1,7 +1,8 @@
 """The chapters of the method as a reader meets them: what they define, what is cited, and what does not fit together.
 
-Chapters are docs/method.md, the cover, and the README.md files of shared/ and verify/. Every check returns what it
-finds wrong, as lines of text that name the file.
+Chapters are docs/method.md, the cover, and the README.md files of shared/ and verify/. The second proof shares nothing
+with the method, not even its numbers: its chapter is a book of its own. Every check returns what it finds wrong, as
+lines of text that name the file.
 """
 
 from __future__ import annotations
@@ -48,24 +49,33 @@ def chapters(root: Path) -> dict[Path, str]:
     return {path: path.read_text("utf-8") for path in paths}
 
 
+def is_apart(path: Path) -> bool:
+    """Whether a file belongs to the second proof, which has numbers of its own."""
+    return "second_proof" in path.parts
+
+
+def _book(root: Path, apart: bool) -> list[str]:
+    return [text for path, text in chapters(root).items() if is_apart(path.relative_to(root)) == apart]
+
+
 def _documents(root: Path) -> list[Path]:
     return [root / "README.md", *sorted((root / "docs").glob("*.md")), *list(chapters(root))[1:]]
 
 
-def sections(root: Path) -> Counter[str]:
+def sections(root: Path, apart: bool = False) -> Counter[str]:
     """How often each section is there."""
-    return Counter(number for text in chapters(root).values() for number in _SECTION_HEADING.findall(_prose(text)))
+    return Counter(number for text in _book(root, apart) for number in _SECTION_HEADING.findall(_prose(text)))
 
 
-def results(root: Path) -> Counter[str]:
+def results(root: Path, apart: bool = False) -> Counter[str]:
     """How often each number of a lemma or theorem is given."""
-    found = (match for text in chapters(root).values() for match in _RESULT_HEADING.finditer(text))
+    found = (match for text in _book(root, apart) for match in _RESULT_HEADING.finditer(text))
     return Counter(match[2] for match in found)
 
 
-def formulas(root: Path) -> Counter[str]:
+def formulas(root: Path, apart: bool = False) -> Counter[str]:
     """How often each number of a formula is given."""
-    return Counter(number for text in chapters(root).values() for number in _FORMULA.findall(text))
+    return Counter(number for text in _book(root, apart) for number in _FORMULA.findall(text))
 
 
 def citations(root: Path) -> Iterator[Citation]:
@@ -84,23 +94,26 @@ def citations(root: Path) -> Iterator[Citation]:
                 yield Citation("section", section, path)
 
 
+def _numbered(root: Path, apart: bool) -> dict[str, Counter[str]]:
+    there, given = sections(root, apart), formulas(root, apart)
+    return {"section": there, "result": results(root, apart), "formula": given, "section or formula": there + given}
+
+
 def wrong_citations(root: Path) -> list[str]:
     """Citations of what is not there."""
-    known = {"section": sections(root), "result": results(root), "section or formula": sections(root) + formulas(root)}
+    known = {apart: _numbered(root, apart) for apart in (False, True)}
     missing = {
         f"{c.path.relative_to(root)}: {c.kind} {c.number} is not there"
         for c in citations(root)
-        if not known[c.kind][c.number]
+        if not known[is_apart(c.path.relative_to(root))][c.kind][c.number]
     }
     return sorted(missing)
 
 
 def repeated_numbers(root: Path) -> list[str]:
-    """Numbers that are given twice."""
-    kinds = {"section": sections(root), "lemma or theorem": results(root), "formula": formulas(root)}
-    return [
-        f"{kind} {number} is there {n} times" for kind, all_ in kinds.items() for number, n in all_.items() if n > 1
-    ]
+    """Numbers that are given twice in one book."""
+    counts = (_numbered(root, apart)[kind] for apart in (False, True) for kind in ("section", "result", "formula"))
+    return [f"{number} is there {n} times" for count in counts for number, n in count.items() if n > 1]
 
 
 def unnamed_modules(root: Path) -> list[str]:
@@ -112,7 +125,8 @@ def unnamed_modules(root: Path) -> list[str]:
             found.append(f"{room.relative_to(root)}: there is no README.md")
             continue
         table = re.search(r"^\| module \|.*\n(?:\|.*\n)*", chapter.read_text("utf-8"), re.MULTILINE)
-        named = set(re.findall(r"^\| `(\w+)` \|", table[0], re.MULTILINE)) if table else set()
+        rows = re.findall(r"^\| ([^|]*)\|", table[0], re.MULTILINE) if table else []
+        named = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
         modules = {path.stem for path in room.glob("*.py") if not path.stem.startswith("__")}
         found += [f"{chapter.relative_to(root)}: the table does not name `{name}`" for name in sorted(modules - named)]
         found += [f"{chapter.relative_to(root)}: there is no module `{name}`" for name in sorted(named - modules)]
@@ -164,12 +178,8 @@ def lost_paths(root: Path) -> list[str]:
 
 def wrong_cover(root: Path) -> list[str]:
     """Rows of the cover's table whose folder or sections are not those of the chapter."""
-    (cover, text), *rest = chapters(root).items()
-    rows = {}
-    for folder, listed in re.findall(
-        r"^\| [^|]+ \| \[[^\]]+\]\(\.\./([^)]+)/README\.md\) \| ([^|]*)\|", text, re.MULTILINE
-    ):
-        rows[root / folder / "README.md"] = set(_numbers(listed.strip()))
+    (cover, text), *rest = ((p, text) for p, text in chapters(root).items() if not is_apart(p.relative_to(root)))
+    rows = {root / folder / "README.md": set(_numbers(listed.strip())) for folder, listed in _COVER_ROW.findall(text)}
     found = [f"{cover.name}: no row for {path.relative_to(root)}" for path, _ in rest if path not in rows]
     for path, listed in rows.items():
         there = set(_SECTION_HEADING.findall(path.read_text("utf-8"))) if path.exists() else set()
@@ -285,6 +295,10 @@ def _values(document: object, key: str) -> Iterator[str]:
 def _is_module(root: Path, folder: Path, name: str) -> bool:
     """Whether a dotted name is a module, or a name that a module defines, seen from a chapter's folder."""
     parts = name.split(".")
+    if len(parts) == 1 and any(
+        re.search(rf"^(?:def|class) {name}\b", path.read_text("utf-8"), re.MULTILINE) for path in folder.glob("*.py")
+    ):
+        return True
     for start in (folder, root / "verify", root / "shared", root):
         for length in range(len(parts), 0, -1):
             path = start.joinpath(*parts[:length])
