@@ -21,10 +21,12 @@ from support.claims import known
 
 from orbitproof import explore, shared, verify
 from orbitproof.shared import CR3BP, EARTH_MOON, FALKNER_SKAN, InputError
+from orbitproof.verify.evidence import software
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text("utf-8")
 OLD = ROOT / "tests" / "data" / "figures-certificates.json"
+BEFORE = ROOT / "tests" / "data" / "earlier-certificates.json"
 FACES = {"explore": explore, "verify": verify, "shared": shared}
 
 
@@ -207,6 +209,7 @@ def test_a_family_is_a_table_where_pandas_is(family: explore.OrbitFamily, monkey
         ("L1-halo", {}, "mu: missing; give the mass parameter"),
         ("L1-halo", {"mu": 1.5}, "outside"),
         ("L1-halo", {"mu": "moon"}, "names are earth-moon, sun-jupiter"),
+        ("L1-halo", {"mu": Fraction(1, 7)}, "mu: 1/7 is neither dyadic nor decimal"),
         ("L1-halo", {"mu": float("nan")}, "no number"),
         ("L1-halo", {"mu": EARTH_MOON, "beta": (2, 3)}, "beta: cr3bp has no such parameter"),
     ],
@@ -290,6 +293,13 @@ def test_certificates_go_through_a_file_and_are_checked_again(proof: verify.Cert
         verify.write(path, [])
     with pytest.raises(InputError, match="appears twice"):
         verify.write(path, [proof, proof])
+
+
+def test_certificates_made_by_the_sources_of_before_still_stand() -> None:
+    """Another digest of the sources, the same conclusion from the same enclosures."""
+    entries = verify.read(BEFORE)
+    assert all(entry.software["source"] != software()["source"] for entry in entries)
+    assert all(check.stands for check in verify.recheck(entries, quiet=True))
 
 
 def test_certificates_of_earlier_versions_are_read_and_each_says_why_it_does_not_stand() -> None:
