@@ -30,8 +30,8 @@ from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits, certify
 from orbitproof.verify.claim.symmetry import check_symmetries, parities
-from orbitproof.verify.curve.libration import certified_system, in_units_of_orbit, meaning
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
+from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit, meaning
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval

@@ -104,7 +104,7 @@ class ReducedFunction:
         g(0, p_1) is the mean of G_1(0, c + t (p_1 - c)) over t in [0, 1]; the powers of t have means 1/2, 1/3.
         """
         distance, value = p_1 - self.foot, self.at_foot.derivative(0, 1)
-        square = up_to(distance.abs_upper() * distance.abs_upper())
+        square = up_to(distance.abs_upper() * distance.abs_upper()) if distance.contains(0) else distance * distance
         first = value + self.across.derivative(0, 2) * distance / 2
         second = value + self.at_foot.derivative(0, 2) * distance / 2 + self.across.derivative(0, 3) * square / 6
         return meet(first, second)

@@ -14,7 +14,7 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck, recheck
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.gluing import Chain, Stretch
-from orbitproof.verify.curve.libration import PLANAR, certified_system, in_units_of_orbit, point_name
+from orbitproof.verify.curve.lyapunov_family import PLANAR, certified_system, in_units_of_orbit, point_name
 from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.tube import lower_end, upper_end
 from orbitproof.verify.evidence import (

@@ -10,7 +10,7 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Ends
-from orbitproof.verify.curve.libration import libration_units, meaning
+from orbitproof.verify.curve.lyapunov_family import libration_units, meaning
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text
 
 _DIGITS = 18
