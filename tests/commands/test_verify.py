@@ -17,7 +17,8 @@ import orbitproof.verify.__main__
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.certify import Limits, certify, not_proved
+from orbitproof.verify.certificate.certify import certify, not_proved
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.evidence.balls_as_text import ball_from_json, count_certain_digits
 from orbitproof.verify.evidence.outcome import Reason

@@ -28,7 +28,8 @@ from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS, SYSTEMS, De
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.claim.symmetry import check_symmetries, parities
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
 from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit, meaning

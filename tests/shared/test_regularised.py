@@ -31,7 +31,8 @@ from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import point_on_fixed_set
 from orbitproof.verify.evidence.failure import IntegrationFailure

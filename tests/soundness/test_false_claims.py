@@ -28,7 +28,8 @@ from orbitproof.shared.formats.candidates import Candidate, InputError, candidat
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates

@@ -17,7 +17,8 @@ from support.faulty_worker import EXCEPTIONS, certify_task
 import orbitproof.verify.certificate.side_by_side
 from orbitproof.shared.processes import GRACE_SECONDS
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.poincare.iterates import enclose_iterates
@@ -82,7 +83,7 @@ def test_a_fault_anywhere_else_is_not_a_proof(
 
 def test_a_fault_with_more_precision_leaves_the_proof_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     precisions = []
-    monkeypatch.setattr(CERTIFY, "count_certain_digits", lambda ball: 0)
+    monkeypatch.setattr("orbitproof.verify.certificate.precision.count_certain_digits", lambda ball: 0)
 
     def broken_at_more(candidate: Any, settings: Any, report: Any) -> Any:
         precisions.append(settings.precision)

@@ -35,7 +35,8 @@ from orbitproof.explore.refinement.newton import refine
 from orbitproof.shared.formats.candidates import KINDS, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.claim.frames import determinant
 

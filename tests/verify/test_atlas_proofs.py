@@ -15,7 +15,8 @@ from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import read_atlas_certificate
 from orbitproof.verify.certificate.certificate import write_certificates
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
 

@@ -20,7 +20,8 @@ from orbitproof.verify.certificate.certificate import (
     read_certificates,
     write_certificates,
 )
-from orbitproof.verify.certificate.certify import Limits, certify, first_precision
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits, first_precision
 from orbitproof.verify.evidence.balls_as_text import (
     ball_from_json,
     ball_to_json,

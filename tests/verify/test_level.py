@@ -26,7 +26,8 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSyst
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.bifurcation.level_forms import in_box, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, is_proof_of
-from orbitproof.verify.certificate.certify import Limits, _forms, _missing_bits, certify
+from orbitproof.verify.certificate.certify import _forms, certify
+from orbitproof.verify.certificate.precision import Limits, missing_bits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import level_program, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.evidence.balls_as_text import bounds
@@ -142,7 +143,7 @@ def test_a_point_not_known_well_enough_for_the_box_asks_for_the_bits_that_it_lac
         spread = arb(0, enclose(width * candidate.radii[2] / 4).upper())
         point = {n: enclose(c + p_2 * row[2]) + spread for n, c, row in
                  zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True)}  # fmt: skip
-        return _missing_bits(candidate, point)
+        return missing_bits(candidate, point)
 
     asked = [at(F(1, 2), F(2) ** bits) for bits in (3, 20, 40)]
     assert all(bits is not None for bits in asked)

@@ -17,7 +17,8 @@ from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate, digest, write_certificates
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence.balls_as_text import exact_value

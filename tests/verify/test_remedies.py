@@ -12,7 +12,8 @@ from support.claims import known
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import remedies
-from orbitproof.verify.certificate.certify import Limits, certify
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.evidence import Checklist
 
 TRUE = known("fs2")

@@ -8,12 +8,6 @@ from orbitproof.verify.certificate.certificate import (
     read_certificates,
     write_certificates,
 )
-from orbitproof.verify.certificate.certify import (
-    GREATEST_PRECISION,
-    LEAST_PRECISION,
-    LEVELS,
-    Limits,
-)
 from orbitproof.verify.certificate.levels import (
     CannotBeCheckedError,
     Examination,
@@ -26,6 +20,7 @@ from orbitproof.verify.certificate.levels import (
     differences,
     other_software,
 )
+from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from orbitproof.verify.certificate.rechecking import UNKNOWN, digest_findings, recheck, statement_differences
 from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
 from orbitproof.verify.certificate.stated_system import system_names, systems_with

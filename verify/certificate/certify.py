@@ -7,19 +7,15 @@ more, up to a limit. No exception leaves `certify`: what breaks off proves nothi
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import ceil, isfinite
 
 import numpy as np
-from flint import arb
 
 from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.verify.bifurcation import (
-    BifurcationResults,
     check_exactly,
     check_own_box,
-    coordinates_in_box,
     in_own_box,
     level_form,
     level_spread,
@@ -27,37 +23,26 @@ from orbitproof.verify.bifurcation import (
     theorem_of,
 )
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
+from orbitproof.verify.certificate.precision import (
+    Limits,
+    Verdict,
+    accuracy_bits,
+    first_precision,
+    missing_bits,
+    more_precision,
+)
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
     NotProved,
-    Outcome,
     Proved,
     Reason,
-    count_certain_digits,
-    enclose,
     guarded,
-    is_below,
-    is_outside,
 )
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Enclosures]
 Progress = Callable[[float, str], None]
-
-LEAST_PRECISION = 64
-GREATEST_PRECISION = 65536
-LEVELS = ("auto", "integral", "coordinates")
-
-_SPARE = 8
-_RESERVE = 32
-_RESERVE_PER_RETURN = 6
-"""Bits that errors were found to gain along an orbit, and a little more."""
-
-_BITS_PER_DIGIT = 3.33
-
-_NARROW_BITS = 4
-"""An enclosure that is 2 to the minus this of a box wide, and reaches over its edge, is no longer for want of bits."""
 
 _MOST_SPREAD = 8
 """The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
@@ -72,74 +57,17 @@ _AT_THE_PARAMETER = (
 """Hypotheses that depend on what the bifurcation parameter is; the others fail in both forms."""
 
 
-@dataclass(frozen=True)
-class Limits:
-    """How far to go for one candidate. Raises `ValueError` if a limit makes no sense.
-
-    Attributes:
-        max_precision: bits that are never exceeded.
-        digits: certain digits of the parameter to aim for; a proof with fewer stands all the same.
-        timeout: seconds, or `None`; looked at between integration steps.
-        level: "coordinates" for candidates as they are, "integral" for the level of the first integral as
-            parameter where there is such a form, "auto" for the better conditioned of both, then the other.
-    """
-
-    max_precision: int = 1024
-    digits: int = 30
-    timeout: float | None = None
-    level: str = "auto"
-
-    def __post_init__(self) -> None:
-        if not LEAST_PRECISION <= self.max_precision <= GREATEST_PRECISION:
-            raise ValueError(f"max_precision: {self.max_precision} bits are too few or too many")
-        if self.digits < 1:
-            raise ValueError(f"digits: {self.digits} is not positive")
-        if self.timeout is not None and not (isfinite(self.timeout) and self.timeout > 0):
-            raise ValueError(f"timeout: {self.timeout} is not a positive number of seconds")
-        if self.level not in LEVELS:
-            raise ValueError(f"level: {self.level!r} is none of {', '.join(LEVELS)}")
-
-
 class _OutOfTime(Exception):
     """The time limit of the row has passed."""
 
 
 @dataclass(frozen=True)
 class _Attempt:
-    outcome: Outcome[BifurcationResults]
+    outcome: Verdict
     precision: int
     order: int
     steps: int
     enclosures: Enclosures | None = None
-
-
-def first_precision(candidate: Candidate, digits: int) -> int:
-    """Bits to begin with.
-
-    The error of G_1 has to stay well below R_0 G_01 for C3, and below the wanted digits of the
-    bifurcation value; the error of p_2^H has to stay below R_2. Both grow with every return, and the
-    first grade of a series is known to 5/6 of its bits.
-    """
-    value, slope = accuracy_bits(candidate, digits)
-    reserve = _RESERVE + _RESERVE_PER_RETURN * candidate.k
-    # A box much smaller than the digits ask for was made for an orbit along which errors grow.
-    growth = max(0, slope - ceil(digits * _BITS_PER_DIGIT)) // 3
-    wanted = max(value + reserve, (slope + reserve) * 6 // 5 + growth)
-    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
-
-
-def accuracy_bits(candidate: Candidate, digits: int) -> tuple[int, int]:
-    """Bits that the errors of the last return and of its derivative should have.
-
-    The first decide p_2^H, the second G_1, hence p_0 and the parameter. A guess that saves attempts.
-    """
-    radii = [_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii]
-    slope = max(radii[0], ceil(digits * _BITS_PER_DIGIT)) - _SPARE
-    return max(slope, *radii[2:]) if radii[2:] else slope, slope
-
-
-def _bits_below_one(numerator: int, denominator: int) -> int:
-    return max(0, denominator.bit_length() - numerator.bit_length())
 
 
 def certify(
@@ -231,7 +159,7 @@ def _escalate(
     deadline = None if limits.timeout is None else start + limits.timeout
     attempts = 0
     best: _Attempt | None = None
-    previous: _Attempt | None = None
+    previous: Verdict | None = None
 
     def report(fraction: float) -> None:
         if deadline is not None and time.monotonic() > deadline:
@@ -251,8 +179,8 @@ def _escalate(
         except _OutOfTime:
             best = _stopped(best, precision, limits)
             break
-        more = _more_precision(candidate, attempt, previous, limits)
-        best, previous = _better(best, attempt), attempt
+        more = more_precision(candidate, attempt.precision, attempt.outcome, previous, limits)
+        best, previous = _better(best, attempt), attempt.outcome
         if more is None:
             break
         if more <= precision:
@@ -278,55 +206,6 @@ def _stopped(best: _Attempt | None, precision: int, limits: Limits) -> _Attempt:
         return best
     message += f"; before that, {best.outcome.reason.message}"
     return replace(best, outcome=replace(best.outcome, reason=Reason("time", message, remedy)))
-
-
-def _more_precision(candidate: Candidate, attempt: _Attempt, previous: _Attempt | None, limits: Limits) -> int | None:
-    """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
-    precision, outcome = attempt.precision, attempt.outcome
-    if isinstance(outcome, Proved):
-        missing = limits.digits - count_certain_digits(outcome.results.parameter)
-        wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16
-        tried = previous is not None and isinstance(previous.outcome, Proved)
-        return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None
-    if not outcome.reason.needs_precision:
-        return None
-    if outcome.reason.enough_precision is not None:
-        return min(max(outcome.reason.enough_precision, precision + 8), limits.max_precision)
-    enclosures = _enclosures(outcome)
-    if not enclosures:
-        # Nothing says how far away success is, so each attempt costs more than all before it.
-        return min(2 * precision, limits.max_precision)
-    if previous is not None and not _narrower(enclosures, previous.outcome, outcome.reason.condition):
-        return None
-    short = _bits_to_fit(candidate, enclosures)
-    return min(precision + (max(32, precision // 4) if short is None else short * 6 // 5), limits.max_precision)
-
-
-def _bits_to_fit(candidate: Candidate, enclosures: Mapping[str, arb]) -> int | None:
-    """Bits by which the images of interval Newton operators are too wide for the box, and a few more."""
-    images = {"p_0(P_1)": 0, "p_1": 1, "p_2": 2}
-    ratios = [
-        enclosures[name].abs_upper() / enclose(candidate.radii[j]) for name, j in images.items() if name in enclosures
-    ]
-    widest = max((float(ratio.log_base(2).mid()) for ratio in ratios if ratio.is_finite()), default=0.0)
-    return ceil(widest) + _SPARE if widest > 0.0 and isfinite(widest) else None
-
-
-def _narrower(enclosures: dict[str, arb], previous: Outcome[BifurcationResults], condition: str) -> bool:
-    """Whether the last attempt made an enclosure of the failing condition half as wide.
-
-    True if the attempt before it did not fail at the same condition.
-    """
-    if isinstance(previous, Proved) or previous.reason.condition != condition:
-        return True
-    before = _enclosures(previous)
-    return not before or any(is_below(2 * enclosures[n].rad(), before[n].rad()) for n in before if n in enclosures)
-
-
-def _enclosures(outcome: NotProved) -> dict[str, arb]:
-    condition = outcome.reason.condition
-    found = [hypothesis.enclosures for hypothesis in outcome.hypotheses if hypothesis.name == condition]
-    return {name: ball for name, ball in found[-1].items() if ball.is_finite()} if found else {}
 
 
 def _at_the_limit(attempt: _Attempt, limits: Limits) -> _Attempt:
@@ -375,7 +254,7 @@ def _attempt(
         return _Attempt(outcome, precision, found.order, found.steps, found)
 
 
-def for_origin(origin: Candidate, outcome: Outcome[BifurcationResults], precision: int) -> Outcome[BifurcationResults]:
+def for_origin(origin: Candidate, outcome: Verdict, precision: int) -> Verdict:
     """The outcome for a candidate whose level form was checked: that it holds for its own box has to be shown too."""
     if isinstance(outcome, NotProved):
         return outcome
@@ -389,19 +268,8 @@ def for_origin(origin: Candidate, outcome: Outcome[BifurcationResults], precisio
         try:
             check_own_box(checklist, origin, form, outcome.results.point)
         except NotEstablishedError as error:
-            reason, missing = error.reason, _missing_bits(origin, outcome.results.point)
+            reason, missing = error.reason, missing_bits(origin, outcome.results.point)
             if reason.condition == "candidate-box" and missing is not None:
                 reason = replace(reason, needs_precision=True, enough_precision=precision + missing)
             return NotProved(reason, tuple(checklist.hypotheses))
     return Proved(in_own_box(outcome.theorem), outcome.results, tuple(checklist.hypotheses))
-
-
-def _missing_bits(origin: Candidate, point: Mapping[str, arb]) -> int | None:
-    """Bits until the enclosure of a point is narrow compared with the box; `None` if it is so, or lies outside."""
-    where = list(zip(coordinates_in_box(origin, point), origin.radii, strict=True))
-    if not all(ball.is_finite() for ball, _ in where) or any(is_outside(ball, radius) for ball, radius in where):
-        return None
-    floor = arb(2) ** (-2 * _NARROW_BITS)
-    widths = [float((ball.rad() / enclose(radius) + floor).log_base(2).mid()) for ball, radius in where]
-    missing = ceil(max(widths)) + _NARROW_BITS
-    return missing * 6 // 5 + _SPARE if missing > 0 else None

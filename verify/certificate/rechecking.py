@@ -19,12 +19,7 @@ from orbitproof.shared.formats import Candidate, candidate_from_json, validate_d
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, level_form, prove, theorem_of
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
-from orbitproof.verify.certificate.certify import (
-    GREATEST_PRECISION,
-    LEAST_PRECISION,
-    broken_off,
-    for_origin,
-)
+from orbitproof.verify.certificate.certify import broken_off, for_origin
 from orbitproof.verify.certificate.levels import (
     Examination,
     Finding,
@@ -35,6 +30,7 @@ from orbitproof.verify.certificate.levels import (
     other_software,
     overlap,
 )
+from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.certificate.stated_system import systems_with
 from orbitproof.verify.certificate.tables import derivative_name, tables_from_json
 from orbitproof.verify.evidence import (

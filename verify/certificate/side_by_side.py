@@ -12,8 +12,9 @@ from typing import Any
 from orbitproof.shared.formats import Candidate, candidate_from_json
 from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.certify import Limits, broken_off, certify, not_proved
+from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
 from orbitproof.verify.certificate.levels import Finding, Recheck
+from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.engines import Answer, Engine, Failure, Processes, Progress, Report, Task
 from orbitproof.verify.evidence import Reason
