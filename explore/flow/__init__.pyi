@@ -12,9 +12,7 @@ from .flow import FlowResult as FlowResult
 from .flow import Matrix as Matrix
 from .flow import Vector as Vector
 from .flow import flow_of as flow_of
-from .runge_kutta import ABSOLUTE_TOLERANCE as ABSOLUTE_TOLERANCE
-from .runge_kutta import MAX_STEPS as MAX_STEPS
-from .runge_kutta import RELATIVE_TOLERANCE as RELATIVE_TOLERANCE
+from .integration import integrate as integrate
 from .runge_kutta import attempt as attempt
 from .runge_kutta import growth as growth
 from .runge_kutta import norm as norm

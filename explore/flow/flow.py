@@ -19,15 +19,7 @@ from numpy.typing import NDArray
 
 from orbitproof.explore.flow.compilation import compiled, configure_jax
 from orbitproof.explore.flow.fields import extended_field, identity
-from orbitproof.explore.flow.runge_kutta import (
-    ABSOLUTE_TOLERANCE,
-    GROW,
-    MAX_STEPS,
-    RELATIVE_TOLERANCE,
-    SAFETY,
-    SHRINK,
-    norm,
-)
+from orbitproof.explore.flow.integration import integrate
 from orbitproof.shared.systems import ReversibleSystem
 
 Vector = NDArray[np.float64]
@@ -112,36 +104,17 @@ def flow_of(system: ReversibleSystem) -> Flow:
 
 def _compile(system: ReversibleSystem) -> Flow:
     configure_jax()
-    control = diffrax.PIDController(
-        rtol=RELATIVE_TOLERANCE,
-        atol=ABSOLUTE_TOLERANCE,
-        norm=lambda errors: norm(errors[0]),
-        safety=SAFETY,
-        factormin=SHRINK,
-        factormax=GROW,
-    )
     steps = diffrax.SubSaveAt(t0=True, steps=True, fn=lambda _time, extended, _arguments: extended[0])
 
-    def integrate(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
+    def half_return(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
         slopes = extended_field(system, parameters)
-        solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(lambda _time, extended, _arguments: slopes(extended)),
-            diffrax.Dopri8(scan_kind="lax"),
-            t0=0.0,
-            t1=time,
-            # diffrax chooses the first step. It would check ours in a callback, and JAX keeps no code with callbacks.
-            dt0=None,
-            y0=jnp.concatenate([initial[None], identity(system)]),
-            saveat=diffrax.SaveAt(subs=[diffrax.SubSaveAt(t1=True), steps]),
-            stepsize_controller=control,
-            # Derivatives are carried along; nothing is differentiated backwards through the loop.
-            adjoint=diffrax.ForwardMode(),
-            max_steps=MAX_STEPS,
-            throw=False,
+        end, solution, reached = integrate(
+            lambda _time, extended, _arguments: slopes(extended),
+            jnp.concatenate([initial[None], identity(system)]),
+            time,
+            watched=lambda errors: errors[0],
+            save=steps,
         )
-        (end,), path = solution.ys
-        # An integration to a time that is no number ends at once, successfully.
-        done = (solution.result == diffrax.RESULTS.successful) & jnp.isfinite(time) & jnp.all(jnp.isfinite(end))
-        return end, slopes(end)[0], path, solution.stats["num_accepted_steps"] + 1, done
+        return end, slopes(end)[0], solution.ys[1], solution.stats["num_accepted_steps"] + 1, reached
 
-    return Flow(system, compiled(integrate))
+    return Flow(system, compiled(half_return))

@@ -37,21 +37,11 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
-import diffrax
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from orbitproof.explore.flow import (
-    ABSOLUTE_TOLERANCE,
-    MAX_STEPS,
-    RELATIVE_TOLERANCE,
-    FlowFailure,
-    Matrix,
-    Vector,
-    compiled,
-    configure_jax,
-)
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector, compiled, configure_jax, integrate
 
 UNKNOWNS = 4
 LOG_MU = 3
@@ -142,23 +132,10 @@ def _equations_of(smaller: bool) -> Callable[[Vector], Any]:
             duration, mu = arguments
             return duration * jnp.stack(chart.field(duration * fraction, state, mu))
 
-        solution = diffrax.diffeqsolve(
-            diffrax.ODETerm(field),
-            diffrax.Dopri8(),
-            t0=0.0,
-            t1=1.0,
-            dt0=None,
-            y0=jnp.stack(chart.start(unknowns[0], unknowns[1])),
-            args=(duration, mu),
-            saveat=diffrax.SaveAt(t1=True),
-            stepsize_controller=diffrax.PIDController(rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE),
-            adjoint=diffrax.ForwardMode(),
-            max_steps=MAX_STEPS,
-            throw=False,
-        )
-        end = solution.ys[0]
+        start = jnp.stack(chart.start(unknowns[0], unknowns[1]))
+        end, _, reached = integrate(field, start, 1.0, (duration, mu))
         second = jnp.stack([end[0], end[3]])
-        return jnp.stack(chart.equations(end, unknowns[2], mu)), (second, solution.result == diffrax.RESULTS.successful)
+        return jnp.stack(chart.equations(end, unknowns[2], mu)), (second, reached)
 
     def level(unknowns: jax.Array) -> Any:
         return chart.jacobi_constant(unknowns[0], unknowns[1], jnp.exp(unknowns[LOG_MU]))

@@ -283,7 +283,7 @@ flow_of(FALKNER_SKAN).derivative([0.0, 0.94, 0.0], 0.2, [340.0])
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMP", "XDG_"))}
     environment |= {"ORBITPROOF_CACHE": str(tmp_path), "JAX_PLATFORMS": "cpu"}
     subprocess.run([sys.executable, "-c", script], env=environment, check=True, timeout=300)
-    assert [path for path in tmp_path.glob("*/*-cache") if "integrate" in path.name]
+    assert [path for path in tmp_path.glob("*/*-cache") if "half_return" in path.name]
 
 
 CACHED_RUN = """
