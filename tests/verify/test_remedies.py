@@ -5,18 +5,20 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from flint import arb
 from support.claims import known
 
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import Candidate, read_candidates
 from orbitproof.verify.bifurcation import remedies
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.evidence import Checklist
 
 TRUE = known("fs2")
+CANDIDATES = Path(__file__).parents[1] / "data" / "figures-candidates.json"
 _ROUNDS = 4
 
 
@@ -93,6 +95,25 @@ def test_a_centre_that_is_too_coarse_is_said_to_be_and_with_the_digits_named_it_
     assert digits < 40
 
 
+@pytest.mark.parametrize("digits", [20, 30])
+def test_the_digits_named_are_enough_for_the_narrowest_direction(digits: int) -> None:
+    (row,) = (c for c in read_candidates(CANDIDATES) if c.id == "earth-moon-L1-halo-k1-1")
+    rounded = tuple(Fraction(round(x * 10**digits), 10**digits) for x in row.centre)
+    given = advice(replace(row, centre=rounded))
+    assert given is not None
+    enough = digits + int(number("refine it to", given))
+    assert enough < 60
+    rounded = tuple(Fraction(round(x * 10**enough), 10**enough) for x in row.centre)
+    assert advice(replace(row, centre=rounded)) is None
+
+
+def test_a_solution_that_grows_without_bound_is_not_only_called_a_singularity_of_the_field() -> None:
+    """The field of Falkner-Skan is polynomial."""
+    given = advice(replace(TRUE, centre=(TRUE.centre[0], TRUE.centre[1] + 1)))
+    assert given is not None
+    assert "or grows without bound" in given
+
+
 def test_a_centre_off_the_family_is_not_answered_with_radii() -> None:
     given = advice(replace(TRUE, centre=(TRUE.centre[0], TRUE.centre[1] + Fraction(1, 100))))
     assert given is not None
@@ -103,14 +124,14 @@ def test_a_centre_off_the_family_is_not_answered_with_radii() -> None:
 
 def test_enclosures_that_tell_nothing_give_no_advice() -> None:
     radius = Fraction(1, 1024)
-    assert remedies.of_image(0, 1, arb("nan"), radius) is None
-    assert remedies.of_image(0, 1, arb(0, "inf"), radius) is None
+    assert remedies.of_image(0, 1, arb("nan"), [radius] * 2) is None
+    assert remedies.of_image(0, 1, arb(0, "inf"), [radius] * 2) is None
     assert remedies.of_sign(arb(0, 1)) is None
     assert remedies.of_sign(arb("nan")) is None
     assert remedies.of_shape(Checklist(), radius) is None
 
 
 def test_radii_beyond_the_range_of_floats_are_no_trouble() -> None:
-    told = str(remedies.of_image(0, 1, arb("0.1"), Fraction(1, 10**9000)))
+    told = str(remedies.of_image(0, 1, arb("0.1"), [Fraction(1, 10**9000)] * 2))
     assert "e+8999 half-widths" in told
     assert number("refine it to", told) in (9000, 9001)

@@ -127,7 +127,7 @@ def check_family(checklist: Checklist, problem: Problem) -> PeriodTwoFamily:
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 1, 1, "P")
         evidence.require(graph.is_regular(), "D_(p_1, p_2) pi_q P may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:1]), start=1):
-            _require_inside(evidence, f"p_{position}", ball, problem.radii[position], (position, 0))
+            _require_inside(evidence, f"p_{position}", ball, problem, position, 0)
     return PeriodTwoFamily(graph)
 
 
@@ -154,9 +154,9 @@ def check_reduction(checklist: Checklist, problem: Problem, family: Family | Non
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 2, 2, f"P^{problem.k}")
         evidence.require(graph.is_regular(), "D_p2 pi_q2 P^k may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:2]), start=2):
-            _require_inside(evidence, f"p_{position}^H", ball, problem.radii[position], (position, 1))
+            _require_inside(evidence, f"p_{position}^H", ball, problem, position, 1)
         slope = arb(0) if family is None else family.over(problem.box[0])[1]
-        _require_inside(evidence, "p_1(P_0)", slope, problem.radii[1], (1, 0))
+        _require_inside(evidence, "p_1(P_0)", slope, problem, 1, 0)
     return BifurcationFunction(component, graph)
 
 
@@ -171,7 +171,7 @@ def check_reduced_function(
         reduced = reduced_function(p_0, p_1, family, reduction)
         _require_nonzero(evidence, "g_0 = ", evidence.record("g_0", reduced.slope))
         evidence.record("g(0, P_1)", reduced.at_centre(p_1))
-        _require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem.radii[0], (0, 1))
+        _require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem, 0, 1)
 
 
 def check_transversality(
@@ -211,7 +211,7 @@ def locate(checklist: Checklist, problem: Problem, family: Family, reduction: Bi
                 break
         where = family.over(p_0)
         for position, ball in enumerate(where):
-            _require_inside(evidence, f"p_{position}", ball, problem.radii[position])
+            _require_inside(evidence, f"p_{position}", ball, problem, position)
         crossing = evidence.record("G_01 + G_11 p_1'", _crossing(p_0, family, reduction))
     return Point(where, crossing)
 
@@ -225,12 +225,13 @@ def _record_matrix(
 
 
 def _require_inside(
-    evidence: Evidence, name: str, ball: arb, radius: Fraction, what: tuple[int, int] | None = None
+    evidence: Evidence, name: str, ball: arb, problem: Problem, position: int, over: int | None = None
 ) -> None:
-    """Require that the ball lies in (-radius, radius); with `what` = (i, j) it is that of p_i over P_j."""
+    """Require that the ball lies inside P_i, i = `position`; with `over` = j it is that of p_i over P_j."""
+    radius = problem.radii[position]
     inside = is_inside(ball, radius)
-    if not inside and what is not None:
-        evidence.suggest(remedies.of_image(*what, ball, radius))
+    if not inside and over is not None:
+        evidence.suggest(remedies.of_image(position, over, ball, problem.radii))
     evidence.record(name, ball)
     evidence.require(
         inside,

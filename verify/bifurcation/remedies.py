@@ -5,6 +5,7 @@ Along the branch of new orbits p_0 and p_2 are of the order p_1^2; so P_0 and P_
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from math import ceil
 
@@ -21,16 +22,17 @@ _LOST = 1000
 """Where an enclosure is so many times wider than its midpoint is large, its scale says nothing."""
 
 
-def of_image(axis: int, over: int, ball: arb, radius: Fraction) -> str | None:
-    """What helps if p_`axis`, as a function over P_`over`, is only known to lie in `ball`, not in (-radius, radius).
+def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction]) -> str | None:
+    """What helps if p_`axis`, as a function over P_`over`, is only known to lie in `ball`, not inside P_`axis`.
 
-    The ball contains 0 if the centre is the bifurcation point. `None` if it does not tell.
+    The ball contains 0 if the centre is the bifurcation point. Otherwise the centre has to be nearer to it than the
+    narrowest half-width, in all directions. `None` if the ball does not tell.
     """
     if not ball.is_finite():
         return None
-    offset, spread, width = abs(arb(ball.mid())), arb(ball.rad()), enclose(radius)
+    offset, spread, width = abs(arb(ball.mid())), arb(ball.rad()), enclose(radii[axis])
     if offset > 2 * spread:
-        digits = max(1, ceil(float((offset / width).log() / arb(10).log())) + 1)
+        digits = max(1, ceil(float((offset / enclose(min(radii))).log() / arb(10).log())) + 1)
         return (
             f"the centre is off by {_times(offset / width)} half-widths of P_{axis}: refine it to {digits} more digits "
             "(explore candidates --digits); if they are right, are k and the kind?"
