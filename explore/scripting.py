@@ -99,7 +99,7 @@ class OrbitFamily(Sequence[Orbit]):
     Attributes:
         name: as asked for, for example "L1-halo".
         system: what they are orbits of.
-        outcome: "limit", "closed", "failed" or "interrupted".
+        outcome: "limit", "closed" or "failed".
         reason: the same in words, with the place.
     """
 
@@ -257,6 +257,8 @@ L3-lyapunov, L1-vertical, L2-vertical, L3-vertical
     with Reporter(quiet) as report:
         report.stage(name)
         family = trace_family(system, name, parameters, limits, mirrored=mirrored, progress=report.update)
+    if family.outcome == "interrupted":
+        raise KeyboardInterrupt
     return OrbitFamily(name, system, family.outcome, family.reason, TracedFamily(name, label, family))
 
 

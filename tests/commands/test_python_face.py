@@ -309,3 +309,12 @@ def test_certificates_of_earlier_versions_are_read_and_each_says_why_it_does_not
     assert all(str(entry) for entry in entries)
     for check in verify.recheck(entries, quiet=True):
         assert check.stands or all(len(str(finding.message).splitlines()) == 1 for finding in check.findings)
+
+
+def test_an_interrupt_ends_the_script_and_not_only_the_family(monkeypatch: pytest.MonkeyPatch) -> None:
+    scripting = import_module("orbitproof.explore.scripting")
+    whole = explore.trace(FALKNER_SKAN, "odd", beta=(390, 400), quiet=True)
+    part = replace(whole._traced.family, outcome="interrupted")
+    monkeypatch.setattr(scripting, "trace_family", lambda *_, **__: part)
+    with pytest.raises(KeyboardInterrupt):
+        explore.trace(FALKNER_SKAN, "odd", quiet=True)
