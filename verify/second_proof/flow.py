@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate, zip_longest
 from math import log2
 from typing import Any
 
-from flint import acb, arb, arb_poly, arb_series
+from flint import acb, arb, arb_mat, arb_poly, arb_series
 
-from .jets import CannotFollow, Jet, Monomials, ball, evaluate, monomials, precision
+from .jets import CannotFollow, Jet, Monomials, add, ball, evaluate, monomials, precision
 from .statement import Program, Statement
 
 Matrix = list[list[Any]]
@@ -142,12 +143,12 @@ def _improve(values: Matrix, rate: Matrix, inverse: Matrix, low: int, high: int)
     return _columns(columns)
 
 
-def series_in_time(statement: Statement, state: Sequence[Jet], table: Monomials, length: int) -> list[Jet]:
-    """Taylor polynomials in time, of the given length, of every coefficient of the jets of the solution."""
-    m = len(state)
+def fundamental_series(statement: Statement, start: Sequence[Any], length: int) -> tuple[list[Any], Matrix, Matrix]:
+    """Taylor polynomials in time of the solution x from a state, of phi = Dx and of psi, the inverse of phi."""
+    m = len(start)
     first = monomials(m, 1)
     zero, one = arb_series([], prec=1), arb_series([1], prec=1)
-    x = [arb_series([jet[0]], prec=1) for jet in state]
+    x = [arb_series([c], prec=1) for c in start]
     phi: Matrix = [[one if i == j else zero for j in range(m)] for i in range(m)]
     psi: Matrix = [list(row) for row in phi]
     lengths = [length]
@@ -175,40 +176,101 @@ def series_in_time(statement: Statement, state: Sequence[Jet], table: Monomials,
             short, undone = ([[_series(c, gap) for c in row] for row in matrix] for matrix in (phi, psi))
             change = _times(short, _integral(_times(undone, defect, gap), low, gap), gap)
             x = [_lift(c, d, low, high) for c, d in zip(x, change, strict=True)]
+    return x, phi, psi
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Taylor polynomials in time of the coefficients of jets: README, section 3.3.
+
+    Attributes:
+        lower: polynomials of the coefficients of degree below the highest, None above.
+        start: the jets at time 0; `forces`: for the monomials of the highest degree what they are driven by.
+    """
+
+    table: Monomials
+    length: int
+    lower: list[Jet]
+    start: Sequence[Jet]
+    forces: list[Jet]
+    phi: Matrix
+    psi: Matrix
+
+    def at(self, time: arb) -> list[Jet]:
+        """The Taylor polynomials, without remainder, at a time."""
+        m, n = len(self.start), self.length
+        result = [[None if c is None else arb_poly(c.coeffs())(time) for c in jet] for jet in self.lower]
+        powers = [arb(1)]
+        for _ in range(n):
+            powers.append(powers[-1] * time)
+        # sums[i][j][l] is the sum of the first l terms of phi_ij at the time.
+        sums = [[list(accumulate((c * t for c, t in zip_longest(entry.coeffs(), powers[:n], fillvalue=arb(0))),
+                                 initial=arb(0))) for entry in row] for row in self.phi]
+        flipped = [[arb_series([entry[n - j] * powers[j] / j for j in range(n - 1, 0, -1)], prec=n - 1) for entry in row]
+                   for row in sums]
+        columns = [_times(flipped, [_series(c, n - 1) for c in column], n - 1) for column in _columns(self.psi)]
+        begin = len(monomials(self.table.variables, self.table.degree - 1).exponents)
+        top = range(begin, len(self.table.exponents))
+        weights = [[entry[n]for entry in row] for row in sums]
+        values = [[arb(0) if jet[a] is None else jet[a] for a in top] for jet in self.start]
+        for j, column in enumerate(columns):
+            driven = [_series(self.forces[j][a], n - 1).coeffs() for a in top]
+            if not any(driven):
+                continue
+            for i, entry in enumerate(column):
+                weights[i] = weights[i] + [entry[n - 2 - k] for k in range(n - 1)]
+            values += [[force[k] if k < len(force) else arb(0) for force in driven] for k in range(n - 1)]
+        totals = arb_mat(weights) * arb_mat(values)
+        moving = [any(jet[a] is not None for jet in (*self.start, *self.forces)) for a in top]
+        for i in range(m):
+            for place, a in enumerate(top):
+                result[i][a] = totals[i, place] if moving[place] else None
+        return result
+
+
+def expand(statement: Statement, state: Sequence[Jet], table: Monomials, length: int) -> Expansion:
+    """Taylor polynomials in time, of the given length, of the jets of the solution from jets of the state."""
+    x, phi, psi = fundamental_series(statement, [jet[0] for jet in state], length)
     result: list[Jet] = [[c] + [None] * (len(table.exponents) - 1) for c in x]
+    forces: list[Jet] = [table.constant(None) for _ in state]
     for degree in range(1, table.degree + 1):
         part = monomials(table.variables, degree)
         begin = len(monomials(table.variables, degree - 1).exponents)
-        forces = field_of(statement, part, [jet[: len(part.exponents)] for jet in result]) if degree > 1 else None
+        if degree > 1:
+            forces = field_of(statement, part, [jet[: len(part.exponents)] for jet in result])
+        if degree == table.degree:
+            break
         for a in range(begin, len(part.exponents)):
-            first_values = [arb_series([] if jet[a] is None else [jet[a]], prec=length) for jet in state]
-            if forces is not None and any(force[a] is not None for force in forces):
-                pulled = _times(psi, [_series(force[a], length) for force in forces], length)
-                sums = [v + p.integral() for v, p in zip(first_values, pulled, strict=True)]
-                first_values = [_series(c, length) for c in sums]
-            for jet, value in zip(result, _times(phi, first_values, length), strict=True):
+            pulled = [arb_series([] if jet[a] is None else [jet[a]], prec=length) for jet in state]
+            if degree > 1 and any(force[a] is not None for force in forces):
+                driven = _times(psi, [_series(force[a], length) for force in forces], length)
+                pulled = [_series(v + p.integral(), length) for v, p in zip(pulled, driven, strict=True)]
+            for jet, value in zip(result, _times(phi, pulled, length), strict=True):
                 jet[a] = value if value.length() else None
-    return result
+    return Expansion(table, length, result, state, forces, phi, psi)
 
 
 @dataclass(frozen=True)
 class Step:
-    """The solution on [0, duration], `polynomials` with remainder in the top coefficient: README, section 3.4."""
+    """The solution on [0, duration]: for |t| <= duration the remainders are those of README, section 3.4, times t^length."""
 
     duration: arb
-    polynomials: list[list[arb_poly | None]]
+    expansion: Expansion
+    remainders: list[Jet]
     section: arb_poly
     section_slope: arb_poly
 
     def at(self, time: arb) -> list[Jet]:
         """Jets of the state at a time in [0, duration]."""
-        return [[None if p is None else p(time) for p in row] for row in self.polynomials]
+        scale = time**self.expansion.length
+        return [add(row, [None if r is None else r * scale for r in rest])
+                for row, rest in zip(self.expansion.at(time), self.remainders, strict=True)]
 
 
 def take_step(statement: Statement, state: list[Jet], table: Monomials, guess: arb, bits: int) -> tuple[Step, arb]:
     """One step from jets of the state, and the radius of its disc."""
     found = disc(statement, [jet[0] for jet in state], guess)
-    length = int(0.7 * bits) + 8
+    length = int(0.7 * bits) + 40
     with precision(DISC_BITS):
         for jet in state:
             if not all(c is None or c.is_finite() for c in jet):
@@ -227,17 +289,9 @@ def take_step(statement: Statement, state: list[Jet], table: Monomials, guess: a
         slopes = (length / (1 - q) + q / (1 - q) ** 2) / found.radius**length
         remainders = [[None if g is None else arb(0, (bound * g * last).upper()) for g in growth] for bound in found.bounds]
         slope_remainder = arb(0, (found.bounds[statement.section] * slopes).upper())
-    expansions = series_in_time(statement, state, table, length)
-    polynomials: list[list[arb_poly | None]] = []
-    for row, rests in zip(expansions, remainders, strict=True):
-        polynomials.append([])
-        for series, rest in zip(row, rests, strict=True):
-            known = [] if series is None else series.coeffs()[:length]
-            filled = [*known, *[arb(0)] * (length - len(known)), rest]
-            polynomials[-1].append(None if rest is None and series is None else arb_poly(filled))
-    section = polynomials[statement.section][0]
-    if section is None:
-        raise CannotFollow("the section coordinate does not move")
-    exact = section.coeffs()[:length]
-    slope = arb_poly([k * c for k, c in enumerate(exact)][1:] + [arb(0)] * (length - len(exact)) + [slope_remainder])
-    return Step(duration, polynomials, section, slope), found.radius
+    expansion = expand(statement, state, table, length)
+    main = expansion.lower[statement.section][0].coeffs()
+    main += [arb(0)] * (length - len(main))
+    rest = remainders[statement.section][0]
+    slope = arb_poly([k * c for k, c in enumerate(main)][1:] + [slope_remainder])
+    return Step(duration, expansion, remainders, arb_poly([*main, rest]), slope), found.radius

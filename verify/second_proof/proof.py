@@ -12,14 +12,14 @@ from flint import arb, arb_mat
 from .conditions import Claim, Hypothesis, Table, certain, combine, conclude, determinant
 from .crossing import Trajectory, follow
 from .flow import field_of
-from .jets import CannotFollow, Jet, Monomials, ball, monomials, precision
+from .jets import CannotFollow, Jet, Monomials, add, ball, monomials, precision
 from .statement import Statement, read_statement
 
 Vector = list[arb]
 Report = Callable[[str, float], None]
 
-ATTEMPTS = ((120, 256), (200, 640), (400, 1152))
-"""R_1 = 2^-first, and the working precision in bits."""
+ATTEMPTS = ((100, 224, 168), (200, 448, 304), (400, 960, 600))
+"""R_1 = 2^-first, and the bits with which the centre and the box are followed."""
 
 SECONDS = 3600.0
 NEWTON_STEPS = 8
@@ -63,11 +63,15 @@ class NotProved:
 
 @dataclass(frozen=True)
 class _Place:
-    """A centre and a frame, exact: the initial point is centre + frame p, columns of the frame by index of p."""
+    """A centre and frames, exact: the initial point is centre + sum of p_j columns_j, and q_i is measured along rows_i.
+
+    `states` are jets of order 2 at the crossings, in the coordinates of Fix(R) relative to the centre.
+    """
 
     centre: Vector
     columns: list[Vector]
     rows: list[Vector]
+    states: list[list[Jet]]
 
 
 def second_proof(certificate: Mapping[str, Any], report: Report | None = None, *, seconds: float = SECONDS) -> Proved | NotProved:
@@ -79,10 +83,10 @@ def second_proof(certificate: Mapping[str, Any], report: Report | None = None, *
     statement = read_statement(certificate)
     deadline = time.monotonic() + seconds
     reasons: list[str] = []
-    for width, bits in ATTEMPTS:
+    for width, bits, box_bits in ATTEMPTS:
         try:
             with precision(bits):
-                return _prove(statement, width, bits, deadline, report)
+                return _prove(statement, width, bits, box_bits, deadline, report)
         except CannotFollow as error:
             reasons.append(f"{error} ({bits} bits)")
         except (ArithmeticError, ValueError, TypeError, MemoryError) as error:
@@ -117,12 +121,14 @@ def _covered(statement: Statement) -> None:
         raise CannotFollow("systems with more than two equations are not followed, a limit that [WW] does not have")
 
 
-def _start(statement: Statement, place: _Place, table: Monomials, radii: Sequence[arb] | None) -> list[Jet]:
+def _start(
+    statement: Statement, centre: Vector, columns: list[Vector], table: Monomials, radii: Sequence[arb] | None
+) -> list[Jet]:
     """Jets in p of the initial state, at p = 0 or at all points of the box."""
     state = [table.constant(arb(0)) for _ in statement.state]
     for row, i in enumerate(statement.fixed):
-        slopes = [column[row] for column in place.columns]
-        value = place.centre[row]
+        slopes = [column[row] for column in columns]
+        value = centre[row]
         for slope, radius in zip(slopes, radii or [], strict=False):
             value = value + arb(0, (abs(slope) * radius).upper())
         state[i] = table.linear(value, [None if s.is_zero() else s for s in slopes])
@@ -170,14 +176,17 @@ def _first_and_second(jets: Sequence[Jet], statement: Statement, table: Monomial
     return result
 
 
-def refine(statement: Statement, width: int, run: Callable[[str, _Place], Trajectory]) -> _Place:
-    """Newton's method for pi_q P = 0 and G_1 = 0 in the coordinates of Fix(R), and adapted frames. Not rigorous."""
+def refine(statement: Statement, width: int, run: Callable[[str, Vector, list[Vector]], Trajectory]) -> _Place:
+    """Newton's method for pi_q P = 0 and G_1 = 0 in the coordinates of Fix(R), and adapted frames.
+
+    Nothing rests on how good they are; the jets at the last centre, which enclose, are used for the proof.
+    """
     size = len(statement.fixed)
     table = monomials(size, 2)
     unit = [[arb(1) if i == j else arb(0) for i in range(size)] for j in range(size)]
     centre = _mid([ball(c) for c in statement.centre])
     for _ in range(NEWTON_STEPS):
-        states = run("refinement", _Place(centre, unit, [])).states
+        states = run("centre", centre, unit).states
         first, last = (_first_and_second(s, statement, table) for s in (states[0], states[-1]))
         lines = [(value, gradient) for value, gradient, _ in first]
         if statement.kind == "symmetry_breaking":
@@ -210,9 +219,9 @@ def refine(statement: Statement, width: int, run: Callable[[str, _Place], Trajec
         size_of_step = max((abs(c) for c in step), key=lambda v: v)
         if not size_of_step < arb(2) ** -10:
             raise CannotFollow("Newton's method does not converge from the centre of the certificate")
-        centre = _mid([c + s for c, s in zip(centre, step, strict=True)])
-        if size_of_step < arb(2) ** -(width + 30):
+        if size_of_step < arb(2) ** -(width + 20):
             break
+        centre = _mid([c + s for c, s in zip(centre, step, strict=True)])
     else:
         raise CannotFollow("Newton's method does not converge from the centre of the certificate")
 
@@ -221,7 +230,7 @@ def refine(statement: Statement, width: int, run: Callable[[str, _Place], Trajec
 
     tilt = (-form(kernel, kernel) / (2 * form(tangent, kernel))).mid()
     branch = _unit([c + tilt * t for c, t in zip(kernel, tangent, strict=True)])
-    return _Place(centre, [tangent, branch, *across[1:]], rows)
+    return _Place(centre, [tangent, branch, *across[1:]], rows, states)
 
 
 def _adapted(statement: Statement, place: _Place) -> None:
@@ -237,41 +246,60 @@ def _adapted(statement: Statement, place: _Place) -> None:
         raise CannotFollow("the centre is not fixed by the symmetry S")
 
 
-def _prove(statement: Statement, width: int, bits: int, deadline: float, report: Report | None) -> Proved:
+def _in_frame(jet: Jet, columns: Sequence[Vector]) -> Jet:
+    """The jet of order 2 at p = 0 of f(A p) from that of f at 0, columns of A."""
+    size = len(columns)
+    plain = monomials(size, 2)
+    terms = [(a, c) for a, c in zip(plain.exponents, jet, strict=True) if c is not None]
+    result = plain.constant(jet[0])
+    lines = [plain.linear(None, [column[i] for column in columns]) for i in range(size)]
+    for a, c in terms:
+        factors = [lines[i] for i, e in enumerate(a) for _ in range(e)]
+        if factors:
+            product = factors[0] if len(factors) == 1 else plain.multiply(factors[0], factors[1])
+            result = add(result, [None if p is None else p * c for p in product])
+    return result
+
+
+def _prove(
+    statement: Statement, width: int, bits: int, box_bits: int, deadline: float, report: Report | None
+) -> Proved:
     _covered(statement)
     shown = _symmetries(statement)
     k, size = statement.k, len(statement.fixed)
 
-    def run(stage: str, place: _Place, radii: Sequence[arb] | None = None) -> Trajectory:
+    def run(stage: str, centre: Vector, columns: list[Vector], radii: Sequence[arb] | None = None) -> Trajectory:
         table = monomials(size, 3 if radii else 2)
-        start = _start(statement, place, table, radii)
+        start = _start(statement, centre, columns, table, radii)
         tell = None if report is None else lambda done, _: report(stage, done / k)
-        return follow(statement, start, table, k, bits, deadline, tell)
+        with precision(box_bits if radii else bits):
+            return follow(statement, start, table, k, box_bits if radii else bits, deadline, tell)
 
     place = refine(statement, width, run)
+    centre, columns = place.centre, place.columns
     if statement.kind == "symmetry_breaking":
         _adapted(statement, place)
-    regular = determinant(place.rows), arb_mat(place.columns).det()
+    regular = determinant(place.rows), arb_mat(columns).det()
     frames = certain(all(bool(d > 0) or bool(d < 0) for d in regular), "frames", "the frames of p and q are regular",
                      p=regular[1], q=regular[0])
     least, wide = arb(2) ** (-width - 8), arb(2) ** -width
     radii = [least, wide, least][:size]
-    thin, box = run("centre", place), run("box", place, radii)
+    box = run("box", centre, columns, radii)
     iterates = []
-    for at_centre, over_box in zip(thin.states, box.states, strict=True):
-        tables = [Table(at_centre[i], over_box[i]) for i in statement.kernel]
+    for at_centre, over_box in zip(place.states, box.states, strict=True):
+        tables = [Table(_in_frame(at_centre[i], columns), over_box[i]) for i in statement.kernel]
         iterates.append([combine(row, tables) for row in place.rows])
     integral = []
     for degree, spread in ((2, None), (3, radii)):
-        table = monomials(size, degree)
-        integral.append(field_of(statement, table, _start(statement, place, table, spread), statement.integral)[0])
+        start = _start(statement, centre, columns, monomials(size, degree), spread)
+        integral.append(field_of(statement, monomials(size, degree), start, statement.integral)[0])
     times = {f"time {i}": moment for i, moment in enumerate(box.times, 1)}
     crossings = certain(True, "crossings", "P, .., P^k exist on the box; every crossing is counted", **times)
     claim = Claim(k, statement.kind == "symmetry_breaking", iterates, Table(*integral), radii)
     result = conclude(claim)
     point = {}
     for row, i in enumerate(statement.fixed):
-        point[statement.state[i]] = place.centre[row] + _dot([column[row] for column in place.columns], result.point)
+        point[statement.state[i]] = centre[row] + _dot([column[row] for column in columns], result.point)
     values = [monomials(0, 0).constant(arb(0)) for _ in statement.state]
     for i in statement.fixed:
         values[i] = [point[statement.state[i]]]
