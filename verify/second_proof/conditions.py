@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from .jets import CannotFollow, Jet, Monomials, eliminate, monomials
+from .jets import CannotFollow, Jet, eliminate, monomials
 
 Vector = list[arb]
 
@@ -138,9 +138,16 @@ def conclude(claim: Claim) -> Conclusion:
         steep = slopes[claim.k][1][2]
         p2 = -last[1].jet(reach, 0)[0] / steep
         p2_centre = -last[1].jet([zero] * 3, 0)[0] / steep
-        found.append(certain(nonzero(steep) and inside(p2, radii[2]), "HC2",
-                             "pi_q2 P^k = 0 has one solution p_2^H in P_2, inside it, over P_0 x P_1",
-                             p2=p2, slope=steep, P2=radii[2]))
+        found.append(
+            certain(
+                nonzero(steep) and inside(p2, radii[2]),
+                "HC2",
+                "pi_q2 P^k = 0 has one solution p_2^H in P_2, inside it, over P_0 x P_1",
+                p2=p2,
+                slope=steep,
+                P2=radii[2],
+            )
+        )
 
     # The family.
     if claim.breaking:
@@ -151,14 +158,25 @@ def conclude(claim: Claim) -> Conclusion:
         first = claim.iterates[0]
         matrix = [row[1:] for row in slopes[1]]
         family = [-c for c in solve(matrix, [table.jet(only_p0, 0)[0] for table in first])]
-        found.append(certain(all(inside(c, r) for c, r in zip(family, radii[1:], strict=True)), "family",
-                             "interval Newton: pi_q P = 0 has one solution (p_1, p_2)(p_0), inside, over P_0",
-                             **{f"p{j}": c for j, c in enumerate(family, 1)}))
+        found.append(
+            certain(
+                all(inside(c, r) for c, r in zip(family, radii[1:], strict=True)),
+                "family",
+                "interval Newton: pi_q P = 0 has one solution (p_1, p_2)(p_0), inside, over P_0",
+                **{f"p{j}": c for j, c in enumerate(family, 1)},
+            )
+        )
         drift = [-c for c in solve(matrix, [row[0] for row in slopes[1]])]
         for i in range(1, claim.k):
             whole = determinant([row[1:] for row in slopes[i]])
-            found.append(certain(nonzero(whole), f"regular-{i}",
-                                 f"every matrix in the enclosure of D_p pi_q P^{i} is regular", determinant=whole))
+            found.append(
+                certain(
+                    nonzero(whole),
+                    f"regular-{i}",
+                    f"every matrix in the enclosure of D_p pi_q P^{i} is regular",
+                    determinant=whole,
+                )
+            )
 
     # The bifurcation function G and the first integral K over P_0 x P_1, by Lyapunov-Schmidt reduction.
     def reduced(spread: Sequence[arb]) -> tuple[Jet, Jet]:
@@ -178,15 +196,25 @@ def conclude(claim: Claim) -> Conclusion:
     g00, g01, g11 = (g[index[a]] for a in ((2, 0), (1, 1), (0, 2)))
     g111 = g[index[0, 3]]
     p1 = arb(0, radii[1])
-    found.append(certain(inside(family[0], radii[1]), "HC2-family", "p_1(P_0) lies in the interior of P_1", p1=family[0]))
+    found.append(
+        certain(inside(family[0], radii[1]), "HC2-family", "p_1(P_0) lies in the interior of P_1", p1=family[0])
+    )
 
     # HC3: the second curve.
     g_0 = g01 + g11 * drift[0] / 2
     g_at = at_centre[index[0, 1]] + at_centre[index[0, 2]] * p1 + g111 * p1 * p1 / 2
     p0 = -g_at / g_0
-    found.append(certain(nonzero(g_0) and inside(p0, radii[0]), "HC3",
-                         "interval Newton: g = 0 has one solution p_0(p_1), inside P_0, for each p_1 in P_1",
-                         g_0=g_0, g=g_at, p0=p0, P0=radii[0]))
+    found.append(
+        certain(
+            nonzero(g_0) and inside(p0, radii[0]),
+            "HC3",
+            "interval Newton: g = 0 has one solution p_0(p_1), inside P_0, for each p_1 in P_1",
+            g_0=g_0,
+            g=g_at,
+            p0=p0,
+            P0=radii[0],
+        )
+    )
 
     # HC4: they cross once.
     crossing = g01 + g11 * drift[0]
@@ -205,10 +233,14 @@ def conclude(claim: Claim) -> Conclusion:
         side = "both"
     else:
         p0_2 = -(((g[index[3, 0]] * p0_1 + 3 * g[index[2, 1]]) * p0_1 + 3 * g[index[1, 2]]) * p0_1 + g111) / (
-            3 * (g01 + g00 * p0_1))
+            3 * (g01 + g00 * p0_1)
+        )
         bend = (h[index[2, 0]] * p0_1 + 2 * h[index[1, 1]]) * p0_1 + h[index[0, 2]] + h0 * p0_2
-        found.append(certain(nonzero(bend), "h_b''", "the first integral has a strict extremum on the branch", value=bend,
-                             slope=p0_1))
+        found.append(
+            certain(
+                nonzero(bend), "h_b''", "the first integral has a strict extremum on the branch", value=bend, slope=p0_1
+            )
+        )
         side = "above" if bend > 0 else "below"
     # x* lies on the branch and on the family.
     point = [p0, *family]

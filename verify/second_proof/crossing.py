@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from flint import arb, arb_series
 
@@ -82,8 +83,10 @@ def crossing_state(statement: Statement, step: Step, piece: tuple[arb, arb], tab
     motion = local
     for _ in range(table.degree):
         field = field_of(statement, table, motion)
-        motion = [[_antiderivative(c, f, table.degree + 1) for c, f in zip(*pair, strict=True)]
-                  for pair in zip(local, field, strict=True)]
+        motion = [
+            [_antiderivative(c, f, table.degree + 1) for c, f in zip(*pair, strict=True)]
+            for pair in zip(local, field, strict=True)
+        ]
     larger = monomials(table.variables + 1, table.degree)
     jets: list[Jet] = []
     for jet in motion:
@@ -95,7 +98,7 @@ def crossing_state(statement: Statement, step: Step, piece: tuple[arb, arb], tab
     return eliminate(larger, jets[statement.section], jets), moment
 
 
-def _antiderivative(start: arb_series | None, slope: object, length: int) -> arb_series | None:
+def _antiderivative(start: arb_series | None, slope: Any, length: int) -> arb_series | None:
     if slope is None:
         return start
     slope = slope if isinstance(slope, arb_series) else arb_series([slope], prec=length)
@@ -130,8 +133,10 @@ def follow(
         for piece in pieces[: crossings - len(states)]:
             found, moment = crossing_state(statement, step, piece, table)
             after = field_of(statement, table, found, statement.integral)[0]
-            if not all((arb(0) if a is None else a).overlaps(arb(0) if b is None else b)
-                       for a, b in zip(before, after, strict=True)):
+            if not all(
+                (arb(0) if a is None else a).overlaps(arb(0) if b is None else b)
+                for a, b in zip(before, after, strict=True)
+            ):
                 raise CannotFollow("the first integral is not kept: no first integral, or an error")
             states.append(found)
             times.append(now + moment)

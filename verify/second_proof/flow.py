@@ -1,4 +1,4 @@
-"""The flow of jets by a plain interval Taylor method: Picard enclosure, series in time, remainder. README, section 3."""
+"""The flow of jets by an interval Taylor method: Picard enclosure, series in time, remainder. README, section 3."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def field_of(statement: Statement, table: Monomials, state: Sequence[Jet], text:
 
 @dataclass(frozen=True)
 class Disc:
-    """For all |t| <= radius and complex initial states within `margins` of a box the solutions are bounded by `bounds`."""
+    """For |t| <= radius and complex initial states within `margins` of a box, solutions are bounded by `bounds`."""
 
     radius: arb
     margins: tuple[arb, ...]
@@ -65,8 +65,10 @@ def picard(statement: Statement, start: Sequence[arb], guess: arb) -> Disc:
             raise CannotFollow("no disc of time on which Picard's inclusion holds")
         spreads = [(z - x).abs_upper() for z, x in zip(trial, start, strict=True)]
         widest = max(spreads, key=lambda v: float(v.upper()))
-        margins = [(v if v > 0 else abs(x).upper() if abs(x) > 0 else widest).upper() / 8
-                   for v, x in zip(spreads, start, strict=True)]
+        margins = [
+            (v if v > 0 else abs(x).upper() if abs(x) > 0 else widest).upper() / 8
+            for v, x in zip(spreads, start, strict=True)
+        ]
         box = [acb(x + arb(0, m), arb(0, m)) for x, m in zip(start, margins, strict=True)]
         done, length = 0, (guess / (STAGES // 2)).mid()
         moves = acb(arb(0, length), arb(0, length))
@@ -120,7 +122,7 @@ def _columns(matrix: Matrix) -> Matrix:
 
 
 def _tail(series: arb_series, low: int, length: int) -> arb_series:
-    return arb_series(series.coeffs()[low:low + length], prec=length)
+    return arb_series(series.coeffs()[low : low + length], prec=length)
 
 
 def _lift(series: arb_series, part: arb_series, low: int, length: int) -> arb_series:
@@ -204,14 +206,25 @@ class Expansion:
         for _ in range(n):
             powers.append(powers[-1] * time)
         # sums[i][j][l] is the sum of the first l terms of phi_ij at the time.
-        sums = [[list(accumulate((c * t for c, t in zip_longest(entry.coeffs(), powers[:n], fillvalue=arb(0))),
-                                 initial=arb(0))) for entry in row] for row in self.phi]
-        flipped = [[arb_series([entry[n - j] * powers[j] / j for j in range(n - 1, 0, -1)], prec=n - 1) for entry in row]
-                   for row in sums]
+        sums = [
+            [
+                list(
+                    accumulate(
+                        (c * t for c, t in zip_longest(entry.coeffs(), powers[:n], fillvalue=arb(0))), initial=arb(0)
+                    )
+                )
+                for entry in row
+            ]
+            for row in self.phi
+        ]
+        flipped = [
+            [arb_series([entry[n - j] * powers[j] / j for j in range(n - 1, 0, -1)], prec=n - 1) for entry in row]
+            for row in sums
+        ]
         columns = [_times(flipped, [_series(c, n - 1) for c in column], n - 1) for column in _columns(self.psi)]
         begin = len(monomials(self.table.variables, self.table.degree - 1).exponents)
         top = range(begin, len(self.table.exponents))
-        weights = [[entry[n]for entry in row] for row in sums]
+        weights = [[entry[n] for entry in row] for row in sums]
         values = [[arb(0) if jet[a] is None else jet[a] for a in top] for jet in self.start]
         for j, column in enumerate(columns):
             driven = [_series(self.forces[j][a], n - 1).coeffs() for a in top]
@@ -252,7 +265,7 @@ def expand(statement: Statement, state: Sequence[Jet], table: Monomials, length:
 
 @dataclass(frozen=True)
 class Step:
-    """The solution on [0, duration]: for |t| <= duration the remainders are those of README, section 3.4, times t^length."""
+    """The solution for |t| <= duration; the remainders are those of README, section 3.4, before the factor t^length."""
 
     duration: arb
     expansion: Expansion
@@ -263,8 +276,10 @@ class Step:
     def at(self, time: arb) -> list[Jet]:
         """Jets of the state at a time in [0, duration]."""
         scale = time**self.expansion.length
-        return [add(row, [None if r is None else r * scale for r in rest])
-                for row, rest in zip(self.expansion.at(time), self.remainders, strict=True)]
+        return [
+            add(row, [None if r is None else r * scale for r in rest])
+            for row, rest in zip(self.expansion.at(time), self.remainders, strict=True)
+        ]
 
 
 def take_step(statement: Statement, state: list[Jet], table: Monomials, guess: arb, bits: int) -> tuple[Step, arb]:
@@ -280,18 +295,25 @@ def take_step(statement: Statement, state: list[Jet], table: Monomials, guess: a
             ratios = [None, *[None if c is None else c.abs_upper() / margin for c in jet[1:]]]
             growth = table.multiply(growth, table.compose([arb(1)] * (table.degree + 1), ratios))
         # The duration only decides how small the remainder is, not whether it is one.
-        sizes = [max([1.0, *(float(jet[a].abs_upper()) for jet in state if jet[a] is not None)])
-                 for a in range(len(growth))]
-        excess = max(log2(max(1.0, float(g.upper()) / size)) for g, size in zip(growth, sizes, strict=True) if g is not None)
+        sizes = [
+            max([1.0, *(float(jet[a].abs_upper()) for jet in state if jet[a] is not None)]) for a in range(len(growth))
+        ]
+        excess = max(
+            log2(max(1.0, float(g.upper()) / size)) for g, size in zip(growth, sizes, strict=True) if g is not None
+        )
         duration = (found.radius * arb(2) ** (arb(-bits - excess) / length)).mid()
         q = duration / found.radius
         last = 1 / (found.radius**length * (1 - q))
         slopes = (length / (1 - q) + q / (1 - q) ** 2) / found.radius**length
-        remainders = [[None if g is None else arb(0, (bound * g * last).upper()) for g in growth] for bound in found.bounds]
+        remainders = [
+            [None if g is None else arb(0, (bound * g * last).upper()) for g in growth] for bound in found.bounds
+        ]
         slope_remainder = arb(0, (found.bounds[statement.section] * slopes).upper())
     expansion = expand(statement, state, table, length)
     main = expansion.lower[statement.section][0].coeffs()
     main += [arb(0)] * (length - len(main))
     rest = remainders[statement.section][0]
     slope = arb_poly([k * c for k, c in enumerate(main)][1:] + [slope_remainder])
-    return Step(duration, expansion, remainders, arb_poly([*main, rest]), slope), found.radius
+    return Step(
+        duration, expansion, remainders, arb_poly([*main, arb(0) if rest is None else rest]), slope
+    ), found.radius

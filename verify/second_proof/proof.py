@@ -74,7 +74,9 @@ class _Place:
     states: list[list[Jet]]
 
 
-def second_proof(certificate: Mapping[str, Any], report: Report | None = None, *, seconds: float = SECONDS) -> Proved | NotProved:
+def second_proof(
+    certificate: Mapping[str, Any], report: Report | None = None, *, seconds: float = SECONDS
+) -> Proved | NotProved:
     """Prove the bifurcation that a certificate claims, from its statement and centre alone.
 
     `report` is called with a stage in words and its share of done crossings. Raises `BadCertificate` for a
@@ -103,12 +105,16 @@ def _symmetries(statement: Statement) -> Hypothesis:
             continue
         changes = dict(zip(statement.state, signs, strict=True))
         parities = statement.field.parities(changes)
-        if any(output is not None and parity != sense * sign
-               for output, parity, sign in zip(statement.field.outputs, parities, signs, strict=True)):
+        if any(
+            output is not None and parity != sense * sign
+            for output, parity, sign in zip(statement.field.outputs, parities, signs, strict=True)
+        ):
             raise CannotFollow(f"{name} is not shown to be a symmetry of the field")
         if statement.integral.parities(changes) != [1]:
             raise CannotFollow(f"{name} is not shown to be a symmetry of the first integral")
-    return certain(True, "symmetries", "f(R x) = -R f(x), H(R x) = H(x), and the same without a sign for S", shown=arb(1))
+    return certain(
+        True, "symmetries", "f(R x) = -R f(x), H(R x) = H(x), and the same without a sign for S", shown=arb(1)
+    )
 
 
 def _covered(statement: Statement) -> None:
@@ -160,7 +166,9 @@ def _unit(vector: Sequence[arb]) -> Vector:
     return [(v / size).mid() for v in vector]
 
 
-def _first_and_second(jets: Sequence[Jet], statement: Statement, table: Monomials) -> list[tuple[arb, Vector, list[Vector]]]:
+def _first_and_second(
+    jets: Sequence[Jet], statement: Statement, table: Monomials
+) -> list[tuple[arb, Vector, list[Vector]]]:
     """Midpoints of value, gradient and Hessian of q_1, .., q_n."""
     result = []
     size = table.variables
@@ -192,7 +200,9 @@ def refine(statement: Statement, width: int, run: Callable[[str, Vector, list[Ve
         if statement.kind == "symmetry_breaking":
             signs = statement.symmetry or ()
             lines = [line for line, i in zip(lines, statement.kernel, strict=True) if signs[i] == 1]
-            lines += [(c, unit[j]) for j, (c, i) in enumerate(zip(centre, statement.fixed, strict=True)) if signs[i] == -1]
+            lines += [
+                (c, unit[j]) for j, (c, i) in enumerate(zip(centre, statement.fixed, strict=True)) if signs[i] == -1
+            ]
         if len(lines) != size - 1:
             raise CannotFollow("S does not single out a curve")
         tangent = _perpendicular([line[1] for line in lines])
@@ -211,8 +221,15 @@ def refine(statement: Statement, width: int, run: Callable[[str, Vector, list[Ve
         slope = []
         for j in range(size):
             changed = [[_dot(h[j], a) for a in across] for _, _, h in last]
-            slope.append(sum((determinant([changed[r] if r == i else matrix[r] for r in range(len(matrix))])
-                              for i in range(len(matrix))), arb(0)))
+            slope.append(
+                sum(
+                    (
+                        determinant([changed[r] if r == i else matrix[r] for r in range(len(matrix))])
+                        for i in range(len(matrix))
+                    ),
+                    arb(0),
+                )
+            )
         system = arb_mat([*[line[1] for line in lines], slope])
         right = arb_mat([[-line[0]] for line in lines] + [[-determinant(matrix)]])
         step = [row[0].mid() for row in system.solve(right).tolist()]
@@ -226,7 +243,10 @@ def refine(statement: Statement, width: int, run: Callable[[str, Vector, list[Ve
         raise CannotFollow("Newton's method does not converge from the centre of the certificate")
 
     def form(u: Vector, v: Vector) -> arb:
-        return sum((c * _dot(u, [_dot(h, v) for h in hessian]) for c, (_, _, hessian) in zip(rows[0], last, strict=True)), arb(0))
+        return sum(
+            (c * _dot(u, [_dot(h, v) for h in hessian]) for c, (_, _, hessian) in zip(rows[0], last, strict=True)),
+            arb(0),
+        )
 
     tilt = (-form(kernel, kernel) / (2 * form(tangent, kernel))).mid()
     branch = _unit([c + tilt * t for c, t in zip(kernel, tangent, strict=True)])
@@ -280,8 +300,13 @@ def _prove(
     if statement.kind == "symmetry_breaking":
         _adapted(statement, place)
     regular = determinant(place.rows), arb_mat(columns).det()
-    frames = certain(all(bool(d > 0) or bool(d < 0) for d in regular), "frames", "the frames of p and q are regular",
-                     p=regular[1], q=regular[0])
+    frames = certain(
+        all(bool(d > 0) or bool(d < 0) for d in regular),
+        "frames",
+        "the frames of p and q are regular",
+        p=regular[1],
+        q=regular[0],
+    )
     least, wide = arb(2) ** (-width - 8), arb(2) ** -width
     radii = [least, wide, least][:size]
     box = run("box", centre, columns, radii)
@@ -304,5 +329,14 @@ def _prove(
     for i in statement.fixed:
         values[i] = [point[statement.state[i]]]
     parameter = field_of(statement, monomials(0, 0), values, statement.integral)[0][0]
-    return Proved(statement.kind, k, result.side, point, parameter, (shown, frames, crossings, *result.hypotheses),
-                  wide, bits, box.steps)
+    return Proved(
+        statement.kind,
+        k,
+        result.side,
+        point,
+        parameter,
+        (shown, frames, crossings, *result.hypotheses),
+        wide,
+        bits,
+        box.steps,
+    )

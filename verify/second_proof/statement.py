@@ -11,7 +11,8 @@ from typing import Any
 _HEXADECIMAL = re.compile(r"(-?)0x([0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?\Z")
 _DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")
 _LINE = re.compile(
-    r"v(?P<index>[0-9]+) = (?:v(?P<left>[0-9]+) (?:(?P<sign>[-+*/]) v(?P<right>[0-9]+)|\*\* \((?P<power>-?[0-9]+(?:/2)?)\))"
+    r"v(?P<index>[0-9]+) = (?:"
+    r"v(?P<left>[0-9]+) (?:(?P<sign>[-+*/]) v(?P<right>[0-9]+)|\*\* \((?P<power>-?[0-9]+(?:/2)?)\))"
     r"|(?P<constant>-?[0-9]+(?:/[1-9][0-9]*)?)|(?P<name>[A-Za-z_]\w*))\Z"
 )
 
@@ -168,6 +169,4 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     if len(fixed) != len(kernel) + 1 or len(centre) != len(fixed):
         raise BadCertificate("statement.candidate.centre: not one number for each coordinate of Fix(R)")
     point = tuple(exact(value, "statement.candidate.centre") for value in centre)
-    return Statement(
-        state, parameters, field, integral, reversing, symmetry, section, fixed, kernel, kind, k, point
-    )
+    return Statement(state, parameters, field, integral, reversing, symmetry, section, fixed, kernel, kind, k, point)

@@ -65,6 +65,3 @@ def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Compa
     if _outside(result, claim):
         return Comparison("disagrees", "the point is not in the box of the candidate")
     return Comparison("agrees", "kind, k, side; point and parameter overlap; the point is in the box of the candidate")
-
-
-

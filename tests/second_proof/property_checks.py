@@ -1,0 +1,347 @@
+"""Properties of the second proof as functions of the package, so that faulty copies can be put to the same tests."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from fractions import Fraction
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from flint import arb, fmpq
+
+Check = Callable[[ModuleType], None]
+# Systems with closed-form solutions. Their symmetries play no role in the checks of the flow.
+SQUARE = "v0 = y\nv1 = x\nv2 = v1 * v1\nv3 = v0 - v0\nreturn v3, v2"
+ROOT = "v0 = y\nv1 = x\nv2 = v1 ** (1/2)\nv3 = v0 - v0\nreturn v3, v2"
+INVERSE = "v0 = y\nv1 = x\nv2 = 1\nv3 = v2 / v1\nv4 = v0 - v0\nreturn v4, v3"
+FALL = "v0 = s\nv1 = v\nv2 = w\nv3 = -1\nv4 = v0 - v0\nv5 = v3 + v4\nreturn v1, v5, v0"
+OSCILLATOR = "v0 = s\nv1 = v\nv2 = w\nv3 = -1\nv4 = v3 * v0\nv5 = v0 * v0\nreturn v1, v4, v5"
+
+
+def module(package: ModuleType, name: str) -> Any:
+    return import_module(f"{package.__name__}.{name}")
+
+
+def system(package: ModuleType, field: str, reversing: list[int], section: str, integral: str) -> Any:
+    fixed = sum(sign == 1 for sign in reversing)
+    candidate = {"kind": "period_tupling", "k": 2, "centre": ["1"] * fixed, "parameters": {}}
+    words = {"candidate": candidate, "vector_field": field, "first_integral": integral, "symmetry": None}
+    words |= {"reversing_symmetry": reversing, "section": section}
+    return module(package, "statement").read_statement({"statement": words})
+
+
+def contains(jet: list[Any], exact: list[arb], where: str) -> None:
+    for i, (c, e) in enumerate(zip(jet, exact, strict=True)):
+        enclosure = arb(0) if c is None else c
+        assert enclosure.is_finite(), f"{where}: coefficient {i} is not finite"
+        assert enclosure.overlaps(e), f"{where}: coefficient {i}: {enclosure.str(20)} misses {e.str(20)}"
+
+
+def rational(value: Fraction) -> arb:
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def square_jet(x: arb, t: arb) -> list[arb]:
+    """x' = x^2: x/(1 - t x) and its Taylor coefficients in x."""
+    d = 1 / (1 - t * x)
+    return [x * d, d * d, t * d * d * d, t * t * d * d * d * d]
+
+
+def root_jet(x: arb, t: arb) -> list[arb]:
+    """x' = x^(1/2): (x^(1/2) + t/2)^2."""
+    r = x.sqrt()
+    return [x + t * r + t * t / 4, 1 + t / (2 * r), -t / (8 * r * x), t / (16 * r * x * x)]
+
+
+def inverse_jet(x: arb, t: arb) -> list[arb]:
+    """x' = 1/x: (x^2 + 2 t)^(1/2)."""
+    s = x * x + 2 * t
+    r = s.sqrt()
+    return [r, x / r, t / (s * r), -t * x / (s * s * r)]
+
+
+def flow_encloses_exact_solutions(package: ModuleType, points: int = 40, bits: int = 40) -> None:
+    """Every exact solution from a random rational point of the box, with its derivatives, lies in the enclosures."""
+    jets, flow = module(package, "jets"), module(package, "flow")
+    rng = random.Random(1)
+    table = jets.monomials(1, 3)
+    for field, exact in ((SQUARE, square_jet), (ROOT, root_jet), (INVERSE, inverse_jet)):
+        statement = system(package, field, [-1, 1], "y", "v0 = x\nreturn v0")
+        for radius in (Fraction(0), Fraction(1, 2**20)):
+            centre, now = Fraction(1, 2), arb(0)
+            with jets.precision(128):
+                spread = arb(0, rational(radius))
+                state = [table.constant(arb(0)), table.linear(rational(centre) + spread, [arb(1)])]
+                guess = arb("0.2")
+                inputs = [centre + radius * Fraction(rng.randint(-(10**9), 10**9), 10**9) for _ in range(points)]
+                for _ in range(2):
+                    step, guess = flow.take_step(statement, state, table, guess, bits)
+                    for fraction in (0.25, 1):
+                        found = step.at((step.duration * fraction).mid())
+                        time = now + (step.duration * fraction).mid()
+                        for x in inputs:
+                            with jets.precision(400):
+                                contains(found[1], exact(rational(x), time), f"{field!r} from {x} at {time.str(5)}")
+                    state, now = step.at(step.duration), now + step.duration
+
+
+def discs_end_before_the_solution_does(package: ModuleType) -> None:
+    """x' = x^2 from 1/2 is infinite at t = 2: no disc of time may be larger, whatever the guess."""
+    flow, jets = module(package, "flow"), module(package, "jets")
+    statement = system(package, SQUARE, [-1, 1], "y", "v0 = x\nreturn v0")
+    for guess in (1.0, 4.0, 30.0):
+        with jets.precision(64):
+            try:
+                found = flow.picard(statement, [arb(0), arb(0.5)], arb(guess))
+            except jets.CannotFollow:
+                continue
+            assert found.radius < 2
+            assert found.bounds[1] >= 0.5 / (1 - float(found.radius.lower()) / 2)
+
+
+def remainder_covers_short_series(package: ModuleType) -> None:
+    """With very few terms of the series the remainder has to carry the solution."""
+    flow_encloses_exact_solutions(package, points=3, bits=8)
+
+
+def free_fall_crossing(package: ModuleType) -> None:
+    """s'' = -1 from s = 0, v = p: the crossing is at t = 2p, v = -p, and the integral of s is 2/3 p^3."""
+    crossing, jets = module(package, "crossing"), module(package, "jets")
+    integral = "v0 = s\nv1 = v\nv2 = v1 * v1\nv3 = v0 + v0\nv4 = v2 + v3\nreturn v4"
+    statement = fall(package, integral)
+    table = jets.monomials(1, 3)
+    for radius in (Fraction(0), Fraction(1, 2**20)):
+        with jets.precision(160):
+            p = rational(Fraction(3, 4)) + arb(0, rational(radius))
+            state = [table.constant(arb(0)), table.linear(p, [arb(1)]), table.constant(arb(0))]
+            found = crossing.follow(statement, state, table, 1, 80)
+            for shift in (-1, 0, 1):
+                x = Fraction(3, 4) + shift * radius
+                e = rational(x)
+                third = [rational(Fraction(2, 3) * c) for c in (x**3, 3 * x**2, 3 * x, 1)]
+                contains([found.times[0]], [2 * e], "crossing time")
+                contains(found.states[0][1], [-e, arb(-1), arb(0), arb(0)], "velocity")
+                contains(found.states[0][2], third, "integral")
+            assert found.states[0][2][3].rad() < 1e-3
+
+
+def fall(package: ModuleType, integral: str) -> Any:
+    """Free fall, of which only the flow matters: the dimensions of Fix(R) are not those of a bifurcation."""
+    statement = module(package, "statement")
+    field, first = statement.program(FALL, "field"), statement.program(integral, "integral")
+    state = ("s", "v", "w")
+    return statement.Statement(state, {}, field, first, (-1, 1, -1), None, 0, (1,), (2,), "period_tupling", 2, (Fraction(1),))
+
+
+def oscillator_crossings_are_counted(package: ModuleType) -> None:
+    """s'' = -s: crossings at pi, 2 pi, 3 pi; w = integral of s^2 = k pi p^2 / 2 there."""
+    crossing, jets, statement = (module(package, name) for name in ("crossing", "jets", "statement"))
+    field = statement.program(OSCILLATOR, "field")
+    first = statement.program("v0 = s\nv1 = v\nv2 = v0 * v0\nv3 = v1 * v1\nv4 = v2 + v3\nreturn v4", "integral")
+    claim = statement.Statement(
+        ("s", "v", "w"), {}, field, first, (-1, 1, -1), None, 0, (1,), (2,), "period_tupling", 2, (Fraction(1),)
+    )
+    table = jets.monomials(1, 3)
+    with jets.precision(128):
+        start = [table.constant(arb(0)), table.linear(arb(1), [arb(1)]), table.constant(arb(0))]
+        found = crossing.follow(claim, start, table, 3, 60)
+        for k, (time, state) in enumerate(zip(found.times, found.states, strict=True), 1):
+            contains([time], [k * arb.pi()], f"time of crossing {k}")
+            contains(state[1], [arb((-1) ** k), arb((-1) ** k), arb(0), arb(0)], f"velocity at crossing {k}")
+            half = k * arb.pi() / 2
+            contains(state[2], [half, 2 * half, half, arb(0)], f"integral at crossing {k}")
+
+
+def wrong_first_integral_is_noticed(package: ModuleType) -> None:
+    crossing, jets = module(package, "crossing"), module(package, "jets")
+    statement = fall(package, "v0 = s\nv1 = v\nv2 = v1 * v1\nv3 = v2 * v1\nreturn v3")
+    table = jets.monomials(1, 3)
+    with jets.precision(128):
+        start = [table.constant(arb(0)), table.linear(arb(0.75), [arb(1)]), table.constant(arb(0))]
+        try:
+            crossing.follow(statement, start, table, 1, 60)
+        except jets.CannotFollow as error:
+            assert "first integral" in str(error)
+        else:
+            raise AssertionError("v^3 was taken for a first integral")
+
+
+def roots_need_a_positive_enclosure(package: ModuleType) -> None:
+    jets = module(package, "jets")
+    table = jets.monomials(1, 1)
+    with jets.precision(64):
+        try:
+            table.power(table.linear(arb(0.1, 0.2), [arb(1)]), Fraction(-1, 2))
+        except jets.CannotFollow as error:
+            assert "positive" in str(error)
+        else:
+            raise AssertionError("the root of a ball around zero was taken")
+
+
+def polynomial_tables(package: ModuleType, terms: dict[tuple[int, ...], Fraction], radii: list[Fraction]) -> Any:
+    """The table of a polynomial of p of degree <= 3, exact at the centre and in balls over the box."""
+    conditions, jets = module(package, "conditions"), module(package, "jets")
+    size = len(radii)
+    box = []
+    variables = [jets.monomials(size, 3).linear(arb(0, rational(r)), [arb(1) if i == j else None for i in range(size)])
+                 for j, r in enumerate(radii)]
+    total = jets.monomials(size, 3).constant(arb(0))
+    for a, c in terms.items():
+        term = jets.monomials(size, 3).constant(rational(c))
+        for j, e in enumerate(a):
+            for _ in range(e):
+                term = jets.monomials(size, 3).multiply(term, variables[j])
+        total = jets.add(total, term)
+    box = total
+    centre = [rational(terms.get(a, Fraction(0))) for a in jets.monomials(size, 2).exponents]
+    return conditions.Table(centre, box)
+
+
+def claim(
+    package: ModuleType, k: int, first: Any, last: Any, integral: Any, radii: list[Fraction], breaking: bool = False
+) -> Any:
+    """A claim about maps given by polynomials: iterates 1, .., k-1 have `first`, iterate k has `last`."""
+    conditions = module(package, "conditions")
+    make = lambda terms: polynomial_tables(package, terms, radii)  # noqa: E731
+    rows = [[make(t) for t in first] for _ in range(k - 1)] + [[make(t) for t in last]]
+    return conditions.Claim(k, breaking, rows, make(integral), [rational(r) for r in radii])
+
+
+F = Fraction
+RADII = [F(1, 1000), F(1, 100), F(1, 100)]
+FAMILY = {(0, 1): F(2)}
+LEVEL = {(1, 0): F(1)}
+
+
+def pitchfork(bend: Fraction) -> dict[tuple[int, ...], Fraction]:
+    """p_1 (p_0 - bend p_1^2)."""
+    return {(1, 1): F(1), (0, 3): -bend}
+
+
+def verdict(package: ModuleType, *args: Any, **kwargs: Any) -> Any:
+    """The conclusion about polynomial maps, or None."""
+    with module(package, "jets").precision(128):
+        try:
+            return module(package, "conditions").conclude(claim(package, *args, **kwargs))
+        except module(package, "jets").CannotFollow:
+            return None
+
+
+def normal_forms_have_their_side(package: ModuleType) -> None:
+    """p_1 (p_0 - bend p_1^2) has its branch at p_0 = bend p_1^2, so h_b'' = 2 bend."""
+    for bend in (F(1), F(-1), F(3)):
+        found = verdict(package, 2, [FAMILY], [pitchfork(bend)], LEVEL, RADII[:2])
+        assert found is not None
+        assert found.side == ("above" if bend > 0 else "below")
+        value = next(h for h in found.hypotheses if h.name == "h_b''").enclosures["value"]
+        assert value.overlaps(2 * rational(bend))
+        assert value.rad() < 0.1
+    touch = verdict(package, 3, [FAMILY], [{(1, 1): F(1), (0, 2): F(-1, 100)}], LEVEL, RADII[:2])
+    assert touch is not None
+    assert touch.side == "both"
+
+
+def reduction_removes_p2(package: ModuleType) -> None:
+    """q_2 = p_2 - p_1^2, q_1 = p_1 (p_0 - 2 p_1^2) + p_1 p_2: on p_2 = p_1^2 the branch is p_0 = p_1^2."""
+    first = [{(0, 1, 0): F(1)}, {(0, 0, 1): F(1)}]
+    last = [{(1, 1, 0): F(1), (0, 3, 0): F(-2), (0, 1, 1): F(1)}, {(0, 0, 1): F(1), (0, 2, 0): F(-1)}]
+    found = verdict(package, 2, first, last, {(1, 0, 0): F(1)}, RADII)
+    assert found is not None
+    value = next(h for h in found.hypotheses if h.name == "h_b''").enclosures["value"]
+    assert value.overlaps(arb(2))
+    assert value.rad() < 0.5
+
+
+def tables_enclose_derivatives(package: ModuleType) -> None:
+    """The mean value forms of a table contain the Taylor coefficients at random points of smaller boxes."""
+    rng = random.Random(2)
+    terms = {(1, 2): F(3), (0, 3): F(-2), (2, 0): F(5), (1, 1): F(7), (0, 1): F(1)}
+    jets = module(package, "jets")
+    with jets.precision(128):
+        table = polynomial_tables(package, terms, RADII[:2])
+        radii = [RADII[0] / 2, RADII[1] / 2]
+        enclosure = table.jet([rational(r) for r in radii])
+        for _ in range(100):
+            x, y = (r * F(rng.randint(-1000, 1000), 1000) for r in radii)
+            exact = {
+                (0, 0): 3 * x * y**2 - 2 * y**3 + 5 * x**2 + 7 * x * y + y,
+                (1, 0): 3 * y**2 + 10 * x + 7 * y, (0, 1): 6 * x * y - 6 * y**2 + 7 * x + 1,
+                (2, 0): F(5), (1, 1): 6 * y + 7, (0, 2): 3 * x - 6 * y,
+                (3, 0): F(0), (2, 1): F(0), (1, 2): F(3), (0, 3): F(-2),
+            }
+            contains(enclosure, [rational(exact[a]) for a in jets.monomials(2, 3).exponents], f"at {x}, {y}")
+
+
+def false_maps_are_not_proved(package: ModuleType) -> None:
+    """Each condition of [WW] fails for one of these maps."""
+    two, good = [FAMILY], [pitchfork(F(1))]
+    assert verdict(package, 2, two, good, LEVEL, RADII[:2]) is not None
+    # The branch leaves P_0: HC3.
+    assert verdict(package, 2, two, [pitchfork(F(20))], LEVEL, RADII[:2]) is None
+    # The family is at p_1 = 1/50, outside P_1.
+    assert verdict(package, 2, [{(0, 1): F(1), (0, 0): F(1, 50)}], good, LEVEL, RADII[:2]) is None
+    # D_p pi_q P vanishes at p_1 = 0: neither a family nor regular-1.
+    assert verdict(package, 2, [{(0, 1): F(1, 1000), (0, 2): F(1)}], good, LEVEL, RADII[:2]) is None
+    # No crossing: G_01 = 0.
+    assert verdict(package, 2, two, [{(0, 3): F(1)}], LEVEL, RADII[:2]) is None
+    # A cusp on the branch: G_111 = 0.
+    assert verdict(package, 2, two, [{(1, 1): F(1)}], LEVEL, RADII[:2]) is None
+    # Touch-and-go with a branch that is not a graph over the parameter.
+    assert verdict(package, 3, two, good, LEVEL, RADII[:2]) is None
+    # The first integral does not replace p_0, or is stationary along the family.
+    assert verdict(package, 2, two, good, {(2, 0): F(1), (0, 2): F(1)}, RADII[:2]) is None
+    # p_2^H leaves P_2.
+    first = [{(0, 1, 0): F(1)}, {(0, 0, 1): F(1)}]
+    last = [{(1, 1, 0): F(1), (0, 3, 0): F(-1)}, {(0, 0, 1): F(1), (0, 0, 0): F(1, 50)}]
+    assert verdict(package, 2, first, last, {(1, 0, 0): F(1)}, RADII) is None
+
+
+def middle_iterates_have_to_be_regular(package: ModuleType) -> None:
+    """k = 4: the second iterate is singular in the box, the first and third are not."""
+    with module(package, "jets").precision(128):
+        whole = claim(package, 4, [FAMILY], [pitchfork(F(1))], LEVEL, RADII[:2])
+        whole.iterates[1] = [polynomial_tables(package, {(0, 2): F(1)}, RADII[:2])]
+        try:
+            module(package, "conditions").conclude(whole)
+        except module(package, "jets").CannotFollow as error:
+            assert "regular-2" in str(error)
+        else:
+            raise AssertionError("a singular second iterate went unnoticed")
+
+
+def nothing_follows_from_nan(package: ModuleType) -> None:
+    conditions, jets = module(package, "conditions"), module(package, "jets")
+    for value in (arb("nan"), arb("inf"), arb(0, "inf")):
+        try:
+            conditions.certain(True, "name", "says", value=value)
+        except jets.CannotFollow:
+            continue
+        raise AssertionError("a hypothesis holds with an enclosure that is not finite")
+    try:
+        conditions.certain(True, "name", "says")
+    except jets.CannotFollow:
+        return
+    raise AssertionError("a hypothesis holds without an enclosure")
+
+
+def asymmetric_fields_are_refused(package: ModuleType) -> None:
+    """v' = s^2 + v is neither even nor odd under s -> -s, v -> v with time reversed."""
+    program = module(package, "statement").program
+    signs = {"s": -1, "v": 1}
+    text = "v0 = s\nv1 = v\nv2 = v0 * v0\nv3 = v2 + v0\nv4 = v0 * v1\nv5 = v1 / v0\nv6 = v0 ** (3)\nv7 = v1 ** (-3/2)\n"
+    parities = program(text + "v8 = v0 ** (1/2)\nreturn v2, v3, v4, v5, v6, v7, v8", "field").parities(signs)
+    assert parities == [1, None, -1, -1, -1, 1, None]
+
+
+CHECKS: dict[str, Check] = {
+    f.__name__: f
+    for f in (
+        flow_encloses_exact_solutions, discs_end_before_the_solution_does, remainder_covers_short_series,
+        free_fall_crossing, oscillator_crossings_are_counted, wrong_first_integral_is_noticed,
+        roots_need_a_positive_enclosure, normal_forms_have_their_side, reduction_removes_p2,
+        tables_enclose_derivatives, false_maps_are_not_proved, middle_iterates_have_to_be_regular,
+        nothing_follows_from_nan, asymmetric_fields_are_refused,
+    )
+}
