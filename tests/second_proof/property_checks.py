@@ -132,7 +132,44 @@ def fall(package: ModuleType, integral: str) -> Any:
     statement = module(package, "statement")
     field, first = statement.program(FALL, "field"), statement.program(integral, "integral")
     state = ("s", "v", "w")
-    return statement.Statement(state, {}, field, first, (-1, 1, -1), None, 0, (1,), (2,), "period_tupling", 2, (Fraction(1),))
+    return statement.Statement(
+        state, {}, field, first, (-1, 1, -1), None, 0, (1,), (2,), "period_tupling", 2, (Fraction(1),)
+    )
+
+
+def crossing_time_depends_on_the_state(package: ModuleType) -> None:
+    """s'' = -w from s = 0, v = 1, u' = 1: the crossing is at t = u = 2/w."""
+    crossing, jets, statement = (module(package, name) for name in ("crossing", "jets", "statement"))
+    text = "v0 = s\nv1 = v\nv2 = w\nv3 = u\nv4 = -1\nv5 = v4 * v2\nv6 = v0 - v0\nv7 = 1\nreturn v1, v5, v6, v7"
+    field, first = statement.program(text, "field"), statement.program("v0 = w\nreturn v0", "integral")
+    names, signs = ("s", "v", "w", "u"), (-1, 1, 1, -1)
+    claim = statement.Statement(
+        names, {}, field, first, signs, None, 0, (2,), (3,), "period_tupling", 2, (Fraction(1),)
+    )
+    table = jets.monomials(1, 3)
+    with jets.precision(160):
+        zero = table.constant(arb(0))
+        w = arb(1.5)
+        start = [zero, table.constant(arb(1)), table.linear(w, [arb(1)]), list(zero)]
+        found = crossing.follow(claim, start, table, 1, 80)
+        contains([found.times[0]], [2 / w], "crossing time")
+        contains(found.states[0][3], [2 * (-1) ** n / w ** (n + 1) for n in range(4)], "clock")
+
+
+def implicit_functions_have_their_jet(package: ModuleType) -> None:
+    """u + u^2 = v has u = v - v^2 + 2 v^3 + .."""
+    jets = module(package, "jets")
+    table = jets.monomials(2, 3)
+    equation, identity = table.constant(None), table.constant(None)
+    for a, c in {(1, 0): -1, (0, 1): 1, (0, 2): 1}.items():
+        equation[table.index[a]] = arb(c)
+    identity[table.index[0, 1]] = arb(1)
+    contains(jets.eliminate(table, equation, [identity])[0], [arb(0), arb(1), arb(-1), arb(2)], "implicit function")
+
+
+def nothing_minus_something(package: ModuleType) -> None:
+    jets = module(package, "jets")
+    assert jets.add([None, arb(2), None], [arb(1), None, None], -1)[0] == -1
 
 
 def oscillator_crossings_are_counted(package: ModuleType) -> None:
@@ -185,8 +222,10 @@ def polynomial_tables(package: ModuleType, terms: dict[tuple[int, ...], Fraction
     conditions, jets = module(package, "conditions"), module(package, "jets")
     size = len(radii)
     box = []
-    variables = [jets.monomials(size, 3).linear(arb(0, rational(r)), [arb(1) if i == j else None for i in range(size)])
-                 for j, r in enumerate(radii)]
+    variables = [
+        jets.monomials(size, 3).linear(arb(0, rational(r)), [arb(1) if i == j else None for i in range(size)])
+        for j, r in enumerate(radii)
+    ]
     total = jets.monomials(size, 3).constant(arb(0))
     for a, c in terms.items():
         term = jets.monomials(size, 3).constant(rational(c))
@@ -267,9 +306,15 @@ def tables_enclose_derivatives(package: ModuleType) -> None:
             x, y = (r * F(rng.randint(-1000, 1000), 1000) for r in radii)
             exact = {
                 (0, 0): 3 * x * y**2 - 2 * y**3 + 5 * x**2 + 7 * x * y + y,
-                (1, 0): 3 * y**2 + 10 * x + 7 * y, (0, 1): 6 * x * y - 6 * y**2 + 7 * x + 1,
-                (2, 0): F(5), (1, 1): 6 * y + 7, (0, 2): 3 * x - 6 * y,
-                (3, 0): F(0), (2, 1): F(0), (1, 2): F(3), (0, 3): F(-2),
+                (1, 0): 3 * y**2 + 10 * x + 7 * y,
+                (0, 1): 6 * x * y - 6 * y**2 + 7 * x + 1,
+                (2, 0): F(5),
+                (1, 1): 6 * y + 7,
+                (0, 2): 3 * x - 6 * y,
+                (3, 0): F(0),
+                (2, 1): F(0),
+                (1, 2): F(3),
+                (0, 3): F(-2),
             }
             contains(enclosure, [rational(exact[a]) for a in jets.monomials(2, 3).exponents], f"at {x}, {y}")
 
@@ -338,10 +383,22 @@ def asymmetric_fields_are_refused(package: ModuleType) -> None:
 CHECKS: dict[str, Check] = {
     f.__name__: f
     for f in (
-        flow_encloses_exact_solutions, discs_end_before_the_solution_does, remainder_covers_short_series,
-        free_fall_crossing, oscillator_crossings_are_counted, wrong_first_integral_is_noticed,
-        roots_need_a_positive_enclosure, normal_forms_have_their_side, reduction_removes_p2,
-        tables_enclose_derivatives, false_maps_are_not_proved, middle_iterates_have_to_be_regular,
-        nothing_follows_from_nan, asymmetric_fields_are_refused,
+        flow_encloses_exact_solutions,
+        discs_end_before_the_solution_does,
+        remainder_covers_short_series,
+        free_fall_crossing,
+        crossing_time_depends_on_the_state,
+        implicit_functions_have_their_jet,
+        nothing_minus_something,
+        oscillator_crossings_are_counted,
+        wrong_first_integral_is_noticed,
+        roots_need_a_positive_enclosure,
+        normal_forms_have_their_side,
+        reduction_removes_p2,
+        tables_enclose_derivatives,
+        false_maps_are_not_proved,
+        middle_iterates_have_to_be_regular,
+        nothing_follows_from_nan,
+        asymmetric_fields_are_refused,
     )
 }

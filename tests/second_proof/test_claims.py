@@ -1,0 +1,208 @@
+"""Claims about the Falkner-Skan equation: true ones are proved, false ones are not, differences are reported."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import ctx
+
+from verify.second_proof import NotProved, Proved, compare, second_proof
+from verify.second_proof.statement import BadCertificate
+
+FILE = Path(__file__).parents[1] / "data" / "figures-certificates.json"
+CERTIFICATES = {c["id"]: c for c in json.loads(FILE.read_text(encoding="utf-8"))["certificates"]}
+DOUBLING, TOUCHING = "falkner-skan-odd-k2-1", "falkner-skan-odd-k3-1"
+
+
+@pytest.fixture(scope="module")
+def proved() -> Proved:
+    before = ctx.prec, ctx.cap
+    result = second_proof(CERTIFICATES[DOUBLING])
+    assert (ctx.prec, ctx.cap) == before, "the precision leaks"
+    assert isinstance(result, Proved), str(result)
+    return result
+
+
+def changed(name: str, change: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+    certificate = copy.deepcopy(CERTIFICATES[name])
+    change(certificate)
+    return certificate
+
+
+def test_period_doubling_is_proved_and_agrees(proved: Proved) -> None:
+    assert (proved.kind, proved.k, proved.side) == ("period_tupling", 2, "below")
+    assert proved.parameter.rad() < 1e-30
+    assert {"family", "regular-1", "HC3", "HC4", "h_b''"} <= {h.name for h in proved.hypotheses}
+    assert compare(CERTIFICATES[DOUBLING], proved).verdict == "agrees"
+
+
+def shift(number: str, by: Fraction) -> str:
+    from verify.second_proof.statement import exact
+
+    value = exact(number, "number") + by
+    bits = value.denominator.bit_length() - 1
+    return f"{'-' if value < 0 else ''}0x{abs(value.numerator):x}p-{bits}"
+
+
+def move_point(c: dict[str, Any]) -> None:
+    c["results"]["point"]["y"]["mid"] = shift(c["results"]["point"]["y"]["mid"], Fraction(1, 2**120))
+
+
+def move_parameter(c: dict[str, Any]) -> None:
+    c["results"]["parameter"]["mid"] = shift(c["results"]["parameter"]["mid"], Fraction(-1, 2**110))
+
+
+def move_box(c: dict[str, Any]) -> None:
+    c["statement"]["candidate"]["centre"][1] = shift(c["statement"]["candidate"]["centre"][1], Fraction(1, 2**60))
+
+
+DIFFERENCES = {
+    "side": lambda c: c["results"].update(side="above"),
+    "y": move_point,
+    "parameter": move_parameter,
+    "box": move_box,
+    "kind": lambda c: c["statement"]["candidate"].update(k=4),
+}
+
+
+@pytest.mark.parametrize("what", DIFFERENCES)
+def test_difference_is_reported(what: str, proved: Proved) -> None:
+    found = compare(changed(DOUBLING, DIFFERENCES[what]), proved)
+    assert found.verdict == "disagrees"
+    assert what in found.reason
+
+
+def test_nothing_to_compare_with_is_no_agreement(proved: Proved) -> None:
+    assert (
+        compare(changed(DOUBLING, lambda c: c.update(verdict="not proved", results=None)), proved).verdict
+        == "cannot follow"
+    )
+    assert compare(CERTIFICATES[DOUBLING], NotProved("time is up")).reason == "time is up"
+
+
+def refuse(certificate: dict[str, Any]) -> str:
+    result = second_proof(certificate)
+    assert isinstance(result, NotProved)
+    assert result.reason
+    return result.reason
+
+
+def claim(**values: Any) -> Callable[[dict[str, Any]], None]:
+    return lambda c: c["statement"]["candidate"].update(values)
+
+
+def test_kinds_without_a_theorem_are_refused() -> None:
+    for values in ({"k": 3}, {"kind": "touch_and_go"}, {"kind": "symmetry_breaking"}, {"kind": "fold", "k": 1}):
+        assert "theorem" in refuse(changed(DOUBLING, claim(**values)))
+
+
+def test_wrong_symmetry_is_refused() -> None:
+    assert "symmetry" in refuse(changed(DOUBLING, wrong_field))
+
+
+def wrong_field(c: dict[str, Any]) -> None:
+    """z' = beta (y^2 - 1) - x, which R does not reverse."""
+    c["statement"]["vector_field"] = c["statement"]["vector_field"].replace("v8 = v0 * v2", "v8 = v0 + v0")
+
+
+def test_time_out_is_not_proved() -> None:
+    result = second_proof(CERTIFICATES[DOUBLING], seconds=0.0)
+    assert isinstance(result, NotProved)
+    assert "time is up" in result.reason
+
+
+BAD = {
+    "statement.vector_field": lambda c: c["statement"].update(vector_field="v0 = x\nv1 = __import__('os')\nreturn v1"),
+    "statement.candidate.centre": lambda c: c["statement"]["candidate"].update(centre=[0.5, 1.0]),
+    "statement.section": lambda c: c["statement"].update(section="y"),
+    "statement.reversing_symmetry": lambda c: c["statement"].update(reversing_symmetry=[1, 2, 3]),
+    "statement": lambda c: c.pop("statement"),
+}
+
+
+@pytest.mark.parametrize("field", BAD)
+def test_bad_input_names_the_field(field: str) -> None:
+    with pytest.raises(BadCertificate, match=field):
+        second_proof(changed(DOUBLING, BAD[field]))
+
+
+def reverse_field(c: dict[str, Any]) -> None:
+    c["statement"]["vector_field"] = c["statement"]["vector_field"].replace("v9 = v7 - v8", "v9 = v8 - v7")
+
+
+def shift_centre(by: Fraction) -> Callable[[dict[str, Any]], None]:
+    def change(c: dict[str, Any]) -> None:
+        centre = c["statement"]["candidate"]["centre"]
+        centre[0] = shift(centre[0], by)
+
+    return change
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "change",
+    [claim(k=4), claim(k=3, kind="touch_and_go"), reverse_field, shift_centre(Fraction(5))],
+    ids=["k = 4 in place of 2", "touch-and-go in place of doubling", "field with the wrong sign", "centre far away"],
+)
+def test_false_claim_is_not_proved(change: Callable[[dict[str, Any]], None]) -> None:
+    refuse(changed(DOUBLING, change))
+
+
+@pytest.mark.slow
+def test_touch_and_go_is_proved_and_agrees() -> None:
+    result = second_proof(CERTIFICATES[TOUCHING])
+    assert isinstance(result, Proved)
+    assert result.side == "both"
+    assert compare(CERTIFICATES[TOUCHING], result).verdict == "agrees"
+
+
+@pytest.mark.slow
+def test_planar_to_halo_symmetry_breaking_is_proved_and_agrees() -> None:
+    certificate = CERTIFICATES["earth-moon-L1-halo-k1-1"]
+    result = second_proof(certificate)
+    assert isinstance(result, Proved)
+    assert compare(certificate, result).verdict == "agrees"
+
+
+@pytest.mark.slow
+def test_half_orbit_agrees_with_mpmath() -> None:
+    """The first crossing of a Falkner-Skan orbit and its derivative in y, against mpmath's Taylor integration."""
+    from mpmath import mp, mpf, odefun
+
+    from verify.second_proof.crossing import follow
+    from verify.second_proof.jets import ball, monomials, precision
+    from verify.second_proof.statement import read_statement
+
+    statement = read_statement(CERTIFICATES[DOUBLING])
+    table = monomials(2, 2)
+    with precision(192):
+        from flint import arb
+
+        start = [table.constant(arb(0)) for _ in range(4)]
+        for j, i in enumerate(statement.fixed):
+            start[i] = table.linear(ball(statement.centre[j]), [arb(int(j == l)) for l in range(2)])
+        found = follow(statement, start, table, 1, 160)
+        moment, jet = found.times[0], found.states[0][0]
+        time, value, slope = (x.mid().str(30, radius=False) for x in (moment, jet[0], jet[table.index[0, 1]]))
+    with mp.workdps(30):
+        beta, y = (mpf(c.numerator) / c.denominator for c in statement.centre)
+
+        def end(height: Any) -> Any:
+            solution = odefun(
+                lambda _, v: [v[1], v[2], beta * (v[1] ** 2 - 1) - v[0] * v[2]], 0, [mpf(0), height, mpf(0)]
+            )
+            moment = mpf(time)
+            for _ in range(4):
+                x, y, z = solution(moment)
+                moment -= z / (beta * (y**2 - 1) - x * z)
+            return solution(moment)[0]
+
+        step = mpf(10) ** -8
+        assert abs(end(y) - mpf(value)) < mpf(10) ** -15
+        assert abs((end(y + step) - end(y - step)) / (2 * step) - mpf(slope)) < mpf(10) ** -9
