@@ -65,10 +65,8 @@ def picard(statement: Statement, start: Sequence[arb], guess: arb) -> Disc:
             raise CannotFollow("no disc of time on which Picard's inclusion holds")
         spreads = [(z - x).abs_upper() for z, x in zip(trial, start, strict=True)]
         widest = max(spreads, key=lambda v: float(v.upper()))
-        margins = [
-            (v if v > 0 else abs(x).upper() if abs(x) > 0 else widest).upper() / 8
-            for v, x in zip(spreads, start, strict=True)
-        ]
+        # A coordinate that hardly moves still needs a margin, or its reciprocal would swell the remainders.
+        margins = [(v if v > widest / 4096 else widest / 4096).upper() / 8 for v in spreads]
         box = [acb(x + arb(0, m), arb(0, m)) for x, m in zip(start, margins, strict=True)]
         done, length = 0, (guess / (STAGES // 2)).mid()
         moves = acb(arb(0, length), arb(0, length))
