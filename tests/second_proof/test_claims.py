@@ -78,6 +78,13 @@ def test_difference_is_reported(what: str, proved: Proved) -> None:
     assert what in found.reason
 
 
+def test_enclosure_wider_than_the_box_is_no_difference(proved: Proved) -> None:
+    narrow = changed(DOUBLING, claim(radii=["0x1p-400", "0x1p-400"]))
+    found = compare(narrow, proved)
+    assert found.verdict == "cannot follow"
+    assert "too wide" in found.reason
+
+
 def test_nothing_to_compare_with_is_no_agreement(proved: Proved) -> None:
     assert (
         compare(changed(DOUBLING, lambda c: c.update(verdict="not proved", results=None)), proved).verdict

@@ -202,7 +202,12 @@ def conclude(claim: Claim) -> Conclusion:
 
     # HC3: the second curve.
     g_0 = g01 + g11 * drift[0] / 2
-    g_at = at_centre[index[0, 1]] + at_centre[index[0, 2]] * p1 + g111 * p1 * p1 / 2
+
+    def g_over(p1: arb) -> arb:
+        value: arb = at_centre[index[0, 1]] + at_centre[index[0, 2]] * p1 + g111 * p1 * p1 / 2
+        return value
+
+    g_at = g_over(p1)
     p0 = -g_at / g_0
     found.append(
         certain(
@@ -242,8 +247,8 @@ def conclude(claim: Claim) -> Conclusion:
             )
         )
         side = "above" if bend > 0 else "below"
-    # x* lies on the branch and on the family.
-    point = [p0, *family]
+    # x* lies on the branch and on the family, so p_0* = p_0(p_1*) with p_1* in p_1(P_0).
+    point = [-g_over(family[0]) / g_0, *family]
     return Conclusion(found, point, side)
 
 

@@ -283,7 +283,7 @@ class Step:
 def take_step(statement: Statement, state: list[Jet], table: Monomials, guess: arb, bits: int) -> tuple[Step, arb]:
     """One step from jets of the state, and the radius of its disc."""
     found = disc(statement, [jet[0] for jet in state], guess)
-    length = int(0.7 * bits) + 40
+    length = int(0.7 * bits) + 24
     with precision(DISC_BITS):
         for jet in state:
             if not all(c is None or c.is_finite() for c in jet):

@@ -18,7 +18,7 @@ from .statement import Statement, read_statement
 Vector = list[arb]
 Report = Callable[[str, float], None]
 
-ATTEMPTS = ((100, 224, 168), (200, 448, 304), (400, 960, 600))
+ATTEMPTS = ((88, 216, 136), (200, 448, 304), (400, 960, 600))
 """R_1 = 2^-first, and the bits with which the centre and the box are followed."""
 
 SECONDS = 3600.0

@@ -31,8 +31,8 @@ def _apart(mine: arb, stored: Mapping[str, Any], field: str) -> bool:
         return not mine.overlaps(ball(mid) + arb(0, ball(rad).upper()))
 
 
-def _outside(result: Proved, claim: Mapping[str, Any]) -> bool:
-    """Whether the point is not certainly in the box of the candidate."""
+def _place(result: Proved, claim: Mapping[str, Any]) -> bool | None:
+    """Whether the point certainly lies in the box of the candidate, certainly does not, or None: neither is certain."""
     try:
         frame = [[exact(c, "frame") for c in row] for row in claim["frame"]]
         centre = [exact(c, "centre") for c in claim["centre"]]
@@ -42,8 +42,10 @@ def _outside(result: Proved, claim: Mapping[str, Any]) -> bool:
     with precision(4096):
         away = [[v - ball(c)] for v, c in zip(result.point.values(), centre, strict=True)]
         coordinates = arb_mat([[ball(c) for c in row] for row in frame]).solve(arb_mat(away))
-        inside = [abs(coordinates[i, 0]) <= ball(r) for i, r in enumerate(radii)]
-    return not all(inside)
+        sizes = [(abs(coordinates[i, 0]), ball(r)) for i, r in enumerate(radii)]
+        if any(size > radius for size, radius in sizes):
+            return False
+        return True if all(size <= radius for size, radius in sizes) else None
 
 
 def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Comparison:
@@ -62,6 +64,9 @@ def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Compa
             return Comparison("disagrees", f"{name}: the enclosures have no common point")
     if _apart(result.parameter, results["parameter"], "results.parameter"):
         return Comparison("disagrees", "parameter: the enclosures have no common point")
-    if _outside(result, claim):
+    place = _place(result, claim)
+    if place is None:
+        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
+    if not place:
         return Comparison("disagrees", "the point is not in the box of the candidate")
     return Comparison("agrees", "kind, k, side; point and parameter overlap; the point is in the box of the candidate")
