@@ -93,7 +93,9 @@ def second_proof(
             reasons.append(f"{error} ({bits} bits)")
         except (ArithmeticError, ValueError, TypeError, MemoryError) as error:
             reasons.append(f"{type(error).__name__}: {error} ({bits} bits)")
-        if time.monotonic() > deadline or "symmetr" in reasons[-1] or "[WW]" in reasons[-1]:
+        # More bits do not help against the same obstacle twice, nor against a claim that no theorem covers.
+        again = len({reason.split(":")[0] for reason in reasons[-2:]}) < len(reasons[-2:])
+        if again or time.monotonic() > deadline or "symmetr" in reasons[-1] or "[WW]" in reasons[-1]:
             break
     return NotProved("; ".join(reasons))
 
