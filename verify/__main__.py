@@ -39,6 +39,8 @@ Prove bifurcations of symmetric periodic orbits: rigorous verification of candid
 commands:
   orbitproof verify FILE ..         certificates of bifurcations, from candidates (this page)
   orbitproof verify atlas FILE ..   certificates of whole branches, from atlases (orbitproof verify atlas --help)
+  orbitproof verify --second-proof FILE ..
+                                    certified bifurcations proved once more, by code that shares nothing with the first
 """
 
 _EXAMPLES = """\
@@ -117,6 +119,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from orbitproof.verify.atlas.__main__ import main as verify_atlas
 
         return verify_atlas(words[1:])
+    if "--second-proof" in words:
+        from orbitproof.verify.second_proof.runner import main as prove_again
+
+        return prove_again([word for word in words if word != "--second-proof"])
     options = _parser().parse_args(words)
     try:
         return _recheck(options) if options.recheck else _run(options)

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from flint import ctx
 
-from verify.second_proof import NotProved, Proved, compare, second_proof
-from verify.second_proof.statement import BadCertificate
+from orbitproof.verify.second_proof import NotProved, Proved, compare, second_proof
+from orbitproof.verify.second_proof.statement import BadCertificate
 
 FILE = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 CERTIFICATES = {c["id"]: c for c in json.loads(FILE.read_text(encoding="utf-8"))["certificates"]}
@@ -43,7 +43,7 @@ def test_period_doubling_is_proved_and_agrees(proved: Proved) -> None:
 
 
 def shift(number: str, by: Fraction) -> str:
-    from verify.second_proof.statement import exact
+    from orbitproof.verify.second_proof.statement import exact
 
     value = exact(number, "number") + by
     bits = value.denominator.bit_length() - 1
@@ -182,9 +182,9 @@ def test_half_orbit_agrees_with_mpmath() -> None:
     """The first crossing of a Falkner-Skan orbit and its derivative in y, against mpmath's Taylor integration."""
     from mpmath import mp, mpf, odefun
 
-    from verify.second_proof.crossing import follow
-    from verify.second_proof.jets import ball, monomials, precision
-    from verify.second_proof.statement import read_statement
+    from orbitproof.verify.second_proof.crossing import follow
+    from orbitproof.verify.second_proof.jets import ball, monomials, precision
+    from orbitproof.verify.second_proof.statement import read_statement
 
     statement = read_statement(CERTIFICATES[DOUBLING])
     table = monomials(2, 2)

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from property_checks import CHECKS
 
-from verify import second_proof
+from orbitproof.verify import second_proof
 
 SOURCE = Path(second_proof.__file__).parent
 

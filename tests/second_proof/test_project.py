@@ -8,7 +8,7 @@ import sys
 import tokenize
 from pathlib import Path
 
-from verify import second_proof
+from orbitproof.verify import second_proof
 
 SOURCES = sorted(Path(second_proof.__file__).parent.glob("*.py"))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from property_checks import CHECKS, flow_encloses_exact_solutions
 
-from verify import second_proof
+from orbitproof.verify import second_proof
 
 
 @pytest.mark.parametrize("name", CHECKS)

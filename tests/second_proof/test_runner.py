@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from verify.second_proof.runner import main
+from orbitproof.verify.second_proof.runner import main
 
 DATA = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 DOUBLING = "falkner-skan-odd-k2-1"
@@ -100,7 +100,7 @@ def alive(pid: int) -> bool:
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM, signal.SIGINT])
 def test_workers_end_with_their_parent(how: signal.Signals) -> None:
     root = Path(__file__).parents[2]
-    command = [sys.executable, "-m", "verify.second_proof", str(DATA), "--only", DOUBLING]
+    command = [sys.executable, "-m", "orbitproof.verify.second_proof", str(DATA), "--only", DOUBLING]
     parent = subprocess.Popen(command, cwd=root, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 60
     workers: list[int] = []

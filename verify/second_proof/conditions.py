@@ -29,7 +29,7 @@ class Table:
     box: Jet
 
     def jet(self, radii: Sequence[arb], degree: int = 3) -> Jet:
-        """Jets at all points with |p_j| <= radii_j, inside the box, by the mean value theorem. README, section 5.1."""
+        """Jets at all points with |p_j| <= radii_j, inside the box, by the mean value theorem. README, section 5."""
         table = monomials(len(radii), 3)
         coarse = monomials(len(radii), 2)
 

@@ -170,7 +170,7 @@ def _stop(*_: object) -> None:
 def main(argv: Sequence[str] | None = None) -> int:
     """0: all proved a second time, and the certificates agree; 1: otherwise; 2: bad input."""
     parser = argparse.ArgumentParser(
-        prog="second-proof", description="Prove the rows of a certificates file a second time."
+        prog="orbitproof verify --second-proof", description="Prove the rows of a certificates file a second time."
     )
     parser.add_argument("certificates", type=Path, help="certificates file")
     parser.add_argument("-o", "--output", type=Path, help="write the proofs here after every row, and go on from there")
@@ -184,13 +184,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         certificates = _load(options.certificates, options.only)
         rows = _kept(options.output, certificates)
     except BadCertificate as error:
-        print(f"second-proof: {error}", file=sys.stderr)
+        print(f"error: {error}", file=sys.stderr)
         return 2
     signal.signal(signal.SIGTERM, _stop)
     try:
         _run(certificates, rows, options.output, options.jobs, options.row_timeout)
     except KeyboardInterrupt:
-        print("second-proof: interrupted; what is done is kept", file=sys.stderr)
+        print("interrupted; what is done is kept", file=sys.stderr)
     print(f"{'row':34} {'verdict':14} {'side':6} {'seconds':>8}  reason")
     missing = {"verdict": "not tried", "reason": "", "seconds": ""}
     for certificate in certificates:
