@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from flint import arb
 from support import atlas_work
 from support.chain_cases import parabola
 from support.claims import known
@@ -29,6 +30,7 @@ from orbitproof.shared.systems import SYSTEMS, Program
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck
 from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.evidence import ball_from_json, ball_to_json
 
 NO_ENGINE: Callable[[float, str], None] = lambda fraction, label: None  # noqa: E731
 
@@ -182,7 +184,7 @@ def test_deviations_that_are_too_small_are_found_by_integrating(curve: Document,
 
 def test_half_periods_that_are_too_narrow_are_found_by_integrating() -> None:
     atlas, results = of_parabola()
-    narrow = [{**result, "time": {"mid": "0x3", "rad": "0x1p-9", "decimal": "[2.99, 3.01]"}} for result in results]
+    narrow = [{**result, "time": ball_to_json(arb(3, 2**-9))} for result in results]
     consistent = atlas_certificate(atlas, narrow)
     assert checked(consistent).stands
     found = checked(consistent, honest(results))
@@ -228,7 +230,7 @@ def _vague(document: Document) -> None:
         for part in result["parts"]:
             for balls in part["hypotheses"].values():
                 for name in balls:
-                    balls[name] = {"mid": "0x0", "rad": "0x1", "decimal": "[-1, 1]"}
+                    balls[name] = ball_to_json(arb(0, 1))
 
 
 def _turned(document: Document) -> None:
@@ -248,8 +250,8 @@ def test_a_side_that_is_consistent_with_a_false_enclosure_is_found_by_integratin
     results = copy.deepcopy(surface["results"])
     for result in results:
         for part in result["parts"]:
-            ball = part["hypotheses"]["h_b''"]["h_b''"]
-            ball["mid"] = ball["mid"].removeprefix("-") if ball["mid"].startswith("-") else f"-{ball['mid']}"
+            balls = part["hypotheses"]["h_b''"]
+            balls["h_b''"] = ball_to_json(-ball_from_json(balls["h_b''"]))
             part["side"] = {"below": "above", "above": "below"}[part["side"]]
     consistent = atlas_certificate(read("surface.json"), results)
     assert checked(consistent).stands

@@ -113,6 +113,7 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
     expected = list((surface_hypotheses if atlas.is_surface else curve_hypotheses)(atlas))
     if document["verdict"] == "proved" and names != expected:
         yield Finding("hypotheses", f"stored are {', '.join(names)}; the theorem takes {', '.join(expected)}")
+        yield from other_software(document)
 
 
 def _conclusion(

@@ -141,6 +141,7 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     if names != theorem.hypotheses:
         texts = (", ".join(entries) for entries in (names, theorem.hypotheses))
         yield Finding("hypotheses", "stored are {}; the theorem takes {}".format(*texts))
+        yield from other_software(certificate)
 
 
 def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Finding]:
