@@ -27,6 +27,7 @@ from support.forgeries import (
 import orbitproof.verify.certificate.rechecking as rechecking
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import SYSTEMS, Program
+from orbitproof.verify.atlas.recheck import atlas_of
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck
 from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.certificate.certify import certify
@@ -308,6 +309,16 @@ def test_a_curve_of_an_unknown_system_is_checked_too() -> None:
     found = checked(document, prover)
     assert (found.findings, found.level) == ((), Level.INTEGRATION)
     assert asked[0]["stated"]["statement"]["vector_field"] == document["statement"]["vector_field"]
+
+
+def test_bifurcations_of_an_unknown_system_are_looked_for_on_its_curve(point: Certificate) -> None:
+    atlas, results = of_parabola()
+    unknown = atlas_of(renamed(atlas_certificate(atlas, results)))
+    near = Certificate.from_json(renamed(fabricated(point, ("2", "4e-2"), "near").to_json()))
+    document = atlas_certificate(unknown, results, [near])
+    assert document["conclusion"]["bifurcations"][0]["on_curve"]
+    assert checked(document).stands
+    assert checked(document, honest(results)).level is Level.CONCLUSION
 
 
 def test_an_unknown_system_without_its_names_cannot_be_checked(point: Certificate) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import Atlas, InputError, read_system
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck, recheck
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.gluing import Chain, Stretch
@@ -206,11 +206,13 @@ def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bo
 def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
     """Why a certificate is about another system than the atlas, if it is."""
     statement = certificate.statement
+    wanted = certified_system(atlas.system)
     try:
-        system, parameters = read_system(statement["candidate"], "statement.candidate")
+        # The system of the atlas may be one that is not known here, described by its certificate alone.
+        known = {**SYSTEMS, wanted.name: wanted}
+        system, parameters = read_system(statement["candidate"], "statement.candidate", known)
     except (InputError, KeyError, ValueError) as error:
         return f"the certificate cannot be read: {error}"
-    wanted = certified_system(atlas.system)
     if system.name != wanted.name:
         return f"it is about another system, {system.name}"
     for name, value in atlas.parameters.items():
