@@ -37,6 +37,7 @@ from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.evidence import Checklist
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
@@ -97,7 +98,7 @@ def test_at_size_zero_the_field_is_the_linearisation(point: str) -> None:
 @pytest.mark.parametrize("point", AROUND)
 def test_the_system_is_reversible_and_nothing_else(point: str) -> None:
     system = AROUND[point]
-    check_symmetries(system)
+    check_symmetries(Checklist(), system)
     for wrong in ((1, -1, 1, 1), (-1, -1, 1, 1), (-1, 1, 1, -1), (1, 1, -1, -1)):
         assert parities(system.program, wrong) != [-sign for sign in wrong]
 

@@ -30,6 +30,7 @@ from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.claim.symmetry import check_symmetries
+from orbitproof.verify.evidence import Checklist
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
 
 DIGITS = 70
@@ -137,7 +138,7 @@ def test_more_precision_is_not_worse() -> None:
 
 
 def test_the_description_shows_the_symmetry() -> None:
-    check_symmetries(TWIST)
+    check_symmetries(Checklist(), TWIST)
 
 
 def derivatives(candidate: Candidate, p: Sequence[Fraction], alpha: tuple[int, ...], crossing: int) -> Fraction:

@@ -14,15 +14,15 @@ import pytest
 from orbitproof.shared.systems.program import record
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem
 from orbitproof.verify.claim.symmetry import check_symmetries, parities
-from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_known_systems_have_their_symmetries(name: str) -> None:
     system = SYSTEMS[name]
-    check_symmetries(system)
+    check_symmetries(Checklist(), system)
     for symmetry in system.symmetries:
-        check_symmetries(system, symmetry)
+        check_symmetries(Checklist(), system, symmetry)
 
 
 def numerically_reversible(system: ReversibleSystem, signs: Sequence[int], orientation: int) -> bool:
@@ -69,8 +69,8 @@ WRONG_REVERSALS = {
 
 @pytest.mark.parametrize("name", WRONG_REVERSALS)
 def test_wrong_reversals_are_refused(name: str) -> None:
-    with pytest.raises(IntegrationFailure, match="symmetry"):
-        check_symmetries(WRONG_REVERSALS[name])
+    with pytest.raises(NotEstablishedError, match="not shown to have the symmetry R"):
+        check_symmetries(Checklist(), WRONG_REVERSALS[name])
 
 
 WRONG_SYMMETRIES = {
@@ -84,13 +84,15 @@ WRONG_SYMMETRIES = {
 @pytest.mark.parametrize("name", WRONG_SYMMETRIES)
 def test_wrong_symmetries_are_refused(name: str) -> None:
     system = replace(CR3BP, symmetries={"S": WRONG_SYMMETRIES[name]})
-    check_symmetries(system)
-    with pytest.raises(IntegrationFailure, match="symmetry S"):
-        check_symmetries(system, "S")
+    check_symmetries(Checklist(), system)
+    with pytest.raises(NotEstablishedError, match="not shown to have the symmetry S"):
+        check_symmetries(Checklist(), system, "S")
+    with pytest.raises(NotEstablishedError, match="no symmetry T"):
+        check_symmetries(Checklist(), system, "T")
 
 
 def test_the_identity_is_a_symmetry() -> None:
-    check_symmetries(replace(CR3BP, symmetries={"S": (1,) * 6}), "S")
+    check_symmetries(Checklist(), replace(CR3BP, symmetries={"S": (1,) * 6}), "S")
 
 
 def test_parities_of_all_operations() -> None:

@@ -1,4 +1,4 @@
-"""Parity analysis of straight-line programs (section 1.3).
+"""Symmetries and the first integral, read off straight-line programs (docs/method.md, sections 1.3 and 1.4).
 
 Under a diagonal sign change of the state every node of a program is even (unchanged), odd (negated)
 or neither. Sums of two even nodes are even, of two odd nodes odd; parities multiply in products and
@@ -9,11 +9,34 @@ exponent. That proves f(R x) = -R f(x), f(S x) = S f(x) and the invariance of a 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 
 from orbitproof.shared.systems import Program, ReversibleSystem
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.claim.first_integral import is_first_integral
+from orbitproof.verify.evidence import Checklist
 
-_NEITHER = 0
+
+@dataclass(frozen=True)
+class _Parity:
+    """1 for even, -1 for odd, 0 for neither."""
+
+    sign: int
+
+    def __add__(self, other: _Parity) -> _Parity:
+        return self if self == other else _Parity(0)
+
+    __sub__ = __add__
+
+    def __mul__(self, other: _Parity) -> _Parity:
+        return _Parity(self.sign * other.sign)
+
+    __truediv__ = __mul__
+
+    def power(self, exponent: Fraction) -> _Parity:
+        if self.sign != -1:
+            return self
+        return _Parity(0 if exponent.denominator > 1 else -1 if exponent.numerator % 2 else 1)
 
 
 def parities(program: Program, signs: Sequence[int]) -> list[int]:
@@ -22,29 +45,9 @@ def parities(program: Program, signs: Sequence[int]) -> list[int]:
     `signs` covers the first inputs; the further inputs (parameters) are unchanged. A constant zero is
     not treated as odd.
     """
-    values: list[int] = []
-    for index, step in enumerate(program.instructions):
-        operands = [values[operand] for operand in step.operands]
-        match step.operation:
-            case "input":
-                values.append(signs[index] if index < len(signs) else 1)
-            case "constant":
-                values.append(1)
-            case "add" | "sub":
-                values.append(operands[0] if operands[0] == operands[1] else _NEITHER)
-            case "mul" | "div":
-                values.append(operands[0] * operands[1])
-            case "pow":
-                assert step.value is not None
-                whole = step.value.denominator == 1
-                odd = operands[0] == -1
-                if odd and not whole:
-                    values.append(_NEITHER)
-                elif odd:
-                    values.append(-1 if step.value.numerator % 2 else 1)
-                else:
-                    values.append(operands[0])
-    return [values[index] for index in program.outputs]
+    even = _Parity(1)
+    arguments = [_Parity(sign) for sign in signs] + [even] * (len(program.inputs) - len(signs))
+    return [value.sign for value in program.evaluate(arguments, lambda _: even, _Parity.power)]
 
 
 def signs_on(system: ReversibleSystem, symmetry: str, coordinates: Sequence[str]) -> tuple[int, ...]:
@@ -53,23 +56,30 @@ def signs_on(system: ReversibleSystem, symmetry: str, coordinates: Sequence[str]
     return tuple(signs.get(name, 1) for name in coordinates)
 
 
-def check_symmetries(system: ReversibleSystem, symmetry: str | None = None) -> None:
-    """Prove that R reverses the system and that `symmetry`, if named, commutes with its flow.
+def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: str | None = None) -> None:
+    """R reverses the flow, `symmetry`, if named, commutes with it, and H is a first integral that both leave alone.
 
-    Both leave the first integral unchanged, and R and S commute because both are diagonal. Raises
-    `IntegrationFailure` if the program does not show it.
+    R and S commute because both are diagonal.
     """
-    _check(system, "R", system.reversing_symmetry, -1)
-    if symmetry is not None:
-        _check(system, symmetry, system.symmetries[symmetry], 1)
-
-
-def _check(system: ReversibleSystem, name: str, signs: Sequence[int], orientation: int) -> None:
-    wanted = [orientation * sign for sign in signs]
-    integral = system.first_integral_program
-    if parities(system.program, signs) != wanted or (integral is not None and parities(integral, signs) != [1]):
-        raise IntegrationFailure(
-            "symmetry",
-            f"the vector field of {system.name} was not shown to have the symmetry {name}",
-            "correct the description of the system",
+    with checklist.hypothesis(
+        "symmetries",
+        "1.3",
+        "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the program; a first "
+        "integral H satisfies grad H . f = 0 identically (1.4), and R and S leave it unchanged",
+        "correct the description of the system",
+    ) as evidence:
+        integral = system.first_integral_program
+        involutions = [("R", system.reversing_symmetry, -1)]
+        if symmetry is not None:
+            evidence.require(symmetry in system.symmetries, f"{system.name} has no symmetry {symmetry}")
+            involutions.append((symmetry, system.symmetries.get(symmetry, ()), 1))
+        for name, signs, orientation in involutions:
+            shown = parities(system.program, signs) == [orientation * sign for sign in signs]
+            message = f"of {system.name} was not shown to have the symmetry {name}"
+            evidence.require(shown, f"the vector field {message}")
+            evidence.require(integral is None or parities(integral, signs) == [1], f"the first integral {message}")
+        evidence.require(
+            integral is None or is_first_integral(system.program, integral),
+            f"the {system.first_integral_name or 'first integral'} of {system.name} was not shown to be constant along "
+            "its orbits",
         )

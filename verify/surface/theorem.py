@@ -92,14 +92,7 @@ def _check(
     checklist: Checklist, atlas: Atlas, results: Sequence[Mapping[str, Any]]
 ) -> tuple[list[Sheet], tuple[SurfaceJoint, ...]]:
     system, pieces = atlas.system, atlas.surface_pieces()
-    with checklist.hypothesis(
-        "symmetries", "1.3", "R reverses the system, and the symmetry that breaks commutes with its flow", _REMEDY
-    ) as evidence:
-        evidence.require(_symmetries_hold(atlas), "the vector field was not shown to have the symmetries")
-        evidence.require(
-            len(system.fixed_parameters) == 1 and system.family_parameter is None and system.first_integral is not None,
-            f"{system.name} is no system with one parameter and a first integral",
-        )
+    check_symmetries(checklist, system, atlas.claim.symmetry)
     with checklist.hypothesis(
         "frames", "7.1", "the frames of all pieces are regular and adapted to the symmetry", _REMEDY
     ) as evidence:
@@ -107,7 +100,13 @@ def _check(
             regular = determinant(piece.frame) != 0 and determinant(piece.kernel_frame) != 0
             evidence.require(regular, f"a frame of {piece.id} is singular")
             evidence.require(min(piece.radii) > 0, f"a radius of {piece.id} is not positive")
-        _require_adapted(evidence, atlas)
+        evidence.require(
+            len(system.fixed_parameters) == 1 and system.family_parameter is None and system.first_integral is not None,
+            f"{system.name} is no system with one parameter and a first integral",
+        )
+        evidence.require(atlas.claim.symmetry is not None, "the claim names no symmetry")
+        if atlas.claim.symmetry is not None:
+            _require_adapted(evidence, atlas)
     parameter = system.fixed_parameters[0]
     by_piece: dict[str, list[Mapping[str, Any]]] = {piece.id: [] for piece in pieces}
     for result in results:
@@ -160,14 +159,6 @@ def _check_covers(checklist: Checklist, atlas: Atlas, sheets: Sequence[Sheet]) -
         last = evaluate(sheets[-1].parameter, Fraction(1))
         evidence.require(first <= covers.start, f"the first piece begins at {float(first):.17g}, above the range")
         evidence.require(last >= covers.end, f"the last piece ends at {float(last):.17g}, below the range's end")
-
-
-def _symmetries_hold(atlas: Atlas) -> bool:
-    try:
-        check_symmetries(atlas.system, atlas.claim.symmetry)
-    except (NotEstablishedError, KeyError):
-        return False
-    return atlas.claim.symmetry is not None
 
 
 def _require_adapted(evidence: Evidence, atlas: Atlas) -> None:
