@@ -16,12 +16,11 @@ from orbitproof.verify.bifurcation.conditions import Point, Problem, check_trans
 from orbitproof.verify.bifurcation.nondegeneracy import check_family_of_maps
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, PeriodTwoFamily
 from orbitproof.verify.bifurcation.theorem import BifurcationResults, theorem_of
+from orbitproof.verify.evidence import DerivativeTable, indices_up_to
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
 from orbitproof.verify.newton.interval_newton import ImplicitGraph
-from orbitproof.verify.newton.jets import indices_up_to
 from orbitproof.verify.newton.taylor_forms import BoxFunction
-from orbitproof.verify.poincare.derivatives import DerivativeTable
 
 
 @pytest.fixture(autouse=True)

@@ -18,10 +18,10 @@ from flint import arb
 from orbitproof.shared.formats.candidates import Candidate
 from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
 from orbitproof.verify.bifurcation.theorem import BifurcationResults, prepare, prove
+from orbitproof.verify.evidence import DerivativeTable, indices_up_to
 from orbitproof.verify.evidence.comparisons import enclose, symmetric
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
-from orbitproof.verify.newton.jets import Jet, increment, indices_up_to
-from orbitproof.verify.poincare.derivatives import DerivativeTable
+from orbitproof.verify.newton.jets import Jet, increment
 
 Shear = Callable[[Sequence[Any]], Sequence[Any]]
 

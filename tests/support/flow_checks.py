@@ -16,9 +16,9 @@ from orbitproof.shared.systems.program import Program
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.algebra.programs import PreparedProgram, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.evidence import DerivativeTable
 from orbitproof.verify.flow.centre import fixed_coefficients
 from orbitproof.verify.flow.step import FlowStep, advance
-from orbitproof.verify.poincare.derivatives import DerivativeTable
 from orbitproof.verify.poincare.section import build_section_program, onto_section
 
 RECURRENCES = {"cr3bp": three_body, "falkner-skan": falkner_skan}

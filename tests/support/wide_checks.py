@@ -19,7 +19,7 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETER
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.curve.libration_point import parameter_series
-from orbitproof.verify.poincare.returns import Returns, evaluate
+from orbitproof.verify.poincare.returns import Returns
 
 MU = MASS_PARAMETERS["earth-moon"]
 BITS = 170
@@ -186,9 +186,9 @@ class WideSet:
     def returns(self) -> Returns:
         """The orbits, at the start."""
         state, parameters = self.initial()
-        program = self.system.first_integral_program
-        level = None if program is None else evaluate(self.arithmetic, program, (*state, *parameters))[0]
-        return Returns(self.system, self.arithmetic, state, parameters, level, self.piece.coordinates)
+        names = (*self.system.state, *self.system.parameters)
+        point = dict(zip(names, (*state, *parameters), strict=True))
+        return Returns(self.system, self.arithmetic, point, self.piece.coordinates)
 
 
 def value_and_error(series: Series, s: Fraction, w: Sequence[Fraction]) -> tuple[Any, Any]:

@@ -36,6 +36,7 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETER
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import prepare
 from orbitproof.verify.algebra.series import Arithmetic
+from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow.step import advance
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates, grading_for
 
@@ -48,6 +49,16 @@ BOXES: dict[str, tuple[Callable[[], Candidate], int]] = {
     "Falkner-Skan wide": (lambda: falkner_skan_box("period_tupling", 2, ("1e-7", "1e-9"), seed=4), 80),
     "Falkner-Skan narrow": (lambda: falkner_skan_box("touch_and_go", 2, ("1e-9", "1e-12"), seed=5), 110),
 }
+
+
+def test_radii_below_what_float_bounds_resolve_are_refused_without_asking_for_precision() -> None:
+    def box(radius: str) -> Candidate:
+        return falkner_skan_box("period_tupling", 2, (f"{radius}0", radius), seed=4)
+
+    with pytest.raises(IntegrationFailure, match=r"R_1 = 10\^-99") as refusal:
+        enclose_iterates(box("1e-99"), IntegratorSettings(600))
+    assert not refusal.value.needs_precision
+    assert "larger radii" in refusal.value.remedy
 
 
 @cache

@@ -12,6 +12,7 @@ from flint import arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from orbitproof.verify.evidence import DerivativeTable, indices_up_to
 from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import (
     EmptyIntersectionError,
@@ -29,9 +30,8 @@ from orbitproof.verify.evidence.comparisons import (
     up_to,
 )
 from orbitproof.verify.newton.interval_newton import ImplicitGraph, is_regular, newton_image
-from orbitproof.verify.newton.jets import Jet, compose, implicit_jets, increment, indices_up_to
+from orbitproof.verify.newton.jets import Jet, compose, implicit_jets, increment
 from orbitproof.verify.newton.taylor_forms import BoxFunction
-from orbitproof.verify.poincare.derivatives import DerivativeTable
 
 Polynomial = Mapping[tuple[int, ...], F]
 fractions = st.fractions(min_value=-8, max_value=8, max_denominator=64)

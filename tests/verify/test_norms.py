@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orbitproof.verify.algebra.norms import add, convolve, float_above, geometric, inflate, total
+from orbitproof.verify.algebra.norms import add, convolve, float_above, fraction_above, geometric, inflate, total
 from orbitproof.verify.flow.gronwall import exponential_bound
 
 # Non-negative floats of every size: subnormal, tiny, ordinary, and so large that products overflow.
@@ -55,6 +55,13 @@ def test_float_above_is_above(numerator: int, exponent: int) -> None:
     assert at_least(bound, exact)
     if bound != math.inf:
         assert Fraction(bound) <= exact * (1 + Fraction(1, 2**50)) + Fraction(1, 2**900)
+
+
+@given(st.fractions(min_value=0, max_value=10**400, max_denominator=10**400))
+def test_fraction_above_is_above(value: Fraction) -> None:
+    bound = fraction_above(value)
+    assert at_least(bound, value)
+    assert bound == math.inf or Fraction(bound) <= value * (1 + Fraction(1, 2**50)) + Fraction(1, 2**900)
 
 
 def test_float_above_overflows_to_infinity() -> None:

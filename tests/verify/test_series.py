@@ -90,6 +90,15 @@ def test_multiples_keep_their_error(factor: Fraction) -> None:
         assert Fraction(bound) >= abs(factor) * Fraction(error)
 
 
+@pytest.mark.parametrize("value", [Fraction(3 * 2**40), Fraction(1), Fraction(2**60, 3), Fraction(-(10**9), 7)])
+def test_coarser_units_than_one_enclose(value: Fraction) -> None:
+    """A box wider than 1: the unit of grade 1 is 2^20."""
+    element = Arithmetic(Grading((1,), 1), 10, -30, 2).polynomial({(1,): value})
+    unit = Fraction(2) ** 20
+    assert abs(int(element.coefs[1][0]) * unit - value) <= Fraction(element.errors[1])
+    assert element.errors[1] <= 1.001 * unit
+
+
 @pytest.mark.parametrize("exponent", EXPONENTS, ids=str)
 @pytest.mark.parametrize("seed", range(20))
 def test_powers_enclose(exponent: Fraction, seed: int) -> None:

@@ -2,7 +2,7 @@
 
 from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded_power, pack, to_points, unpack
 from orbitproof.verify.algebra.grading import Factors, Grading
-from orbitproof.verify.algebra.norms import GradedNorm, float_above, inflate, total
+from orbitproof.verify.algebra.norms import GradedNorm, float_above, fraction_above, inflate, total
 from orbitproof.verify.algebra.polynomials import ball_polynomial, plus, recentred, values_around
 from orbitproof.verify.algebra.programs import Evaluation, PreparedProgram, approximate_power, integer_part, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
@@ -22,6 +22,7 @@ __all__ = [
     "ball_polynomial",
     "correct_power",
     "float_above",
+    "fraction_above",
     "from_points",
     "graded_power",
     "inflate",

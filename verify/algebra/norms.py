@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from fractions import Fraction
 
 GradedNorm = list[float]
 
@@ -33,6 +34,11 @@ def float_above(numerator: int, exponent: int) -> float:
         return math.ldexp(numerator, exponent) + _FLOOR
     except OverflowError:
         return math.inf
+
+
+def fraction_above(value: Fraction) -> float:
+    """A float that is at least `value`, which is not negative."""
+    return float_above(-((-value.numerator << 1000) // value.denominator), -1000)
 
 
 def total(norm: Sequence[float]) -> float:

@@ -20,7 +20,7 @@ from functools import cached_property
 from flint import fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, geometric, inflate
+from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, fraction_above, geometric, inflate
 from orbitproof.verify.evidence import GUARD_BITS
 
 _ZERO = fmpz_poly([])
@@ -99,10 +99,9 @@ class Arithmetic:
             integers = []
             for power, value in enumerate([given] if isinstance(given, Fraction) else given):
                 if position is None or power > self.width:
-                    size = abs(value)
-                    lost = float_above(-(-size.numerator * 2**1000 // size.denominator), -1000)
+                    lost = fraction_above(abs(value))
                 else:
-                    scaled = value * 2 ** self.scales[position]
+                    scaled = value * Fraction(2) ** self.scales[position]
                     integers.append(scaled.numerator // scaled.denominator)
                     lost = 0.0 if integers[-1] == scaled else float_above(1, -self.scales[position])
                 if lost:
@@ -238,7 +237,7 @@ class Series:
         """The product with an exact constant."""
         arithmetic = self.arithmetic
         coefs, lost = scale_coefficients(arithmetic, self.coefs, factor)
-        size = float_above(-((-abs(factor.numerator) << 60) // factor.denominator), -60)
+        size = fraction_above(abs(factor))
         return Series(arithmetic, coefs, [inflate(size * e + loss) for e, loss in zip(self.errors, lost, strict=True)])
 
     def at_end(self) -> Series:
@@ -248,6 +247,12 @@ class Series:
             return Series(arithmetic, [arithmetic.sum_of_coefficients(p) for p in self.coefs], self.errors)
         one = fmpz(1)
         return Series(arithmetic, [fmpz_poly([p(one)]) if p.length() else p for p in self.coefs], self.errors)
+
+    def widened(self, radius: Fraction) -> Series:
+        """The element with every number of at most this size added."""
+        if radius == 0:
+            return self
+        return self.with_errors([inflate(self.errors[0] + fraction_above(radius)), *self.errors[1:]])
 
     def with_errors(self, errors: GradedNorm) -> Series:
         """The same known part with other errors."""

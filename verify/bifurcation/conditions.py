@@ -16,10 +16,13 @@ from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import remedies
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family, PeriodTwoFamily, reduced_function
 from orbitproof.verify.evidence import (
+    MAX_ORDER,
     Checklist,
+    DerivativeTable,
     Evidence,
     all_finite,
     excludes_zero,
+    indices_up_to,
     is_below,
     is_inside,
     is_outside,
@@ -27,8 +30,7 @@ from orbitproof.verify.evidence import (
     show,
     symmetric,
 )
-from orbitproof.verify.newton import BoxFunction, ImplicitGraph, indices_up_to, is_regular
-from orbitproof.verify.poincare import MAX_ORDER, DerivativeTable
+from orbitproof.verify.newton import BoxFunction, ImplicitGraph, is_regular
 
 _NEWTON_STEPS = 8
 

@@ -19,6 +19,7 @@ from orbitproof.verify.claim import determinant, quadratic_coefficient
 from orbitproof.verify.evidence import (
     GUARD_BITS,
     Checklist,
+    DerivativeTable,
     Evidence,
     IntegrationFailure,
     dot,
@@ -29,7 +30,7 @@ from orbitproof.verify.evidence import (
     show,
     symmetric,
 )
-from orbitproof.verify.poincare import DerivativeTable, enclose_first_integral
+from orbitproof.verify.poincare import enclose_first_integral
 
 _MOST_BITS = 1 << 17
 """Boxes that would need more are too small for any proof."""

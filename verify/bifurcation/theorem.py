@@ -31,6 +31,7 @@ from orbitproof.verify.claim import (
 )
 from orbitproof.verify.evidence import (
     Checklist,
+    DerivativeTable,
     NotEstablishedError,
     NotProved,
     Outcome,
@@ -42,7 +43,6 @@ from orbitproof.verify.evidence import (
     dot,
     enclose,
 )
-from orbitproof.verify.poincare import DerivativeTable
 
 
 @dataclass(frozen=True)

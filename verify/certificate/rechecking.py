@@ -35,6 +35,7 @@ from orbitproof.verify.certificate.stated_system import systems_with
 from orbitproof.verify.certificate.tables import derivative_name, tables_from_json
 from orbitproof.verify.evidence import (
     Checklist,
+    DerivativeTable,
     IntegrationFailure,
     NotEstablishedError,
     NotProved,
@@ -44,7 +45,7 @@ from orbitproof.verify.evidence import (
     ball_from_json,
     guarded,
 )
-from orbitproof.verify.poincare import DerivativeTable, Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 _MORE_PRECISION = 8
 _LEAST_MORE_PRECISION = 32

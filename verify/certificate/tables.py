@@ -8,8 +8,15 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.numbers import format_dyadic
-from orbitproof.verify.evidence import ball_from_json, exact_value
-from orbitproof.verify.poincare import MAX_ORDER, DerivativeTable, Enclosures, MultiIndex, multi_indices
+from orbitproof.verify.evidence import (
+    MAX_ORDER,
+    DerivativeTable,
+    MultiIndex,
+    ball_from_json,
+    exact_value,
+    indices_up_to,
+)
+from orbitproof.verify.poincare import Enclosures
 
 _SEPARATOR = " +- "
 
@@ -66,7 +73,7 @@ def tables_from_json(entry: Mapping[str, Any], dimension: int, computation: Mapp
 
 
 def _table_to_json(table: DerivativeTable) -> dict[str, list[str]]:
-    indices = multi_indices(len(next(iter(table.box))))
+    indices = sorted(indices_up_to(len(next(iter(table.box))), MAX_ORDER))
     return {
         "box": [ball_to_text(table.box[index]) for index in indices],
         "centre": [ball_to_text(table.centre[index]) for index in indices],
@@ -74,7 +81,7 @@ def _table_to_json(table: DerivativeTable) -> dict[str, list[str]]:
 
 
 def _table_from_json(entry: Mapping[str, Sequence[str]], dimension: int, name: str) -> DerivativeTable:
-    indices = multi_indices(dimension)
+    indices = sorted(indices_up_to(dimension, MAX_ORDER))
     parts: list[dict[MultiIndex, arb]] = []
     for part in ("box", "centre"):
         texts = entry[part]

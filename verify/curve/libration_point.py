@@ -15,7 +15,7 @@ from flint import arb
 
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import DerivedParameter, Program, ReversibleSystem, record
-from orbitproof.verify.algebra import Arithmetic, Series, float_above, inflate
+from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.evidence import GUARD_BITS, IntegrationFailure, enclose, guarded, hull, sign
 
 _HALVINGS = 200
@@ -61,16 +61,8 @@ def parameter_series(
     result = {name: arithmetic.constant(parameters[name]) for name in system.fixed_parameters}
     for name in system.derived_parameters:
         root = derived_parameter(system, name, parameters, arithmetic.bits)
-        constant = arithmetic.constant(root.middle)
-        errors = list(constant.errors)
-        errors[0] = inflate(errors[0] + _above(root.radius))
-        result[name] = constant.with_errors(errors)
+        result[name] = arithmetic.constant(root.middle).widened(root.radius)
     return result
-
-
-def _above(value: Fraction) -> float:
-    """A float that is at least a positive fraction."""
-    return float_above(-((-value.numerator << 1000) // value.denominator), -1000)
 
 
 class _Search:

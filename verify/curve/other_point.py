@@ -13,14 +13,13 @@ from math import ceil, log2
 from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Grading, Series, float_above, inflate
+from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.evidence import IntegrationFailure, all_finite, exact_value, excludes_zero, guarded, total
-from orbitproof.verify.poincare import Returns, default_order, evaluate
+from orbitproof.verify.poincare import Returns, default_order
 
 _LEAST_BITS = 96
 _SPARE_BITS = 16
-_MAX_STEPS = 1000
 
 
 def other_point(
@@ -47,17 +46,8 @@ def _half_return(
     system: ReversibleSystem, given: Mapping[str, Fraction], point: Mapping[str, arb], arithmetic: Arithmetic
 ) -> dict[str, arb] | None:
     known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
-    zero = arithmetic.constant(Fraction(0))
-    initial = [known.get(name, zero) for name in system.state]
-    others = parameter_series(arithmetic, system, given)
-    parameters = [known[name] if name in known else others[name] for name in system.parameters]
-    program = system.first_integral_program
-    level = None if program is None else evaluate(arithmetic, program, (*initial, *parameters))[0]
-    returns = Returns(system, arithmetic, initial, parameters, level)
-    while not returns.step():
-        if returns.steps >= _MAX_STEPS:
-            return None
-    state = [_ball(element) for element in returns.crossing(1)[0]]
+    returns = Returns(system, arithmetic, {**parameter_series(arithmetic, system, given), **known})
+    state = [_ball(element) for element in returns.next_crossing()[0]]
     if any(excludes_zero(state[index]) for index in system.kernel_coordinates):
         # The orbit through x is not symmetric: what was said of x is wrong.
         return None
@@ -68,12 +58,7 @@ def _half_return(
 
 def _constant(arithmetic: Arithmetic, ball: arb) -> Series:
     """An element that contains every number of a ball."""
-    element = arithmetic.constant(exact_value(ball.mid()))
-    radius = exact_value(ball.rad())
-    errors = list(element.errors)
-    if radius:
-        errors[0] = inflate(errors[0] + float_above(-(-radius.numerator * 2**1000 // radius.denominator), -1000))
-    return element.with_errors(errors)
+    return arithmetic.constant(exact_value(ball.mid())).widened(exact_value(ball.rad()))
 
 
 def _ball(element: Series) -> arb:

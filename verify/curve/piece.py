@@ -41,7 +41,7 @@ from orbitproof.verify.evidence import (
     is_inside,
 )
 from orbitproof.verify.newton import is_regular, newton_image
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, evaluate
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns
 
 Progress = Callable[[float], None]
 
@@ -53,8 +53,6 @@ _PARTS, _HALVINGS = 8, 6
 
 _SLOPE_BITS = 52
 """Significant bits of the derivatives across the curve; what a Newton operator needs of them is little."""
-
-_MAX_STEPS = 200
 
 _MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
 """Conditions for which regularised coordinates are tried where the system's own fail."""
@@ -230,26 +228,16 @@ class _Proof:
     def _half_return(self, computation: Account, progress: Progress | None) -> tuple[list[Series], arb]:
         """The kernel coordinates at the first return, and the half periods."""
         system, arithmetic = self.system, self.arithmetic
-        point = self._initial()
-        initial = [
-            point[name] if name in point else arithmetic.constant(system.normalised.get(name, Fraction(0)))
-            for name in system.state
-        ]
-        known = parameter_series(arithmetic, system, self.parameters)
-        parameters = [point[name] if name in point else known[name] for name in system.parameters]
-        program = system.first_integral_program
-        level = None if program is None else evaluate(arithmetic, program, (*initial, *parameters))[0]
-        returns = Returns(system, arithmetic, initial, parameters, level, self.piece.coordinates)
+        point = {**parameter_series(arithmetic, system, self.parameters), **self._initial()}
+        returns = Returns(system, arithmetic, point, self.piece.coordinates)
         computation["coordinates"] = returns.coordinates.name
-        arrived = False
-        while not arrived:
-            if returns.steps >= _MAX_STEPS:
-                raise IntegrationFailure("steps", f"no return within {_MAX_STEPS} steps", "give another centre")
-            arrived = returns.step()
-            computation["steps"] = returns.steps
+
+        def after_step(steps: int) -> None:
+            computation["steps"] = steps
             if progress is not None:
-                progress(returns.steps)
-        state, when = returns.crossing(1)
+                progress(steps)
+
+        state, when = returns.next_crossing(after_step)
         return [state[index] for index in system.kernel_coordinates], when
 
     def _images(self, equations: Sequence[Equation]) -> list[tuple[list[arb], list[arb]]]:

@@ -29,6 +29,14 @@ from orbitproof.verify.evidence.comparisons import (
     total,
     up_to,
 )
+from orbitproof.verify.evidence.derivatives import (
+    MAX_ORDER,
+    DerivativeTable,
+    MultiIndex,
+    index_factorial,
+    indices_of_degree,
+    indices_up_to,
+)
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import (
     Checklist,
@@ -48,11 +56,14 @@ from orbitproof.verify.evidence.sources import software
 
 __all__ = [
     "GUARD_BITS",
+    "MAX_ORDER",
     "Checklist",
+    "DerivativeTable",
     "EmptyIntersectionError",
     "Evidence",
     "Hypothesis",
     "IntegrationFailure",
+    "MultiIndex",
     "NotEstablishedError",
     "NotProved",
     "Outcome",
@@ -74,6 +85,9 @@ __all__ = [
     "excludes_zero",
     "guarded",
     "hull",
+    "index_factorial",
+    "indices_of_degree",
+    "indices_up_to",
     "interval_text",
     "is_below",
     "is_inside",

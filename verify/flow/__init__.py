@@ -8,10 +8,12 @@ from orbitproof.verify.flow.centre import (
     rough,
     step_size,
 )
+from orbitproof.verify.flow.gronwall import LEAST_ERROR
 from orbitproof.verify.flow.step import FlowStep, advance, enclose_step
 from orbitproof.verify.flow.wide_solution import element_at_points, solve_wide, taylor_at_points, wide_step_size
 
 __all__ = [
+    "LEAST_ERROR",
     "FlowStep",
     "advance",
     "dyadic_below",

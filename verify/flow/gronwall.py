@@ -37,7 +37,8 @@ _RATIO = 2.0**-40
 PARTS = 8
 """The number of equal parts of a step on each of which the derivatives are bounded anew."""
 _SLACK = 1.0 + 2.0**-30
-_FLOOR = 2.0**-960
+LEAST_ERROR = 2.0**-960
+"""No error of a step is smaller: no precision helps where that is too much."""
 
 _MINUS_ONE = Fraction(-1)
 
@@ -174,7 +175,7 @@ def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) ->
             for source in range(slots):
                 for grade in range(slots):
                     matrices[:, i, min(source + grade, slots - 1), j, source] += bounds[:, grade]
-    return [matrix.reshape(size * slots, size * slots) * _SLACK + _FLOOR for matrix in matrices]
+    return [matrix.reshape(size * slots, size * slots) * _SLACK + LEAST_ERROR for matrix in matrices]
 
 
 def _bounds_on_parts(derivative: Series) -> Floats:
@@ -222,14 +223,14 @@ def exponential_bound(matrix: Floats, start: Floats) -> Floats:
     whole remainder relative to the result. Entries of `start` that are too small for this are
     enlarged, which only weakens the bound. Infinite entries where no bound is found.
     """
-    vector = start + _FLOOR
+    vector = start + LEAST_ERROR
     for _ in range(4):
         term = vector
         result = vector.copy()
         for n in range(1, 80):
             term = (matrix @ term) * (_SLACK / n)
             if n > 4 and bool(np.all(term <= _RATIO * vector)):
-                return np.asarray(result * _SLACK / (1.0 - 2.0 * _RATIO) + _FLOOR)
+                return np.asarray(result * _SLACK / (1.0 - 2.0 * _RATIO) + LEAST_ERROR)
             result = result + term
         if not bool(np.all(np.isfinite(term))):
             break

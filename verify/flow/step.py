@@ -9,7 +9,15 @@ from fractions import Fraction
 import numpy as np
 from flint import fmpz, fmpz_poly
 
-from orbitproof.verify.algebra import Arithmetic, Evaluation, GradedNorm, PreparedProgram, Series, inflate
+from orbitproof.verify.algebra import (
+    Arithmetic,
+    Evaluation,
+    GradedNorm,
+    PreparedProgram,
+    Series,
+    fraction_above,
+    inflate,
+)
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow.gronwall import (
     PARTS,
@@ -110,12 +118,8 @@ def _defect(solution: Series, field: Series, step: Fraction) -> GradedNorm:
             result[arithmetic.grading.grades[position]] += arithmetic.size(
                 difference, arithmetic.scales[position] + shift
             )
-    length = _above(step)
+    length = fraction_above(step)
     return [inflate(known + length * error) for known, error in zip(result, field.errors, strict=True)]
-
-
-def _above(step: Fraction) -> float:
-    return float(np.nextafter(float(step), np.inf))
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -139,7 +143,7 @@ def _tube(
         derivatives, slopes = derivative_bounds(program, size, [*inputs, *constants])
         bound = start.reshape(-1)
         for matrix in comparison_matrices(derivatives, slots):
-            bound = exponential_bound(matrix * (_above(step) / PARTS), bound)
+            bound = exponential_bound(matrix * (fraction_above(step) / PARTS), bound)
         errors = bound.reshape(size, slots)
         if bool(np.all(errors < tube)) and bool(np.all(np.isfinite(tube))):
             return [[float(value) for value in row] for row in errors], slopes

@@ -1,7 +1,7 @@
 """Interval Newton, Taylor forms and jets of implicit functions (section 7)."""
 
 from orbitproof.verify.newton.interval_newton import ImplicitGraph, is_regular, newton_image
-from orbitproof.verify.newton.jets import Jet, compose, indices_up_to
+from orbitproof.verify.newton.jets import Jet, compose
 from orbitproof.verify.newton.taylor_forms import BoxFunction
 
 __all__ = [
@@ -9,7 +9,6 @@ __all__ = [
     "ImplicitGraph",
     "Jet",
     "compose",
-    "indices_up_to",
     "is_regular",
     "newton_image",
 ]

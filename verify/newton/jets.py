@@ -10,33 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from math import factorial, prod
 
 from flint import arb, arb_mat
 
-from orbitproof.verify.poincare import MultiIndex
-
-
-@cache
-def indices_of_degree(variables: int, degree: int) -> tuple[MultiIndex, ...]:
-    """All multi-indices of the given length and total degree."""
-    if variables == 0:
-        return ((),) if degree == 0 else ()
-    return tuple(
-        (first, *rest) for first in range(degree, -1, -1) for rest in indices_of_degree(variables - 1, degree - first)
-    )
-
-
-@cache
-def indices_up_to(variables: int, degree: int) -> tuple[MultiIndex, ...]:
-    """All multi-indices of the given length up to a total degree, by degree."""
-    return tuple(index for d in range(degree + 1) for index in indices_of_degree(variables, d))
-
-
-def index_factorial(index: MultiIndex) -> int:
-    """alpha! = prod alpha_i!."""
-    return prod(factorial(power) for power in index)
+from orbitproof.verify.evidence import MultiIndex, index_factorial, indices_of_degree, indices_up_to
 
 
 def unit(variables: int, position: int) -> MultiIndex:
@@ -121,10 +98,8 @@ def implicit_jets(functions: Sequence[Mapping[MultiIndex, arb]], independent: in
     size = len(functions)
     if size == 0:
         return tuple(known)
-    coordinates = independent + size
-    matrix = arb_mat(
-        [[function[unit(coordinates, independent + j)] for j in range(size)] for function in functions]
-    )  # fmt: skip
+    columns = [unit(independent + size, independent + j) for j in range(size)]
+    matrix = arb_mat([[function[column] for column in columns] for function in functions])
     unknown = [Jet(independent, order, {}) for _ in range(size)]
     for degree in range(1, order + 1):
         residuals = [compose(function, [*known, *unknown]) for function in functions]

@@ -7,9 +7,17 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from orbitproof.verify.evidence import meet, total
-from orbitproof.verify.newton.jets import index_factorial, indices_of_degree, indices_up_to, plus, unit
-from orbitproof.verify.poincare import MAX_ORDER, DerivativeTable, MultiIndex
+from orbitproof.verify.evidence import (
+    MAX_ORDER,
+    DerivativeTable,
+    MultiIndex,
+    index_factorial,
+    indices_of_degree,
+    indices_up_to,
+    meet,
+    total,
+)
+from orbitproof.verify.newton.jets import plus, unit
 
 
 @dataclass(frozen=True)

@@ -2,38 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from fractions import Fraction
-from itertools import product
 from math import factorial, prod
 
 from flint import arb
 
 from orbitproof.verify.algebra import GradedNorm, Grading, Series
-from orbitproof.verify.evidence import enclose
-
-MAX_ORDER = 3
-MultiIndex = tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class DerivativeTable:
-    """Partial derivatives up to order 3 of a scalar function of p = (p_0, .., p_n).
-
-    Attributes:
-        box: for each multi-index a ball that contains the derivative at every point of the box
-            |p_i| <= R_i.
-        centre: the same at p = 0.
-    """
-
-    box: Mapping[MultiIndex, arb]
-    centre: Mapping[MultiIndex, arb]
-
-
-def multi_indices(dimension: int, order: int = MAX_ORDER) -> list[MultiIndex]:
-    """All multi-indices of a dimension up to an order."""
-    return [alpha for alpha in product(range(order + 1), repeat=dimension) if sum(alpha) <= order]
+from orbitproof.verify.evidence import MAX_ORDER, DerivativeTable, MultiIndex, enclose, index_factorial, indices_up_to
 
 
 def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fraction) -> DerivativeTable:
@@ -61,9 +37,9 @@ def table_of(
     unit = arb(0, 1)
     box: dict[MultiIndex, arb] = {}
     centre: dict[MultiIndex, arb] = {}
-    for alpha in multi_indices(len(scales)):
+    for alpha in indices_up_to(len(scales), MAX_ORDER):
         grade = grading.grade(alpha)
-        factor = arb(prod(factorial(a) for a in alpha))
+        factor = arb(index_factorial(alpha))
         scale = prod((s**a for s, a in zip(scales, alpha, strict=True)), start=Fraction(1))
         value = arb(0)
         for exponents, coefficient in known.items():

@@ -9,22 +9,34 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor, log2
+from math import ceil, floor, log2, log10
 
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import level_program, quadratic_coefficient
-from orbitproof.verify.evidence import IntegrationFailure, guarded
+from orbitproof.verify.evidence import (
+    DerivativeTable,
+    IntegrationFailure,
+    guarded,
+)
+from orbitproof.verify.flow import LEAST_ERROR
 from orbitproof.verify.poincare.coordinates import PHYSICAL
-from orbitproof.verify.poincare.derivatives import DerivativeTable, derivative_table
-from orbitproof.verify.poincare.returns import AUTO, REGULARISED, Returns, evaluate
+from orbitproof.verify.poincare.derivatives import derivative_table
+from orbitproof.verify.poincare.returns import (
+    AUTO,
+    REGULARISED,
+    Returns,
+    evaluate,
+    first_integral,
+    initial_values,
+    kernel_components,
+)
 
 BOX_RATIO = Fraction(1, 4)
 """The box is this fraction of the polydisc on which the orbits are enclosed (section 6)."""
 
-_MAX_STEPS = 4000
 _LOSS_DIVISOR = 6
 
 
@@ -105,104 +117,91 @@ def enclose_iterates(
 def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
     """Derivatives of the first integral on the candidate's box in Fix(R), without integrating."""
     with guarded(precision):
-        return _Integration(candidate, IntegratorSettings(precision, 1, coordinates=PHYSICAL), None).first_integral
+        box = _box(candidate, precision, 1)
+        return None if box.level is None else derivative_table(box.level, box.scales, BOX_RATIO)
+
+
+@dataclass(frozen=True)
+class _Box:
+    """The points centre + frame * diag(scales) * xi of Fix(R), and the parameters, by name, and the level of H."""
+
+    arithmetic: Arithmetic
+    scales: tuple[Fraction, ...]
+    point: dict[str, Series]
+    level: Series | None
+
+
+def _box(candidate: Candidate, bits: int, order: int) -> _Box:
+    system, variables = candidate.system, len(candidate.radii)
+    scales = tuple(radius / BOX_RATIO for radius in candidate.radii)
+    grading = grading_for(candidate.kind, candidate.k, variables)
+    further, loss = _grade_bits(grading, scales, bits)
+    arithmetic = Arithmetic(grading, bits, further, order, loss)
+    point = {name: arithmetic.constant(value) for name, value in candidate.parameters.items()}
+    for name, middle, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True):
+        terms = {(0,) * variables: middle}
+        for j, (direction, scale) in enumerate(zip(row, scales, strict=True)):
+            terms[tuple(int(i == j) for i in range(variables))] = direction * scale
+        point[name] = arithmetic.polynomial(terms)
+    if candidate.level_sign is None:
+        return _Box(arithmetic, scales, point, first_integral(system, arithmetic, point))
+    level, coordinate = point[candidate.coordinates[0]], system.level_coordinate
+    if coordinate is None or not quadratic_coefficient(system):
+        raise IntegrationFailure(
+            "level", f"no coordinate of {system.name} follows from the first integral", "leave parameter out"
+        )
+    program = level_program(system, candidate.level_sign)
+    point[coordinate] = evaluate(arithmetic, program, (*initial_values(system, arithmetic, point), level))[0]
+    return _Box(arithmetic, scales, point, level)
 
 
 class _Integration:
     def __init__(
         self, candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None
     ) -> None:
-        system = candidate.system
-        dimension = len(candidate.radii)
-        grading = grading_for(candidate.kind, candidate.k, dimension)
+        order = settings.order if settings.order is not None else default_order(settings.precision)
+        box = _box(candidate, settings.precision, order)
+        _check_size(box.arithmetic.grading, box.scales)
         self.candidate = candidate
-        self.system = system
         self.progress = progress
-        self.scales = [radius / BOX_RATIO for radius in candidate.radii]
-        bits = settings.precision
-        order = settings.order if settings.order is not None else default_order(bits)
-        further, loss = _grade_bits(grading, self.scales, bits)
-        self.arithmetic = Arithmetic(grading, bits, further, order, loss)
-        point = self._box()
-        initial = [point.get(name, self._zero()) for name in system.state]
-        self.parameters = [
-            point[name] if name in point else self.arithmetic.constant(candidate.parameters[name])
-            for name in system.parameters
-        ]
-        level = None if candidate.level_sign is None else point[candidate.coordinates[0]]
-        if candidate.level_sign is not None and level is not None:
-            self._complete(candidate.level_sign, initial, level)
-        else:
-            level = self._first_integral(initial)
-        self.first_integral = (
-            None
-            if level is None or candidate.level_sign is not None
-            else derivative_table(level, self.scales, BOX_RATIO)
-        )
-        self.returns = Returns(system, self.arithmetic, initial, self.parameters, level, settings.coordinates)
+        self.scales = box.scales
+        self.arithmetic = box.arithmetic
+        self.first_integral = None
+        if box.level is not None and candidate.level_sign is None:
+            self.first_integral = derivative_table(box.level, box.scales, BOX_RATIO)
+        self.returns = Returns(candidate.system, box.arithmetic, box.point, settings.coordinates, box.level)
         self.accuracy = settings.accuracy
         self.first_error_bits = (0.0, 0.0)
         self.return_times: list[arb] = []
 
-    def _zero(self) -> Series:
-        return self.arithmetic.constant(Fraction(0))
-
-    def _box(self) -> dict[str, Series]:
-        """The point centre + frame * diag(scales) * xi of Fix(R) (and the parameter), by name."""
-        variables = len(self.scales)
-        result = {}
-        for name, middle, row in zip(
-            self.candidate.coordinates, self.candidate.centre, self.candidate.frame, strict=True
-        ):
-            terms = {(0,) * variables: middle}
-            for j, (direction, scale) in enumerate(zip(row, self.scales, strict=True)):
-                terms[tuple(int(i == j) for i in range(variables))] = direction * scale
-            result[name] = self.arithmetic.polynomial(terms)
-        return result
-
-    def _complete(self, sign: int, initial: list[Series], level: Series) -> None:
-        """Set the coordinate that follows from the level of the first integral."""
-        name = self.system.level_coordinate
-        if name is None or not quadratic_coefficient(self.system):
-            raise IntegrationFailure(
-                "level", f"no coordinate of {self.system.name} follows from the first integral", "leave parameter out"
-            )
-        (value,) = evaluate(self.arithmetic, level_program(self.system, sign), (*initial, *self.parameters, level))
-        initial[self.system.state.index(name)] = value
-
-    def _first_integral(self, initial: Sequence[Series]) -> Series | None:
-        program = self.system.first_integral_program
-        return None if program is None else evaluate(self.arithmetic, program, (*initial, *self.parameters))[0]
-
     def run(self) -> Enclosures:
-        k = self.candidate.k
-        iterates: list[tuple[DerivativeTable, ...]] = []
-        while len(iterates) < k:
-            if self.returns.steps >= _MAX_STEPS:
-                raise IntegrationFailure(
-                    "steps", f"no crossing number {len(iterates) + 1} within {_MAX_STEPS} steps", "give another centre"
-                )
-            at_section = self.returns.step()
-            if self.returns.steps == 1:
-                self.first_error_bits = self._error_bits()
-            if at_section:
-                iterates.append(self._crossing(len(iterates) + 1))
-            if self.progress is not None:
-                self.progress((len(iterates) + (0.0 if at_section else 0.5)) / k)
+        iterates = tuple(self._crossing(number) for number in range(1, self.candidate.k + 1))
         return Enclosures(
-            tuple(iterates), self.first_integral, tuple(self.return_times),
-            self.arithmetic.degree, self.arithmetic.bits, self.returns.steps, self.returns.coordinates.name,
-        )  # fmt: skip
+            iterates,
+            self.first_integral,
+            tuple(self.return_times),
+            self.arithmetic.degree,
+            self.arithmetic.bits,
+            self.returns.steps,
+            self.returns.coordinates.name,
+        )
+
+    def _after_step(self, steps: int) -> None:
+        if steps == 1:
+            self.first_error_bits = self._error_bits()
+        if self.progress is not None:
+            self.progress((len(self.return_times) + 0.5) / self.candidate.k)
 
     def _crossing(self, number: int) -> tuple[DerivativeTable, ...]:
         """Derivatives of the kernel coordinates at crossing `number`."""
-        state, time = self.returns.crossing(number)
+        state, time = self.returns.next_crossing(self._after_step)
         self.return_times.append(time)
+        if self.progress is not None:
+            self.progress(number / self.candidate.k)
         if number < self.candidate.k:
             self._check_accuracy(number)
-        return tuple(
-            derivative_table(self._combine(state, row), self.scales, BOX_RATIO) for row in self.candidate.kernel_frame
-        )
+        kernel = kernel_components(self.candidate.system, self.candidate.kernel_frame, state)
+        return tuple(derivative_table(component, self.scales, BOX_RATIO) for component in kernel)
 
     def _error_bits(self) -> tuple[float, float]:
         """Bits of the worst error of the state and of its derivative in the variable of weight 1."""
@@ -234,12 +233,6 @@ class _Integration:
                 enough_precision=self.arithmetic.bits + 8 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1),
             )
 
-    def _combine(self, image: Sequence[Series], row: Sequence[Fraction]) -> Series:
-        result = self._zero()
-        for index, factor in zip(self.system.kernel_coordinates, row, strict=True):
-            result = result + image[index].scaled(factor)
-        return result
-
 
 def _log2(value: Fraction) -> float:
     return log2(value.numerator) - log2(value.denominator)
@@ -248,6 +241,18 @@ def _log2(value: Fraction) -> float:
 def default_order(precision: int) -> int:
     """Degree of the time expansions that was found fast for a precision in bits."""
     return max(16, precision // 2)
+
+
+def _check_size(grading: Grading, scales: Sequence[Fraction]) -> None:
+    """Refuse boxes on which the least error of a step (2.3) exceeds what a derivative adds to the top grade."""
+    smallest = min(scales[1] ** grading.top, scales[0] * scales[1])
+    if smallest < Fraction(LEAST_ERROR):
+        raise IntegrationFailure(
+            "radii",
+            f"errors are bounded by floats of at least 2^{round(log2(LEAST_ERROR))}, more than the derivatives that "
+            f"count add up to on a box with R_1 = 10^{_log2(scales[1] * BOX_RATIO) * log10(2):.0f}",
+            "give larger radii: no precision helps",
+        )
 
 
 def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tuple[int, int]:

@@ -6,9 +6,11 @@ the section to the next, with the proof that it is that crossing.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import operator
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
 
 import numpy as np
 from flint import arb
@@ -43,6 +45,8 @@ _LEAST_SHARE = 1 / 8
 _ROUGH_DEGREE = 24
 _CENTRE_BITS = 60
 _NEGLIGIBLE_CHANGE = 2.0**-6
+MOST_STEPS = 400
+"""From one crossing to the next."""
 WIDE_PARTS = 8
 """With a wide variable, crossings are counted separately on so many parts of its interval."""
 
@@ -56,29 +60,31 @@ class Returns:
         rate: with a wide variable, what the vector field is multiplied by; `None` for 1.
         coordinates: which coordinates these are.
         steps: number of integration steps so far.
+        crossings: number of crossings that `next_crossing` has found.
     """
 
     def __init__(
         self,
         system: ReversibleSystem,
         arithmetic: Arithmetic,
-        initial: Sequence[Series],
-        parameters: Sequence[Series],
-        level: Series | None = None,
+        point: Mapping[str, Series],
         coordinates: str = AUTO,
+        level: Series | None = None,
     ) -> None:
-        """Start from initial values, one for each state coordinate, on Fix(R).
+        """Start from points of Fix(R).
 
         Args:
-            parameters: constant in time, in the order of the system.
-            level: the first integral of the initial values, if the system has one.
+            point: by name, as in `initial_values`.
             coordinates: "physical", "regularised" or "auto".
+            level: the first integral of the points, if it is known already.
         """
         self.system = system
         self.arithmetic = arithmetic
-        self.parameters = list(parameters)
+        initial = initial_values(system, arithmetic, point)
+        initial, self.parameters = initial[: len(system.state)], initial[len(system.state) :]
+        level = first_integral(system, arithmetic, point) if level is None else level
         self.coordinates = self._choose(coordinates, initial, level)
-        self.state, self.constants = self._enter(list(initial), level)
+        self.state, self.constants = self._enter(initial, level)
         self.counters = [CrossingCounter(part) for part in wide_parts(WIDE_PARTS)] if arithmetic.width else []
         self.counters = self.counters or [CrossingCounter()]
         self.rate = self._rate()
@@ -88,6 +94,7 @@ class Returns:
             self.fixed = [*self.constants, self.rate]
         self.time = arb(0)
         self.steps = 0
+        self.crossings = 0
         self.share = 1.0
         self.at_section = True
 
@@ -128,6 +135,23 @@ class Returns:
         if not all(is_positive(range_of(rate, counter.wide)) for counter in self.counters):
             return None
         return rate
+
+    def next_crossing(self, progress: Callable[[int], None] | None = None) -> tuple[Sequence[Series], arb]:
+        """The system's own state at the next crossing, and its time, with the proof that it is that crossing.
+
+        `progress` is called after every step with the number of steps; what it raises passes through. Raises
+        `IntegrationFailure`, also if there is no crossing within `MOST_STEPS` steps.
+        """
+        for _ in range(MOST_STEPS):
+            arrived = self.step()
+            if progress is not None:
+                progress(self.steps)
+            if arrived:
+                self.crossings += 1
+                return self.crossing(self.crossings)
+        raise IntegrationFailure(
+            "steps", f"no crossing number {self.crossings + 1} within {MOST_STEPS} steps", "give another centre"
+        )
 
     def step(self) -> bool:
         """Advance by one step; true if it ends, at the centre, at the next crossing."""
@@ -274,6 +298,36 @@ class Returns:
         if regularisation is None:
             return float(self.time)
         return rough([int(self.state[regularisation.time_index].coefs[0][0])], self.arithmetic.bits)[0]
+
+
+def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapping[str, Series]) -> list[Series]:
+    """State and parameters at points of Fix(R), in the order of the system.
+
+    Args:
+        point: by name, all parameters and those coordinates that are neither zero nor normalised.
+    """
+    names = (*system.state, *system.parameters)
+    rest = {name: system.normalised.get(name, Fraction(0)) for name in system.state}
+    return [point[name] if name in point else arithmetic.constant(rest[name]) for name in names]
+
+
+def first_integral(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapping[str, Series]) -> Series | None:
+    """The first integral at points of Fix(R), as in `initial_values`; `None` if the system has none."""
+    program = system.first_integral_program
+    return None if program is None else evaluate(arithmetic, program, initial_values(system, arithmetic, point))[0]
+
+
+def kernel_components(
+    system: ReversibleSystem, kernel_frame: Sequence[Sequence[Fraction]], state: Sequence[Series]
+) -> list[Series]:
+    """The coordinates q of a state that vanish on Fix(R), in a frame: kernel_frame times pi_q state."""
+    return [
+        reduce(
+            operator.add,
+            (state[index].scaled(factor) for index, factor in zip(system.kernel_coordinates, row, strict=True)),
+        )
+        for row in kernel_frame
+    ]
 
 
 def evaluate(arithmetic: Arithmetic, program: Program, arguments: Sequence[Series]) -> list[Series]:

@@ -18,13 +18,11 @@ from orbitproof.shared.formats import SurfacePiece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, plus, recentred, values_around
 from orbitproof.verify.curve import Interval
-from orbitproof.verify.evidence import IntegrationFailure, enclose, guarded
-from orbitproof.verify.poincare import DerivativeTable, Returns, evaluate, table_of
+from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, enclose, guarded
+from orbitproof.verify.poincare import Returns, first_integral, kernel_components, table_of
 
 _RATIO = Fraction(1, 2)
 """The box is this fraction of the polydisc on which the orbits are enclosed: large boxes ask for a large one."""
-
-_MAX_STEPS = 200
 
 
 @dataclass(frozen=True)
@@ -111,8 +109,7 @@ def _enclose(
     limits: SurfaceLimits,
     progress: Callable[[float], None] | None,
 ) -> SurfaceReturn:
-    program = system.first_integral_program
-    if program is None or system.normalised or system.derived_parameters:
+    if system.first_integral is None or system.normalised or system.derived_parameters:
         raise IntegrationFailure(
             "system", f"{system.name} has no first integral, or units of its own", "choose another system"
         )
@@ -132,26 +129,14 @@ def _enclose(
             scale = prod((unit**power for unit, power in zip(scales, exponents, strict=True)), start=Fraction(1))
             terms[exponents] = [value * scale for value in recentred(added, middle, half)]
         point[name] = arithmetic.polynomial(terms)
-    zero = arithmetic.constant(Fraction(0))
-    initial = [point.get(name, zero) for name in system.state]
-    parameters = [
-        arithmetic.polynomial({constant: recentred(piece.parameters[name], middle, half)}) for name in system.parameters
-    ]
-    (level,) = evaluate(arithmetic, program, (*initial, *parameters))
-    returns = Returns(system, arithmetic, initial, parameters, level)
-    while not returns.step():
-        if returns.steps >= _MAX_STEPS:
-            raise IntegrationFailure("steps", f"no return within {_MAX_STEPS} steps", "give another centre")
-        if progress is not None:
-            progress(returns.steps)
-    state, time = returns.crossing(1)
-    kernel = []
-    for row in piece.kernel_frame:
-        value = zero
-        for index, factor in zip(system.kernel_coordinates, row, strict=True):
-            value = value + state[index].scaled(factor)
-        kernel.append(value)
-    return SurfaceReturn(tuple(kernel), level, time, scales, interval, returns.steps, returns.coordinates.name)
+    for name in system.parameters:
+        point[name] = arithmetic.polynomial({constant: recentred(piece.parameters[name], middle, half)})
+    level = first_integral(system, arithmetic, point)
+    assert level is not None
+    returns = Returns(system, arithmetic, point, level=level)
+    state, time = returns.next_crossing(progress)
+    kernel = tuple(kernel_components(system, piece.kernel_frame, state))
+    return SurfaceReturn(kernel, level, time, scales, interval, returns.steps, returns.coordinates.name)
 
 
 def coordinate_terms(piece: SurfacePiece, row: Sequence[Fraction]) -> dict[tuple[int, ...], tuple[Fraction, ...]]:
