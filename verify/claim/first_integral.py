@@ -1,4 +1,4 @@
-"""That H is a first integral: grad H . f = 0, as an identity of functions (docs/method.md, section 1.4).
+"""That H is a first integral: grad H . f = 0, as an identity of functions (section 1.4).
 
 The programs of f and H are evaluated in a ring of polynomials over Q in state, parameters and one symbol
 s = u^(-1/q) for every divisor and every base u of a power; the derivative of H along f is then zero or it is not.

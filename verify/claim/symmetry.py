@@ -1,4 +1,4 @@
-"""Symmetries and the first integral, read off straight-line programs (docs/method.md, sections 1.3 and 1.4).
+"""Symmetries and the first integral, read off straight-line programs (sections 1.3 and 1.4).
 
 Under a diagonal sign change of the state every node of a program is even (unchanged), odd (negated)
 or neither. Sums of two even nodes are even, of two odd nodes odd; parities multiply in products and

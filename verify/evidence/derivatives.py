@@ -1,4 +1,4 @@
-"""What is known of a function on a box: enclosures of its partial derivatives (docs/method.md, sections 6 and 7.2)."""
+"""What is known of a function on a box: enclosures of its partial derivatives (sections 6 and 7.2)."""
 
 from __future__ import annotations
 
