@@ -57,8 +57,8 @@ def test_radii_below_what_float_bounds_resolve_are_refused_without_asking_for_pr
 
     with pytest.raises(IntegrationFailure, match=r"R_1 = 10\^-99") as refusal:
         enclose_iterates(box("1e-99"), IntegratorSettings(600))
-    assert not refusal.value.needs_precision
-    assert "larger radii" in refusal.value.remedy
+    assert not refusal.value.reason.needs_precision
+    assert "larger radii" in refusal.value.reason.remedy
 
 
 @cache
