@@ -32,6 +32,7 @@ from orbitproof.verify.certificate import (
     decimals,
     differences,
     digest_findings,
+    other_hypotheses,
     other_software,
     statement_differences,
     systems_with,
@@ -111,9 +112,8 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
             yield Finding("rests_on", f"carries {', '.join(carried) or 'nothing'}; listed: {', '.join(listed)}")
     names = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
     expected = list((surface_hypotheses if atlas.is_surface else curve_hypotheses)(atlas))
-    if document["verdict"] == "proved" and names != expected:
-        yield Finding("hypotheses", f"stored are {', '.join(names)}; the theorem takes {', '.join(expected)}")
-        yield from other_software(document)
+    if document["verdict"] == "proved":
+        yield from other_hypotheses(names, expected, document)
 
 
 def _conclusion(

@@ -18,6 +18,7 @@ from orbitproof.verify.certificate.levels import (
     confirmed,
     decimals,
     differences,
+    other_hypotheses,
     other_software,
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
@@ -48,6 +49,7 @@ __all__ = [
     "digest",
     "digest_findings",
     "is_proof_of",
+    "other_hypotheses",
     "other_software",
     "read_certificates",
     "recheck",

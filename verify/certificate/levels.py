@@ -189,6 +189,21 @@ def other_software(certificate: Mapping[str, Any]) -> Iterator[Finding]:
         yield Finding("software", f"the certificate was made with {'; '.join(other)}: prove it again with this one")
 
 
+def other_hypotheses(
+    stored: Sequence[str], expected: Sequence[str], certificate: Mapping[str, Any]
+) -> Iterator[Finding]:
+    """A finding unless the names of the hypotheses are those of the theorem, in order; then also who wrote them."""
+    if tuple(stored) == tuple(expected):
+        return
+    missing = [name for name in expected if name not in stored]
+    if missing and [name for name in expected if name in stored] == list(stored):
+        text = f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not among them: prove the claim again"
+    else:
+        text = f"stored are {', '.join(stored)}; the theorem takes {', '.join(expected)}"
+    yield Finding("hypotheses", text)
+    yield from other_software(certificate)
+
+
 def overlap(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
     """A finding unless two enclosures of the same number have a common point."""
     if stored.overlaps(fresh) is not True or not fresh.is_finite():

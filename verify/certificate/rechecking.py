@@ -27,6 +27,7 @@ from orbitproof.verify.certificate.levels import (
     climb,
     confirmed,
     differences,
+    other_hypotheses,
     other_software,
     overlap,
 )
@@ -139,10 +140,7 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     if not isinstance(theorem, Theorem):
         yield Finding("statement.candidate", f"{theorem.message}: {theorem.remedy}")
         return
-    if names != theorem.hypotheses:
-        texts = (", ".join(entries) for entries in (names, theorem.hypotheses))
-        yield Finding("hypotheses", "stored are {}; the theorem takes {}".format(*texts))
-        yield from other_software(certificate)
+    yield from other_hypotheses(names, theorem.hypotheses, certificate)
 
 
 def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Finding]:
