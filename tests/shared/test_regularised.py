@@ -36,6 +36,7 @@ from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import point_on_fixed_set
 from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.verify.flow.solution import Expansion
 from orbitproof.verify.flow.step import FlowStep, advance
 from orbitproof.verify.poincare.coordinates import PHYSICAL, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, stays_positive
@@ -270,11 +271,11 @@ def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPat
     running = integration.returns
     steps: list[Fraction] = []
 
-    def check_step(*arguments: Any) -> FlowStep:
-        assert arguments[3] is running.state
-        assert arguments[4] is running.constants
-        steps.append(arguments[5])
-        return advance(*arguments)
+    def check_step(expansion: Expansion, step: Fraction) -> FlowStep:
+        assert expansion.state is running.state
+        assert expansion.parameters is running.constants
+        steps.append(step)
+        return advance(expansion, step)
 
     def check_last(*arguments: Any) -> tuple[list[Series], Series]:
         assert arguments[3] is running.state

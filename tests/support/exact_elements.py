@@ -21,6 +21,7 @@ from flint import fmpz_poly
 
 from orbitproof.verify.algebra.grading import Exponents, Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.algebra.wide import WideArithmetic
 
 PRECISION = 600
 GRADINGS = (
@@ -120,9 +121,10 @@ def exponents_of_grade(grading: Grading, grade: int) -> list[Exponents]:
 
 def random_arithmetic(source: random.Random, wide: bool = False) -> Arithmetic:
     """A format: coarse ones show roundings, low degrees show truncations."""
-    degrees, widths = ((0, 2, 5, 10), (1, 2, 5, 9)) if wide else ((0, 2, 5, 12, 20), (0,))
-    return Arithmetic(source.choice(GRADINGS), source.choice((30, 64, 120)), source.choice((0, 7, 40)),
-                      source.choice(degrees), width=source.choice(widths))  # fmt: skip
+    grading, bits, grade_bits = source.choice(GRADINGS), source.choice((30, 64, 120)), source.choice((0, 7, 40))
+    if not wide:
+        return Arithmetic(grading, bits, grade_bits, source.choice((0, 2, 5, 12, 20)))
+    return WideArithmetic(grading, bits, grade_bits, source.choice((0, 2, 5, 10)), width=source.choice((1, 2, 5, 9)))
 
 
 def random_element(source: random.Random, arithmetic: Arithmetic, centre: float | None = None) -> Element:

@@ -17,8 +17,8 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETER
 from orbitproof.verify.algebra.programs import PreparedProgram, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.evidence import DerivativeTable
-from orbitproof.verify.flow.centre import fixed_coefficients
 from orbitproof.verify.flow.step import FlowStep, advance
+from orbitproof.verify.flow.wide_solution import expand
 from orbitproof.verify.poincare.section import build_section_program, onto_section
 
 RECURRENCES = {"cr3bp": three_body, "falkner-skan": falkner_skan}
@@ -152,11 +152,7 @@ def follow(program: Program | PreparedProgram, model: Model, step: Fraction) -> 
     """One step of the flow from a box."""
     prepared = prepare(program) if isinstance(program, Program) else program
     arithmetic = model.arithmetic
-    centre = fixed_coefficients(
-        prepared, [int(x.coefs[0][0]) for x in model.state], [int(p.coefs[0][0]) for p in model.parameters],
-        arithmetic.degree, arithmetic.bits, step,
-    )  # fmt: skip
-    return advance(prepared, arithmetic, centre, model.state, model.parameters, step)
+    return advance(expand(prepared, arithmetic, model.state, model.parameters), step)
 
 
 def to_section(system: ReversibleSystem, model: Model, time: Fraction, steps: int) -> tuple[Model, Series]:

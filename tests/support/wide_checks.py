@@ -18,6 +18,7 @@ from orbitproof.shared.systems.libration import AROUND
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ParameterRange, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.poincare.returns import Returns
 
@@ -150,7 +151,7 @@ class WideSet:
     def arithmetic(self) -> Arithmetic:
         """The format: weight 1 across the curve."""
         bits, degree, width = self.limits
-        return Arithmetic(Grading((1,) * len(self.piece.tube), 1), bits, 12, degree, width=width)
+        return WideArithmetic(Grading((1,) * len(self.piece.tube), 1), bits, 12, degree, width=width)
 
     def point(self, s: Fraction, w: Sequence[Fraction]) -> list[Fraction]:
         """A point of the tube, exactly."""

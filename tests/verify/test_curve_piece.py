@@ -27,7 +27,7 @@ from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Arithmetic
+from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.curve.equation import Equation
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
@@ -199,7 +199,7 @@ def test_whatever_is_proved_holds_the_circle(seed: int) -> None:
 def test_derivatives_of_the_equation_hold_its_unknown_parts(seed: int) -> None:
     """F = 1/8 + s/4 + w + unknown parts of every grade, at real points with |s| <= 16/17 and |w| <= 1/2."""
     source = random.Random(seed)
-    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 4, width=2)
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 4, width=2)
     known = arithmetic.polynomial({(0,): [Fraction(1, 8), Fraction(1, 4)], (1,): ONE})
     errors = [source.random() for _ in range(3)]
     powers = [source.choice((0, 1, 2, 7)), source.choice((0, 1, 2, 7)), source.choice((0, 3))]

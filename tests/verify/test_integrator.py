@@ -37,6 +37,7 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import prepare
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow.solution import CentreExpansion
 from orbitproof.verify.flow.step import advance
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates, grading_for
 
@@ -345,12 +346,14 @@ def test_precision_is_restored() -> None:
     assert (ctx.prec, ctx.cap) == before
 
 
-def test_initial_values_are_not_trusted() -> None:
+def test_initial_values_are_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
     """An approximate solution that starts elsewhere is refused, not silently corrected."""
     model = one_orbit(Fraction(0), 20)
+    expansion = CentreExpansion(prepare(FALKNER_SKAN.program), model.arithmetic, model.state, model.parameters)
     wrong = [[int(x.coefs[0][0]) + 1] + [0] * model.arithmetic.degree for x in model.state]
+    monkeypatch.setattr(expansion, "_coefficients", lambda step: wrong)
     with pytest.raises(ValueError, match="does not start"):
-        advance(prepare(FALKNER_SKAN.program), model.arithmetic, wrong, model.state, model.parameters, Fraction(1, 64))
+        advance(expansion, Fraction(1, 64))
 
 
 @pytest.mark.parametrize(

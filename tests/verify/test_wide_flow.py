@@ -22,9 +22,10 @@ from orbitproof.shared.systems.system import CR3BP
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import PreparedProgram
 from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.flow.step import FlowStep, enclose_step
-from orbitproof.verify.flow.wide_solution import element_at_points, solve_wide, taylor_at_points, wide_step_size
+from orbitproof.verify.flow.step import FlowStep, advance
+from orbitproof.verify.flow.wide_solution import expand
 from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, wide_parts
 from orbitproof.verify.poincare.returns import Returns
 from orbitproof.verify.poincare.section import build_section_program, onto_section
@@ -52,13 +53,10 @@ class Field:
 def wide_step(
     program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], constants: Sequence[Series], share: float
 ) -> tuple[Fraction, FlowStep]:
-    start = np.array([element_at_points(x) for x in state])
-    fixed = np.array([element_at_points(p) for p in constants])
     with np.errstate(all="ignore"):
-        taylor = taylor_at_points(program, arithmetic.grading, start, fixed, arithmetic.degree)
-        step = Fraction(int(share * wide_step_size(arithmetic, taylor) * 2**20), 2**20)
-        approximate = solve_wide(program, arithmetic, taylor, state, constants, step)
-        return step, enclose_step(program, arithmetic, approximate, state, constants, step)
+        expansion = expand(program, arithmetic, state, constants)
+        step = Fraction(int(share * expansion.step_size * 2**20), 2**20)
+        return step, advance(expansion, step)
 
 
 @pytest.mark.parametrize("name", WIDE_SETS)
@@ -321,7 +319,7 @@ def test_distances_that_are_not_small_are_brought_onto_the_section() -> None:
 # Crossings
 
 
-ARITHMETIC = Arithmetic(Grading((1,), 1), 90, 0, 8, width=4)
+ARITHMETIC = WideArithmetic(Grading((1,), 1), 90, 0, 8, width=4)
 Rows = list[list[Fraction]]
 
 

@@ -30,11 +30,10 @@ from support.exact_elements import (
 
 from orbitproof.shared.systems.libration import AROUND
 from orbitproof.shared.systems.system import SYSTEMS
-from orbitproof.verify.algebra.circle import pack, unpack
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import Evaluation, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
-from orbitproof.verify.algebra.wide_powers import wide_power
+from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.flow.gronwall import (
     PARTS,
     centre_and_norms,
@@ -76,7 +75,7 @@ def check(
 def test_a_product_of_packed_polynomials_is_cut_to_what_is_kept(seed: int) -> None:
     """Against products of single terms: each is kept at its place or counted, with its absolute value, as lost."""
     source = random.Random(seed)
-    arithmetic = Arithmetic(Grading((1,), 1), 40, 0, source.choice((0, 1, 4)), width=source.choice((1, 2, 5)))
+    arithmetic = WideArithmetic(Grading((1,), 1), 40, 0, source.choice((0, 1, 4)), width=source.choice((1, 2, 5)))
     size = range(arithmetic.degree + 1), range(arithmetic.width + 1)
     left, right = ([[source.randint(-99, 99) for _ in size[1]] for _ in size[0]] for _ in range(2))
     terms: dict[tuple[int, int], int] = {}
@@ -117,10 +116,10 @@ def test_sizes_bound_the_norm(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(5))
 def test_floats_and_packed_polynomials_correspond(seed: int) -> None:
     source = random.Random(seed)
-    arithmetic = Arithmetic(Grading((), 0), 45, 0, 6, width=4)
+    arithmetic = WideArithmetic(Grading((), 0), 45, 0, 6, width=4)
     values = np.array([[source.uniform(-2, 2) for _ in range(5)] for _ in range(7)])
-    packed = pack(arithmetic, values, 45)
-    assert np.abs(unpack(arithmetic, packed, 45, 7) - values).max() <= 2.0**-45
+    packed = arithmetic.pack(values, 45)
+    assert np.abs(arithmetic.unpack(packed, 45, 7) - values).max() <= 2.0**-45
     assert [len(row) for row in rows_of(arithmetic, packed)] == [5] * 7
 
 
@@ -178,7 +177,7 @@ def test_powers_enclose(exponent: Fraction, seed: int) -> None:
     source = random.Random(f"{exponent} {seed}")
     arithmetic = wide_arithmetic(source)
     element = random_element(source, arithmetic, centre=source.uniform(0.5, 3))
-    approximate, _ = wide_power(arithmetic, element.series.coefs[0], exponent)
+    approximate, _ = arithmetic.power(element.series.coefs[0], exponent)
     coefs = [approximate] + [fmpz_poly([])] * (len(arithmetic.grading.monomials) - 1)
     result = correct_power(Series(arithmetic, coefs, arithmetic.zero_errors()), element.series, exponent)
     assert result is not None
@@ -190,7 +189,7 @@ def test_programs_enclose(seed: int) -> None:
     """All operations together, with higher grades found monomial by monomial; s also in a coefficient."""
     source = random.Random(seed)
     system = SYSTEMS["cr3bp"]
-    arithmetic = Arithmetic(Grading((1, 1), 1), source.choice((48, 80)), 12, 5, width=source.choice((3, 8)))
+    arithmetic = WideArithmetic(Grading((1, 1), 1), source.choice((48, 80)), 12, 5, width=source.choice((3, 8)))
     centres = [0.8, 0.3, 0.4, 0.2, 0.3, 0.1, 0.2]
     elements = [random_element(source, arithmetic, centre=value) for value in centres]
     small = [shrunk(x, 0.05) for x in elements]
@@ -219,10 +218,10 @@ def values_of(program: Any, arguments: list[Any]) -> Any:
 
 def test_powers_with_a_wide_variable_are_sharp() -> None:
     """1 / (2 + s/4 + theta/4): what is beyond the kept degrees, and not more, is unknown."""
-    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 16, width=16)
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 16, width=16)
     one = int(arithmetic.one)
     base = Series(arithmetic, [packed_from(arithmetic, [[2 * one, one // 4], [one // 4, 0]]), fmpz_poly([])], [0.0] * 3)
-    approximate, inverse = wide_power(arithmetic, base.coefs[0], Fraction(-1))
+    approximate, inverse = arithmetic.power(base.coefs[0], Fraction(-1))
     result = correct_power(Series(arithmetic, [approximate, fmpz_poly([])], [0.0] * 3), base, Fraction(-1))
     assert result is not None
     assert result.errors[0] < 20 * 4.0**-17
@@ -230,7 +229,7 @@ def test_powers_with_a_wide_variable_are_sharp() -> None:
 
 
 def test_the_other_square_root_is_refused() -> None:
-    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 2, width=2)
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 2, width=2)
     base = arithmetic.polynomial({(0,): [Fraction(4), Fraction(1, 2**20)]})
     for value, accepted in ((Fraction(1, 2), True), (Fraction(-1, 2), False)):
         assert (correct_power(arithmetic.constant(value), base, Fraction(-1, 2)) is not None) == accepted
@@ -238,7 +237,7 @@ def test_the_other_square_root_is_refused() -> None:
 
 def test_powers_of_elements_that_may_vanish_are_refused() -> None:
     """1 + s vanishes at s = -1."""
-    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 2, width=8)
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 2, width=8)
     base = arithmetic.polynomial({(0,): [Fraction(1), Fraction(1)]})
     approximate = arithmetic.polynomial({(0,): [Fraction((-1) ** n) for n in range(9)]})
     assert correct_power(approximate, base, Fraction(-1)) is None
@@ -277,7 +276,7 @@ def test_polynomials_in_the_wide_variable_enclose(seed: int) -> None:
 
 def test_the_error_of_a_product_is_attained() -> None:
     """With all signs alike the bound is the exact distance: smaller errors would fail the tests above."""
-    arithmetic = Arithmetic(Grading((1, 2), 2), 60, 0, 3, width=2)
+    arithmetic = WideArithmetic(Grading((1, 2), 2), 60, 0, 3, width=2)
     one = int(arithmetic.one)
     half = packed_from(arithmetic, [[one >> 1, one >> 3, one >> 2], [one >> 2, one >> 4, one >> 3]])
     coefs = [half if i < 3 else fmpz_poly([]) for i in range(len(arithmetic.scales))]
@@ -333,7 +332,7 @@ def test_the_tube_holds_every_element_near_the_solution(seed: int) -> None:
     source = random.Random(seed)
     fine = wide_arithmetic(source)
     if seed % 2:
-        fine = Arithmetic(fine.grading, 150, fine.grade_bits, 28, width=source.choice((5, 12)))
+        fine = WideArithmetic(fine.grading, 150, fine.grade_bits, 28, width=source.choice((5, 12)))
     element = random_element(source, fine)
     tube = [10.0 ** source.uniform(-20, -1) for _ in element.series.errors]
     neighbour = moved(source, element, tube)
@@ -348,7 +347,7 @@ def test_the_tube_holds_every_element_near_the_solution(seed: int) -> None:
 def test_the_rounding_of_the_norm_computation_counts(seed: int) -> None:
     """An exact element of 150 bits, all of whose powers are kept."""
     source = random.Random(seed)
-    fine = Arithmetic(Grading((1,), 1), 150, 0, 3, width=2)
+    fine = WideArithmetic(Grading((1,), 1), 150, 0, 3, width=2)
     rows = [[source.randint(-(2**150), 2**150) for _ in range(3)] for _ in range(4)]
     element = Series(fine, [packed_from(fine, rows), fmpz_poly([])], [0.0] * 3)
     result = centre_and_norms(norm_arithmetic(fine), element, [0.0] * 3)
@@ -363,7 +362,7 @@ def test_derivatives_of_the_field_are_bounded_on_the_tube(name: str, seed: int) 
     source = random.Random(f"{name} {seed}")
     system = {**SYSTEMS, "cr3bp-l1": AROUND["L1"]}[name]
     size = len(system.state)
-    fine = Arithmetic(Grading((1, 1), 1), 80, 5, 6, width=source.choice((3, 10)))
+    fine = WideArithmetic(Grading((1, 1), 1), 80, 5, 6, width=source.choice((3, 10)))
     centres = [source.uniform(0.3, 0.6) for _ in range(size + len(system.parameters))]
     if name == "cr3bp-l1":
         centres[size:] = [0.3, 0.2, 0.02]
@@ -395,7 +394,7 @@ def test_derivatives_of_the_field_are_bounded_on_the_tube(name: str, seed: int) 
 def test_the_comparison_matrix_bounds_products_on_each_part(seed: int) -> None:
     """For all s on the unit circle, with random elements that belong to the derivatives."""
     source = random.Random(seed)
-    coarse = Arithmetic(Grading((), 1), 96, 0, source.choice((4, 24)), width=source.choice((1, 8)))
+    coarse = WideArithmetic(Grading((), 1), 96, 0, source.choice((4, 24)), width=source.choice((1, 8)))
     rows = [[int(source.uniform(-1, 1) * 2.0**96) for _ in range(coarse.width + 1)] for _ in range(coarse.degree + 1)]
     derivative = Series(coarse, [packed_from(coarse, rows)], [source.random(), source.random(), source.random()])
     error = np.array([10.0 ** source.uniform(-9, 0) for _ in range(3)])
@@ -414,7 +413,7 @@ def test_the_comparison_matrix_bounds_products_on_each_part(seed: int) -> None:
 
 def test_a_polynomial_in_s_is_bounded_by_the_sum_of_its_coefficients() -> None:
     """1 + s - s^2 has the norm 3 on the unit circle's algebra, not its largest value."""
-    coarse = Arithmetic(Grading((), 0), 96, 0, 4, width=2)
+    coarse = WideArithmetic(Grading((), 0), 96, 0, 4, width=2)
     one = int(coarse.one)
     derivative = Series(coarse, [packed_from(coarse, [[one, one, -one]])], [0.0, 0.0])
     for matrix in comparison_matrices([{0: derivative}], 2):
@@ -449,7 +448,7 @@ def mpf_of(value: arb) -> mpmath.mpf:
 
 def test_signs_depend_on_the_part_of_the_wide_interval() -> None:
     """s + 1/2 + theta/4 is positive for s > -1/2 only."""
-    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 3, width=2)
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 3, width=2)
     one = int(arithmetic.one)
     series = Series(
         arithmetic, [packed_from(arithmetic, [[one // 2, one, 0], [one // 4, 0, 0]]), fmpz_poly([])], [2.0**-50] * 3

@@ -1,12 +1,13 @@
 """Power series on the polydisc with one error bound per grade (section 2)."""
 
-from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded_power, pack, to_points, unpack
+from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded_power, to_points
 from orbitproof.verify.algebra.grading import Factors, Grading
 from orbitproof.verify.algebra.norms import GradedNorm, float_above, fraction_above, inflate, total
 from orbitproof.verify.algebra.polynomials import ball_polynomial, plus, recentred, values_around
-from orbitproof.verify.algebra.programs import Evaluation, PreparedProgram, approximate_power, integer_part, prepare
+from orbitproof.verify.algebra.programs import Evaluation, PreparedProgram, evaluate, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
-from orbitproof.verify.algebra.wide_powers import wide_power
+from orbitproof.verify.algebra.time_powers import integer_part
+from orbitproof.verify.algebra.wide import WideArithmetic
 
 __all__ = [
     "Arithmetic",
@@ -18,22 +19,20 @@ __all__ = [
     "Points",
     "PreparedProgram",
     "Series",
-    "approximate_power",
+    "WideArithmetic",
     "ball_polynomial",
     "correct_power",
+    "evaluate",
     "float_above",
     "fraction_above",
     "from_points",
     "graded_power",
     "inflate",
     "integer_part",
-    "pack",
     "plus",
     "prepare",
     "recentred",
     "to_points",
     "total",
-    "unpack",
     "values_around",
-    "wide_power",
 ]

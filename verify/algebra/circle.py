@@ -8,15 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import ldexp
 
 import numpy as np
-from flint import fmpz_poly
 from numpy.typing import NDArray
 
 from orbitproof.verify.algebra.grading import Factors
-from orbitproof.verify.algebra.series import Arithmetic
-from orbitproof.verify.evidence import IntegrationFailure
 
 Floats = NDArray[np.float64]
 Points = NDArray[np.complex128]
@@ -30,41 +26,6 @@ def to_points(coefficients: Floats) -> Points:
 def from_points(values: Points, width: int) -> Floats:
     """Coefficients of 1, s, .., s^width from the values at the points, last axis."""
     return np.asarray(np.fft.irfft(values, 2 * (width + 1))[..., : width + 1])
-
-
-def unpack(arithmetic: Arithmetic, polynomial: fmpz_poly, scale: int, rows: int) -> Floats:
-    """The integers of a packed polynomial times 2^-scale, shape (rows, width + 1): powers of theta and of s."""
-    result = np.zeros((rows, arithmetic.width + 1))
-    stride = arithmetic.stride
-    try:
-        for index, value in enumerate(polynomial.coeffs()):
-            row, power = divmod(index, stride)
-            if value and row < rows:
-                result[row, power] = ldexp(int(value), -scale)
-    except OverflowError:
-        raise _not_finite() from None
-    return result
-
-
-def pack(arithmetic: Arithmetic, coefficients: Floats, scale: int) -> fmpz_poly:
-    """The packed polynomial with the given coefficients, shape (rows, width + 1), times 2^scale, rounded."""
-    if not np.all(np.isfinite(coefficients)):
-        raise _not_finite()
-    mantissas, exponents = np.frexp(coefficients)
-    integers = np.rint(np.ldexp(mantissas, 53)).astype(np.int64).tolist()
-    shifts = (exponents.astype(np.int64) - 53 + scale).tolist()
-    zeros = [0] * arithmetic.width
-    values: list[int] = []
-    for row, shift in zip(integers, shifts, strict=True):
-        values += [value << by if by >= 0 else value >> -by for value, by in zip(row, shift, strict=True)]
-        values += zeros
-    return fmpz_poly(values)
-
-
-def _not_finite() -> IntegrationFailure:
-    return IntegrationFailure(
-        "size", "the orbits of the piece leave the range of floating-point numbers", "give a narrower piece"
-    )
 
 
 def power_of_series(base: Points, exponent: Fraction) -> Points:

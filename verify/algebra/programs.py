@@ -13,14 +13,11 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Literal
 
-from flint import arb, arb_series, ctx, fmpz, fmpz_poly
+from flint import fmpz, fmpz_poly
 
 from orbitproof.shared.systems import Program
-from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power, product_errors
-from orbitproof.verify.algebra.wide_powers import wide_power
-from orbitproof.verify.evidence import IntegrationFailure, guarded
-
-_ZERO = fmpz_poly([])
+from orbitproof.verify.algebra.series import ZERO, Arithmetic, Series, correct_power, product_errors
+from orbitproof.verify.evidence import IntegrationFailure
 
 
 @dataclass(frozen=True)
@@ -119,7 +116,7 @@ class Evaluation:
     def __init__(self, program: PreparedProgram, arithmetic: Arithmetic) -> None:
         self.program = program
         self.arithmetic = arithmetic
-        self.coefs: list[list[fmpz_poly]] = [[_ZERO] * len(arithmetic.grading.monomials) for _ in program.nodes]
+        self.coefs: list[list[fmpz_poly]] = [[ZERO] * len(arithmetic.grading.monomials) for _ in program.nodes]
         self.lost: list[list[float]] = [arithmetic.zero_errors() for _ in program.nodes]
         self._inverse: dict[int, fmpz_poly] = {}
 
@@ -137,7 +134,7 @@ class Evaluation:
                 case "input":
                     value = inputs[index]
                 case "constant":
-                    value = _ZERO
+                    value = ZERO
                     if position == 0:
                         series = arithmetic.constant(node.value)
                         value, loss = series.coefs[0], series.errors[0]
@@ -168,23 +165,18 @@ class Evaluation:
         grades = arithmetic.grading.grades
         base = self.coefs[node.left]
         if position == 0:
-            power_of = wide_power if arithmetic.width else approximate_power
-            value, self._inverse[index] = power_of(arithmetic, base[0], node.value)
+            value, self._inverse[index] = arithmetic.power(base[0], node.value)
             return value
         p, q = node.value.numerator, node.value.denominator
         power = self.coefs[index]
-        exact = _ZERO
+        exact = ZERO
         for i, j in arithmetic.grading.factors[position]:
             weight = p * grades[j] - q * grades[i]
             if i != position and weight and power[i].length() and base[j].length():
                 exact = exact + power[i] * base[j] * fmpz(weight)
         if not exact.length():
-            return _ZERO
-        if arithmetic.width:
-            reduced = arithmetic.cut(exact)[0] // arithmetic.one
-            return arithmetic.cut(reduced * self._inverse[index])[0] // (arithmetic.one * fmpz(q * grades[position]))
-        reduced = exact.truncate(arithmetic.degree + 1) // arithmetic.one
-        quotient = (reduced * self._inverse[index]).truncate(arithmetic.degree + 1)
+            return ZERO
+        quotient, _ = arithmetic.cut(arithmetic.reduced(exact) * self._inverse[index])
         return quotient // (arithmetic.one * fmpz(q * grades[position]))
 
     def enclose(self, inputs: Sequence[Series]) -> list[Series]:
@@ -221,50 +213,10 @@ class Evaluation:
         return [nodes[index] for index in self.program.outputs]
 
 
-def approximate_power(arithmetic: Arithmetic, base: fmpz_poly, exponent: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
-    """Approximations of ``base ** exponent`` and ``1 / base`` as time polynomials of grade 0."""
-    length = arithmetic.degree + 1
-    scale = arb(2) ** arithmetic.bits
-    cap, ctx.cap = ctx.cap, length
-    try:
-        with guarded(arithmetic.bits):
-            series = arb_series([arb(c) / scale for c in base.coeffs()], prec=length)
-            inverse = arb_series([1], prec=length) / series
-            p, q = -exponent.numerator, exponent.denominator
-            if q == 1:
-                root = inverse
-            elif q == 2:
-                root = series.rsqrt()
-            else:
-                root = (series.log() / arb(-q)).exp()
-            power = root
-            for _ in range(p - 1):
-                power = power * root
-            return _fixed(power, scale, length), _fixed(inverse, scale, length)
-    except ZeroDivisionError:
-        raise _no_expansion() from None
-    finally:
-        ctx.cap = cap
-
-
-def _fixed(series: arb_series, scale: arb, length: int) -> fmpz_poly:
-    values: list[fmpz] = []
-    for n in range(length):
-        integer = integer_part(series[n] * scale)
-        if integer is None:
-            raise _no_expansion()
-        values.append(integer)
-    return fmpz_poly(values)
-
-
-def _no_expansion() -> IntegrationFailure:
-    return IntegrationFailure(
-        "singularity",
-        "a power or quotient of the vector field has no finite expansion at the centre",
-        "the orbit meets a singularity of the vector field: give another centre",
-    )
-
-
-def integer_part(value: arb) -> fmpz | None:
-    """The floor of the midpoint of a ball; `None` if it is not finite."""
-    return value.mid().floor().mid().unique_fmpz() if value.is_finite() else None
+def evaluate(program: PreparedProgram, inputs: Sequence[Series]) -> list[Series]:
+    """Enclosures of the values of a program at elements of one arithmetic."""
+    arithmetic = inputs[0].arithmetic
+    evaluation = Evaluation(program, arithmetic)
+    for position in range(len(arithmetic.grading.monomials)):
+        evaluation.fill(position, [x.coefs[position] for x in inputs])
+    return evaluation.enclose(inputs)

@@ -5,25 +5,23 @@ xi that are absolutely summable on the closed unit polydisc. For every kept mono
 polynomial in theta with integer coefficients (the value is the integer times 2^-(bits + grade *
 grade_bits)), and for every grade a float that bounds the l1 norm, for all theta in [0, 1], of what is
 unknown. Integer arithmetic is exact; every rounding and every truncation is added to the errors.
-
-There may be one more variable s of weight 0, the *wide* variable: then the coefficients of the monomials
-are polynomials in theta and s, packed into one integer polynomial with s as the minor index.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
-from flint import fmpz, fmpz_poly
+from flint import arb, fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, fraction_above, geometric, inflate
+from orbitproof.verify.algebra.time_powers import power_in_time
 from orbitproof.verify.evidence import GUARD_BITS
 
-_ZERO = fmpz_poly([])
+ZERO = fmpz_poly([])
 _HEAD = 8
 
 
@@ -37,7 +35,6 @@ class Arithmetic:
         grade_bits: further fractional bits per grade.
         degree: largest degree in theta that is kept, N.
         grade_loss: significant bits that a coefficient is expected to lose per grade.
-        width: largest degree in the wide variable s that is kept, d; 0 if there is none.
     """
 
     grading: Grading
@@ -45,17 +42,16 @@ class Arithmetic:
     grade_bits: int
     degree: int
     grade_loss: int = 0
-    width: int = 0
 
     @property
     def stride(self) -> int:
-        """Distance of the powers of theta in a packed polynomial: a product has degree 2 d in s."""
-        return 2 * self.width + 1
+        """Distance of the powers of theta in a polynomial."""
+        return 1
 
     @property
-    def length(self) -> int:
-        """Length of a packed polynomial that holds every kept power of theta."""
-        return (self.degree + 1) * self.stride
+    def width(self) -> int:
+        """Largest degree in the wide variable s that is kept; 0 if there is none."""
+        return 0
 
     @cached_property
     def one(self) -> fmpz:
@@ -91,7 +87,7 @@ class Arithmetic:
         What lies above the top grade or the largest degree in s becomes an error.
         """
         grading = self.grading
-        coefs = [_ZERO] * len(grading.monomials)
+        coefs = [ZERO] * len(grading.monomials)
         errors = self.zero_errors()
         for exponents, given in coefficients.items():
             position = grading.index.get(exponents)
@@ -110,61 +106,63 @@ class Arithmetic:
                 coefs[position] = fmpz_poly(integers)
         return Series(self, coefs, errors)
 
+    def coarser(self, grading: Grading, bits: int, degree: int, width: int) -> Arithmetic:
+        """A format with at most so many bits and so large degrees in theta and s, and no further bits per grade."""
+        return replace(self, grading=grading, bits=min(bits, self.bits), grade_bits=0, degree=min(degree, self.degree))
+
     def size(self, polynomial: fmpz_poly, scale: int) -> float:
         """A bound for ``sum_n |c_n|`` times 2^-scale, hence for the supremum over theta in [0, 1]."""
         length = polynomial.length()
         if length == 0:
             return 0.0
-        if self.width:
-            return float_above(int(sum(map(abs, polynomial.coeffs()))), -scale)
         head = sum(abs(int(polynomial[n])) for n in range(min(length, _HEAD)))
         if length > _HEAD:
             head += (length - _HEAD) << int(polynomial.right_shift(_HEAD).height_bits())
         return float_above(head, -scale)
 
+    def cut(self, product: fmpz_poly) -> tuple[fmpz_poly, int]:
+        """The part of a product of polynomials that is kept, and a bound for the l1 norm of the rest."""
+        return self.part_for(self, product)
+
+    def part_for(self, coarse: Arithmetic, polynomial: fmpz_poly) -> tuple[fmpz_poly, int]:
+        """What a coarser format keeps of a polynomial, and a bound for the l1 norm of the rest."""
+        excess = polynomial.length() - coarse.degree - 1
+        if excess <= 0:
+            return polynomial, 0
+        rest = excess << int(polynomial.right_shift(coarse.degree + 1).height_bits())
+        return polynomial.truncate(coarse.degree + 1), rest
+
     def round_product(self, exact: fmpz_poly, position: int) -> tuple[fmpz_poly, float]:
         """Bring an exact sum of products (2 * bits fractional bits at grade 0) back to the format.
 
-        Returns the polynomial, truncated at `degree` (and in s at `width`) and rounded by less than one unit, and
-        a bound for what was lost.
+        Returns the part that is kept, rounded by less than one unit, and a bound for what was lost.
         """
-        grade = self.grading.grades[position]
-        lost = self.rounding[grade]
-        if self.width:
-            exact, beyond = self.cut(exact)
-            return exact // self.one, inflate(lost + float_above(beyond, -self.scales[position] - self.bits))
-        excess = exact.length() - self.degree - 1
-        if excess > 0:
-            tail = exact.right_shift(self.degree + 1)
-            lost += float_above(excess << int(tail.height_bits()), -self.scales[position] - self.bits)
-            exact = exact.truncate(self.degree + 1)
+        lost = self.rounding[self.grading.grades[position]]
+        exact, beyond = self.cut(exact)
+        if beyond:
+            lost += float_above(beyond, -self.scales[position] - self.bits)
         return exact // self.one, inflate(lost)
 
-    def cut(self, packed: fmpz_poly) -> tuple[fmpz_poly, int]:
-        """The part of a product of packed polynomials that is kept, and the l1 norm of the rest."""
-        stride, width = self.stride, self.width
-        kept: list[fmpz] = []
-        beyond = fmpz(0)
-        coefs = packed.coeffs()
-        zeros = [fmpz(0)] * width
-        for start in range(0, min(len(coefs), self.length), stride):
-            kept += coefs[start : start + width + 1]
-            beyond += sum(map(abs, coefs[start + width + 1 : start + stride]))
-            kept += zeros[: start + stride - len(kept)]
-        beyond += sum(map(abs, coefs[self.length :]))
-        return fmpz_poly(kept), int(beyond)
+    def reduced(self, product: fmpz_poly) -> fmpz_poly:
+        """A product brought back to the format; nothing is said of what is lost."""
+        return self.cut(product)[0] // self.one
 
     def derivative(self, polynomial: fmpz_poly) -> fmpz_poly:
         """The derivative in theta."""
-        if not self.width:
-            return polynomial.derivative()
-        stride = self.stride
-        return fmpz_poly([value * (index // stride) for index, value in enumerate(polynomial.coeffs())][stride:])
+        return polynomial.derivative()
 
-    def sum_of_coefficients(self, polynomial: fmpz_poly) -> fmpz_poly:
-        """The value at theta = 1, a polynomial in s."""
-        coefs = polynomial.coeffs()
-        return fmpz_poly([sum(coefs[power :: self.stride], fmpz(0)) for power in range(self.width + 1)])
+    def at_end(self, polynomial: fmpz_poly) -> fmpz_poly:
+        """The value at theta = 1."""
+        return fmpz_poly([polynomial(fmpz(1))]) if polynomial.length() else polynomial
+
+    def power(self, base: fmpz_poly, exponent: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
+        """Approximations of ``base ** exponent``, exponent < 0, and of ``1 / base``, polynomials of grade 0."""
+        return power_in_time(base, exponent, self.bits, self.degree)
+
+    def balls_in_time(self, polynomial: fmpz_poly, part: arb | None) -> list[arb]:
+        """Enclosures of the coefficients of the powers of theta of a polynomial of grade 0, for s in `part`."""
+        scale = arb(2) ** -self.bits
+        return [arb(value) * scale for value in polynomial.coeffs()]
 
     def product_slice(
         self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int
@@ -178,7 +176,7 @@ class Arithmetic:
                 term = a * b if i == j or not square else (a * b) * 2
                 exact = term if exact is None else exact + term
         if exact is None:
-            return _ZERO, 0.0
+            return ZERO, 0.0
         return self.round_product(exact, position)
 
 
@@ -243,10 +241,7 @@ class Series:
     def at_end(self) -> Series:
         """The value at theta = 1: constant in theta, exact sums of the coefficients."""
         arithmetic = self.arithmetic
-        if arithmetic.width:
-            return Series(arithmetic, [arithmetic.sum_of_coefficients(p) for p in self.coefs], self.errors)
-        one = fmpz(1)
-        return Series(arithmetic, [fmpz_poly([p(one)]) if p.length() else p for p in self.coefs], self.errors)
+        return Series(arithmetic, [arithmetic.at_end(p) for p in self.coefs], self.errors)
 
     def widened(self, radius: Fraction) -> Series:
         """The element with every number of at most this size added."""

@@ -16,7 +16,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import REGULARISATIONS, ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Grading, Series, recentred
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, recentred
 from orbitproof.verify.curve.equation import (
     BEYOND,
     TUBE,
@@ -150,7 +150,8 @@ class _Proof:
         """The format, of a piece that has passed `check`."""
         limits, tube = self.limits, self.tube
         grade_bits = floor(-log2(max(tube))) - max(0, limits.precision - _SLOPE_BITS)
-        return Arithmetic(Grading((1,) * len(tube), 1), limits.precision, grade_bits, limits.order, width=limits.width)
+        grading = Grading((1,) * len(tube), 1)
+        return WideArithmetic(grading, limits.precision, grade_bits, limits.order, width=limits.width)
 
     def result(self, progress: Progress | None) -> PieceResult[ProvedInterval]:
         """Whether the piece is proved."""

@@ -13,7 +13,7 @@ from functools import cache
 from math import comb
 
 import numpy as np
-from flint import fmpz, fmpz_poly
+from flint import fmpz_poly
 from numpy.typing import NDArray
 
 from orbitproof.verify.algebra import (
@@ -21,11 +21,9 @@ from orbitproof.verify.algebra import (
     Grading,
     PreparedProgram,
     Series,
-    approximate_power,
     correct_power,
     float_above,
     inflate,
-    wide_power,
 )
 from orbitproof.verify.evidence import IntegrationFailure
 
@@ -47,45 +45,23 @@ Floats = NDArray[np.float64]
 
 def norm_arithmetic(arithmetic: Arithmetic) -> Arithmetic:
     """The format of the norm computation: only the centre is known, every grade is bounded."""
-    grading = Grading((), arithmetic.grading.top)
-    return Arithmetic(
-        grading, min(_NORM_BITS, arithmetic.bits), 0, min(_NORM_DEGREE, arithmetic.degree),
-        width=min(_NORM_WIDTH, arithmetic.width),
-    )  # fmt: skip
+    return arithmetic.coarser(Grading((), arithmetic.grading.top), _NORM_BITS, _NORM_DEGREE, _NORM_WIDTH)
 
 
 def centre_and_norms(coarse: Arithmetic, element: Series, tube: Sequence[float]) -> Series:
     """`element` widened by `tube`, with everything but a coarse centre turned into error bounds."""
     fine = element.arithmetic
-    drop = fine.bits - coarse.bits
-    centre = element.coefs[0]
     errors = [inflate(e + t) for e, t in zip(element.errors, tube, strict=True)]
-    if fine.width:
-        centre, beyond = _coarsened(coarse, fine, centre)
+    centre, beyond = fine.part_for(coarse, element.coefs[0])
+    if beyond:
         errors[0] = inflate(errors[0] + float_above(beyond, -fine.bits))
-    elif centre.length() > coarse.degree + 1:
-        errors[0] = inflate(errors[0] + fine.size(centre.right_shift(coarse.degree + 1), fine.scales[0]))
-        centre = centre.truncate(coarse.degree + 1)
-    if drop and centre.length():
-        centre = centre // (1 << drop)
+    if fine.bits > coarse.bits and centre.length():
+        centre = centre // (1 << fine.bits - coarse.bits)
         errors[0] = inflate(errors[0] + coarse.rounding[0])
     for polynomial, grade, scale in zip(element.coefs[1:], fine.grading.grades[1:], fine.scales[1:], strict=True):
         if polynomial.length():
             errors[grade] = inflate(errors[grade] + fine.size(polynomial, scale))
     return Series(coarse, [centre], errors)
-
-
-def _coarsened(coarse: Arithmetic, fine: Arithmetic, packed: fmpz_poly) -> tuple[fmpz_poly, int]:
-    """What the coarse format keeps of a packed polynomial, and the l1 norm of the rest."""
-    kept = [fmpz(0)] * coarse.length
-    beyond = fmpz(0)
-    for index, value in enumerate(packed.coeffs()):
-        row, power = divmod(index, fine.stride)
-        if row <= coarse.degree and power <= coarse.width:
-            kept[row * coarse.stride + power] = value
-        else:
-            beyond += abs(value)
-    return fmpz_poly(kept), int(beyond)
 
 
 def derivative_bounds(
@@ -145,8 +121,7 @@ def derivative_bounds(
 
 
 def _power(base: Series, exponent: Fraction) -> Series:
-    power_of = wide_power if base.arithmetic.width else approximate_power
-    approximate, _ = power_of(base.arithmetic, base.coefs[0], exponent)
+    approximate, _ = base.arithmetic.power(base.coefs[0], exponent)
     result = correct_power(Series(base.arithmetic, [approximate], base.arithmetic.zero_errors()), base, exponent)
     if result is None:
         raise IntegrationFailure(

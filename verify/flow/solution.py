@@ -9,15 +9,76 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 from operator import mul
+from typing import Protocol
 
 from flint import fmpz, fmpz_poly
 
-from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram
+from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram, Series
+from orbitproof.verify.flow.centre import fixed_coefficients, float_coefficients, next_crossing, rough, step_size
 
 _ZERO = fmpz_poly([])
 _BLOCK = 12
+_ROUGH_DEGREE = 24
 Jacobian = list[dict[int, list[int]]]
+
+
+class Expansion(Protocol):
+    """The solutions from one state, expanded in time, before a step is chosen. Nothing here carries proof.
+
+    Attributes:
+        program: the vector field.
+        state: initial values, constant in theta.
+        parameters: constants of motion that the program takes after the state.
+        step_size: a step that suits the format.
+    """
+
+    program: PreparedProgram
+    state: Sequence[Series]
+    parameters: Sequence[Series]
+    step_size: float
+
+    @property
+    def arithmetic(self) -> Arithmetic:
+        """The format."""
+
+    def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
+        """The first zero of a component of the centre's orbit in (0, step], as a fraction of the step, dyadic."""
+
+    def solution(self, step: Fraction) -> tuple[list[list[fmpz_poly]], Evaluation]:
+        """Known parts of a solution over a step, per component and monomial, and the vector field on them.
+
+        The solution starts at the known parts of the state exactly.
+        """
+
+
+class CentreExpansion:
+    """The expansion of the centre's orbit; the monomials are solved for along it."""
+
+    def __init__(
+        self, program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
+    ) -> None:
+        self.program, self.arithmetic, self.state, self.parameters = program, arithmetic, state, parameters
+        self._start = [int(x.coefs[0][0]) for x in state]
+        self._constants = [int(p.coefs[0][0]) for p in parameters]
+        bits = arithmetic.bits
+        series = float_coefficients(program, rough(self._start, bits), rough(self._constants, bits), _ROUGH_DEGREE)
+        self.step_size = step_size(series, float(-bits), arithmetic.degree)
+        self._coefficients = cache(self._centre)
+
+    def _centre(self, step: Fraction) -> list[list[int]]:
+        degree, bits = self.arithmetic.degree, self.arithmetic.bits
+        return fixed_coefficients(self.program, self._start, self._constants, degree, bits, step)
+
+    def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
+        """See `Expansion`."""
+        return next_crossing(self._coefficients(step)[section], self.arithmetic.bits, starts_on_section)
+
+    def solution(self, step: Fraction) -> tuple[list[list[fmpz_poly]], Evaluation]:
+        """See `Expansion`."""
+        initial, parameters = [x.coefs for x in self.state], [p.coefs for p in self.parameters]
+        return solve(self.program, self.arithmetic, self._coefficients(step), initial, parameters, step)
 
 
 def solve(

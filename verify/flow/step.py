@@ -27,7 +27,7 @@ from orbitproof.verify.flow.gronwall import (
     exponential_bound,
     norm_arithmetic,
 )
-from orbitproof.verify.flow.solution import solve
+from orbitproof.verify.flow.solution import Expansion
 
 _ATTEMPTS = 6
 
@@ -48,26 +48,15 @@ class FlowStep:
     end: tuple[Series, ...]
 
 
-def advance(
-    program: PreparedProgram,
-    arithmetic: Arithmetic,
-    centre: Sequence[Sequence[int]],
-    state: Sequence[Series],
-    parameters: Sequence[Series],
-    step: Fraction,
-) -> FlowStep:
-    """Enclose the solutions of x' = f(x, parameters), x(0) in `state`, over time `step` > 0.
+def advance(expansion: Expansion, step: Fraction) -> FlowStep:
+    """Enclose the solutions of x' = f(x, parameters), x(0) in the state of the expansion, over time `step` > 0.
 
-    Args:
-        centre: approximate coefficients in theta of the centre's orbit, from `verify.flow.centre`.
-        state: initial values, constant in theta.
-        parameters: constants of motion that the program takes after the state.
-
-    Raises:
-        IntegrationFailure: no tube was found in which the solution provably stays.
+    Raises `IntegrationFailure` if no tube was found in which the solution provably stays.
     """
-    approximate = solve(program, arithmetic, centre, [x.coefs for x in state], [p.coefs for p in parameters], step)
-    return enclose_step(program, arithmetic, approximate, state, parameters, step)
+    approximate = expansion.solution(step)
+    return enclose_step(
+        expansion.program, expansion.arithmetic, approximate, expansion.state, expansion.parameters, step
+    )
 
 
 def enclose_step(

@@ -22,23 +22,89 @@ from orbitproof.verify.algebra import (
     Points,
     PreparedProgram,
     Series,
+    WideArithmetic,
     from_points,
     graded_power,
-    pack,
     to_points,
-    unpack,
 )
-from orbitproof.verify.flow.centre import step_size
+from orbitproof.verify.flow.centre import next_crossing, step_size
+from orbitproof.verify.flow.solution import CentreExpansion, Expansion
 
 _MINUS_ONE = Fraction(-1)
+_CENTRE_BITS = 60
 _VARIATION = Grading((1,), 1)
 
 
-def element_at_points(element: Series) -> Points:
+def element_at_points(arithmetic: WideArithmetic, element: Series) -> Points:
     """The known part of an element that does not depend on theta, shape (monomials, points)."""
-    arithmetic = element.arithmetic
-    rows = [unpack(arithmetic, p, scale, 1)[0] for p, scale in zip(element.coefs, arithmetic.scales, strict=True)]
+    rows = [arithmetic.unpack(p, scale, 1)[0] for p, scale in zip(element.coefs, arithmetic.scales, strict=True)]
     return to_points(np.array(rows))
+
+
+class CircleExpansion:
+    """The expansion of all orbits at points on the unit circle of s; the step suits all of them."""
+
+    def __init__(
+        self,
+        program: PreparedProgram,
+        arithmetic: WideArithmetic,
+        state: Sequence[Series],
+        parameters: Sequence[Series],
+    ) -> None:
+        self.program, self.arithmetic, self.state, self.parameters = program, arithmetic, state, parameters
+        start, self._fixed = (
+            np.array([element_at_points(arithmetic, x) for x in elements]) for elements in (state, parameters)
+        )
+        self.taylor = taylor_at_points(program, arithmetic.grading, start, self._fixed, arithmetic.degree)
+        # The last coefficient of grade 0 falls below the unit of the format, for all |s| <= 1.
+        sizes = np.abs(from_points(self.taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
+        self.step_size = step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree)
+
+    def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
+        """See `Expansion`."""
+        centre = from_points(self.taylor[section, :, 0], self.arithmetic.width)[:, 0]
+        scaled = np.ldexp(centre * float(step) ** np.arange(len(centre)), _CENTRE_BITS)
+        return next_crossing([int(value) for value in scaled], _CENTRE_BITS, starts_on_section)
+
+    def solution(self, step: Fraction) -> tuple[list[list[fmpz_poly]], Evaluation]:
+        """See `Expansion`."""
+        program, arithmetic, taylor = self.program, self.arithmetic, self.taylor
+        degree, width, bits = arithmetic.degree, arithmetic.width, arithmetic.bits
+        size = len(self.state)
+        powers = float(step) ** np.arange(degree + 1)
+        floats = from_points(taylor, width) * powers[None, :, None, None]
+        solution = [
+            [
+                _starting_at(arithmetic, given, floats[component, :, position], scale)
+                for position, (given, scale) in enumerate(zip(x.coefs, arithmetic.scales, strict=True))
+            ]
+            for component, x in enumerate(self.state)
+        ]
+        constants = [p.coefs for p in self.parameters]
+        trial = Evaluation(program, arithmetic)
+        trial.fill(0, [row[0] for row in (*solution, *constants)], record=False)
+        forcing = _defects(arithmetic, trial, [row[0] for row in solution], step)
+        start = np.zeros((size, 2, taylor.shape[-1]), complex)
+        start[:, 0] = taylor[:, 0, 0]
+        fixed = np.zeros((len(constants), 2, taylor.shape[-1]), complex)
+        fixed[:, 0] = self._fixed[:, 0] if constants else 0.0
+        variation = taylor_at_points(program, _VARIATION, start, fixed, degree, float(step), to_points(forcing))
+        corrections = from_points(variation[:, :, 1], width)
+        for component in range(size):
+            solution[component][0] = solution[component][0] + arithmetic.pack(corrections[component], bits)
+        evaluation = Evaluation(program, arithmetic)
+        for position in range(len(arithmetic.grading.monomials)):
+            evaluation.fill(position, [row[position] for row in (*solution, *constants)])
+        return solution, evaluation
+
+
+def expand(
+    program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
+) -> Expansion:
+    """The expansion in time that suits the arithmetic."""
+    if isinstance(arithmetic, WideArithmetic):
+        return CircleExpansion(program, arithmetic, state, parameters)
+    return CentreExpansion(program, arithmetic, state, parameters)
 
 
 def taylor_at_points(
@@ -107,12 +173,6 @@ def taylor_at_points(
     return solution
 
 
-def wide_step_size(arithmetic: Arithmetic, taylor: Points) -> float:
-    """A step for which the last Taylor coefficient of grade 0 falls below the unit of the format, for all |s| <= 1."""
-    sizes = np.abs(from_points(taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
-    return step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree)
-
-
 def _product(factors: Factors, left: Points, right: Points) -> Points:
     """The sum over the first axis of products of graded elements, shape (monomials, points)."""
     result = np.zeros(left.shape[1:], complex)
@@ -125,60 +185,21 @@ def _product(factors: Factors, left: Points, right: Points) -> Points:
     return result
 
 
-def solve_wide(
-    program: PreparedProgram,
-    arithmetic: Arithmetic,
-    taylor: Points,
-    state: Sequence[Series],
-    parameters: Sequence[Series],
-    step: Fraction,
-) -> tuple[list[list[fmpz_poly]], Evaluation]:
-    """Packed polynomials of all state components, and the vector field evaluated on them.
-
-    Args:
-        taylor: from `taylor_at_points` with step 1, from the known parts of `state`.
-    """
-    degree, width, bits = arithmetic.degree, arithmetic.width, arithmetic.bits
-    size = len(state)
-    powers = float(step) ** np.arange(degree + 1)
-    floats = from_points(taylor, width) * powers[None, :, None, None]
-    solution = [
-        [_starting_at(arithmetic, given, floats[component, :, position], scale)
-         for position, (given, scale) in enumerate(zip(x.coefs, arithmetic.scales, strict=True))]
-        for component, x in enumerate(state)
-    ]  # fmt: skip
-    constants = [p.coefs for p in parameters]
-    trial = Evaluation(program, arithmetic)
-    trial.fill(0, [row[0] for row in (*solution, *constants)], record=False)
-    forcing = _defects(arithmetic, trial, [row[0] for row in solution], step)
-    start = np.zeros((size, 2, taylor.shape[-1]), complex)
-    start[:, 0] = taylor[:, 0, 0]
-    fixed = np.zeros((len(parameters), 2, taylor.shape[-1]), complex)
-    for index, parameter in enumerate(parameters):
-        fixed[index, 0] = element_at_points(parameter)[0]
-    variation = taylor_at_points(program, _VARIATION, start, fixed, degree, float(step), to_points(forcing))
-    corrections = from_points(variation[:, :, 1], width)
-    for component in range(size):
-        solution[component][0] = solution[component][0] + pack(arithmetic, corrections[component], bits)
-    evaluation = Evaluation(program, arithmetic)
-    for position in range(len(arithmetic.grading.monomials)):
-        evaluation.fill(position, [row[position] for row in (*solution, *constants)])
-    return solution, evaluation
-
-
-def _starting_at(arithmetic: Arithmetic, given: fmpz_poly, coefficients: Floats, scale: int) -> fmpz_poly:
+def _starting_at(arithmetic: WideArithmetic, given: fmpz_poly, coefficients: Floats, scale: int) -> fmpz_poly:
     """The packed polynomial with these coefficients, except that its value at theta = 0 is `given`."""
     later = coefficients.copy()
     later[0] = 0.0
-    return pack(arithmetic, later, scale) + given
+    return arithmetic.pack(later, scale) + given
 
 
-def _defects(arithmetic: Arithmetic, evaluation: Evaluation, solution: Sequence[fmpz_poly], step: Fraction) -> Floats:
+def _defects(
+    arithmetic: WideArithmetic, evaluation: Evaluation, solution: Sequence[fmpz_poly], step: Fraction
+) -> Floats:
     """step * f(x) - dx/dtheta at grade 0, shape (degree, components, width + 1)."""
     numerator, denominator = fmpz(step.numerator), fmpz(step.denominator)
     shift = step.denominator.bit_length() - 1
     rows = []
     for x, output in zip(solution, evaluation.program.outputs, strict=True):
         difference = evaluation.coefs[output][0] * numerator - arithmetic.derivative(x) * denominator
-        rows.append(unpack(arithmetic, difference, arithmetic.bits + shift, arithmetic.degree))
+        rows.append(arithmetic.unpack(difference, arithmetic.bits + shift, arithmetic.degree))
     return np.array(rows).transpose(1, 0, 2)

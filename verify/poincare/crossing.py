@@ -146,27 +146,12 @@ class CrossingCounter:
         return None
 
 
-def _over(coefficients: list[arb], part: arb) -> arb:
-    """Values of a polynomial on a ball, by the mean value form."""
-    polynomial = arb_poly(coefficients)
-    middle = part.mid()
-    return polynomial(middle) + polynomial.derivative()(part) * (part - middle)
-
-
 class _Enclosure:
     """Values of a real function on subintervals of [0, 1], for all real points of the box."""
 
     def __init__(self, series: Series, wide: arb | None) -> None:
         arithmetic = series.arithmetic
-        scale = arb(2) ** -arithmetic.bits
-        coefficients = [arb(c) * scale for c in series.coefs[0].coeffs()]
-        if arithmetic.width:
-            # Without a part, the wide variable ranges over [-1, 1].
-            part = arb(0, 1) if wide is None else wide
-            stride = arithmetic.stride
-            rows = range(0, len(coefficients), stride)
-            coefficients = [_over(coefficients[row : row + arithmetic.width + 1], part) for row in rows]
-        self.polynomial = arb_poly(coefficients)
+        self.polynomial = arb_poly(arithmetic.balls_in_time(series.coefs[0], wide))
         self.derivative = self.polynomial.derivative()
         away = list(series.known)
         away[0] = 0.0

@@ -28,7 +28,7 @@ from orbitproof.verify.poincare.returns import (
     AUTO,
     REGULARISED,
     Returns,
-    evaluate,
+    at_start,
     first_integral,
     initial_values,
     kernel_components,
@@ -151,7 +151,7 @@ def _box(candidate: Candidate, bits: int, order: int) -> _Box:
             "level", f"no coordinate of {system.name} follows from the first integral", "leave parameter out"
         )
     program = level_program(system, candidate.level_sign)
-    point[coordinate] = evaluate(arithmetic, program, (*initial_values(system, arithmetic, point), level))[0]
+    point[coordinate] = at_start(program, (*initial_values(system, arithmetic, point), level))[0]
     return _Box(arithmetic, scales, point, level)
 
 

@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
-from orbitproof.verify.algebra import Arithmetic, Floats, Grading, Points, PreparedProgram, Series, unpack
+from orbitproof.verify.algebra import Floats, Grading, Points, PreparedProgram, Series, WideArithmetic
 from orbitproof.verify.flow import step_size, taylor_at_points
 
 _NODES = 24
@@ -25,7 +25,11 @@ _CENTRE = Grading((), 0)
 
 
 def relative_return_times(
-    program: PreparedProgram, section: int, state: Sequence[Series], constants: Sequence[Series]
+    arithmetic: WideArithmetic,
+    program: PreparedProgram,
+    section: int,
+    state: Sequence[Series],
+    constants: Sequence[Series],
 ) -> list[Fraction] | None:
     """Coefficients of 1, s, s^2, .. of the time of the first return divided by that at s = 0; `None` if not found.
 
@@ -33,8 +37,8 @@ def relative_return_times(
         section: index of the section coordinate, which vanishes at the start.
     """
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
-    start = np.array([_at_nodes(x, nodes) for x in state])
-    fixed = np.array([_at_nodes(p, nodes) for p in constants])
+    start = np.array([_at_nodes(arithmetic, x, nodes) for x in state])
+    fixed = np.array([_at_nodes(arithmetic, p, nodes) for p in constants])
     times = _return_times(program, section, start, fixed)
     if times is None:
         return None
@@ -46,10 +50,9 @@ def relative_return_times(
     return [Fraction(float(value)) for value in powers / powers[0]]
 
 
-def _at_nodes(element: Series, nodes: Floats) -> Points:
+def _at_nodes(arithmetic: WideArithmetic, element: Series, nodes: Floats) -> Points:
     """Values of the known part of grade 0 at real s, shape (1, nodes)."""
-    arithmetic: Arithmetic = element.arithmetic
-    coefficients = unpack(arithmetic, element.coefs[0], arithmetic.bits, 1)[0]
+    coefficients = arithmetic.unpack(element.coefs[0], arithmetic.bits, 1)[0]
     return np.asarray(polynomial.polyval(nodes, coefficients)[None], dtype=complex)
 
 

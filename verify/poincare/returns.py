@@ -12,27 +12,12 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
 
-import numpy as np
 from flint import arb
 
 from orbitproof.shared.systems import Program, ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Evaluation, Points, Series, from_points, prepare
+from orbitproof.verify.algebra import Arithmetic, Series, WideArithmetic, evaluate, prepare
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
-from orbitproof.verify.flow import (
-    FlowStep,
-    advance,
-    dyadic_below,
-    element_at_points,
-    enclose_step,
-    fixed_coefficients,
-    float_coefficients,
-    next_crossing,
-    rough,
-    solve_wide,
-    step_size,
-    taylor_at_points,
-    wide_step_size,
-)
+from orbitproof.verify.flow import FlowStep, advance, dyadic_below, expand, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, choose, physical, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive, wide_parts
 from orbitproof.verify.poincare.rate import relative_return_times
@@ -42,8 +27,6 @@ AUTO, REGULARISED = "auto", "regularised"
 
 _LEAST_STEP = 1e-8
 _LEAST_SHARE = 1 / 8
-_ROUGH_DEGREE = 24
-_CENTRE_BITS = 60
 _NEGLIGIBLE_CHANGE = 2.0**-6
 MOST_STEPS = 400
 """From one crossing to the next."""
@@ -85,8 +68,8 @@ class Returns:
         level = first_integral(system, arithmetic, point) if level is None else level
         self.coordinates = self._choose(coordinates, initial, level)
         self.state, self.constants = self._enter(initial, level)
-        self.counters = [CrossingCounter(part) for part in wide_parts(WIDE_PARTS)] if arithmetic.width else []
-        self.counters = self.counters or [CrossingCounter()]
+        parts = wide_parts(WIDE_PARTS) if isinstance(arithmetic, WideArithmetic) else [None]
+        self.counters = [CrossingCounter(part) for part in parts]
         self.rate = self._rate()
         self.program, self.fixed = self.coordinates.program, self.constants
         if self.rate is not None:
@@ -114,24 +97,24 @@ class Returns:
         embedding = self.coordinates.embedding
         if embedding is None or level is None:
             return initial, self.parameters
-        return evaluate(self.arithmetic, embedding, (*initial, *self.parameters)), [*self.parameters, level]
+        return at_start(embedding, (*initial, *self.parameters)), [*self.parameters, level]
 
     def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
         """The system's own state."""
         regularisation = self.coordinates.regularisation
         if regularisation is None:
             return image
-        return evaluate(self.arithmetic, regularisation.projection_program, (*image, *self.parameters))
+        return at_start(regularisation.projection_program, (*image, *self.parameters))
 
     def _rate(self) -> Series | None:
         """A positive element by which the vector field is multiplied so that wide orbits return about together."""
-        if not self.arithmetic.width:
+        arithmetic, coordinates = self.arithmetic, self.coordinates
+        if not isinstance(arithmetic, WideArithmetic):
             return None
-        coordinates = self.coordinates
-        powers = relative_return_times(coordinates.program, coordinates.section, self.state, self.constants)
+        powers = relative_return_times(arithmetic, coordinates.program, coordinates.section, self.state, self.constants)
         if powers is None or sum(map(abs, powers[1:])) < _NEGLIGIBLE_CHANGE:
             return None
-        rate = self.arithmetic.polynomial({self.arithmetic.grading.monomials[0]: powers})
+        rate = arithmetic.polynomial({arithmetic.grading.monomials[0]: powers})
         if not all(is_positive(range_of(rate, counter.wide)) for counter in self.counters):
             return None
         return rate
@@ -156,11 +139,18 @@ class Returns:
     def step(self) -> bool:
         """Advance by one step; true if it ends, at the centre, at the next crossing."""
         section = self.coordinates.section
+        expansion = expand(self.program, self.arithmetic, self.state, self.fixed)
         while True:
-            step, root, flow = self._try_wide() if self.arithmetic.width else self._try_narrow()
-            if flow is not None:
+            step = self._planned(expansion.step_size)
+            root = expansion.crossing(section, step, self.at_section)
+            step = step if root is None else step * root
+            try:
+                flow = advance(expansion, step)
                 break
-            self.share /= 2
+            except IntegrationFailure:
+                if self.share <= _LEAST_SHARE:
+                    raise
+                self.share /= 2
         self._check_time(flow)
         for counter in self.counters:
             counter.cover(flow.solution[section], flow.slopes[section], self.time, enclose(step))
@@ -169,50 +159,6 @@ class Returns:
         self.steps += 1
         self.at_section = root is not None
         return self.at_section
-
-    def _try_narrow(self) -> tuple[Fraction, Fraction | None, FlowStep | None]:
-        """A step, or to the next crossing if that comes first.
-
-        Returns its length, the crossing as a fraction of the length that was planned, and the flow; no flow if it
-        was not enclosed and a shorter step may do.
-        """
-        program, arithmetic = self.program, self.arithmetic
-        bits, degree = arithmetic.bits, arithmetic.degree
-        centre = [int(x.coefs[0][0]) for x in self.state]
-        constants = [int(p.coefs[0][0]) for p in self.constants]
-        series = float_coefficients(program, rough(centre, bits), rough(constants, bits), _ROUGH_DEGREE)
-        step = self._planned(step_size(series, float(-bits), degree))
-        coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
-        root = next_crossing(coefficients[self.coordinates.section], bits, self.at_section)
-        if root is not None:
-            step = step * root
-            coefficients = fixed_coefficients(program, centre, constants, degree, bits, step)
-        try:
-            return step, root, advance(program, arithmetic, coefficients, self.state, self.constants, step)
-        except IntegrationFailure:
-            if self.share <= _LEAST_SHARE:
-                raise
-            return step, root, None
-
-    def _try_wide(self) -> tuple[Fraction, Fraction | None, FlowStep | None]:
-        """The same with a wide variable; the step suits all of its values on the unit circle."""
-        program, arithmetic = self.program, self.arithmetic
-        taylor = taylor_at_points(program, arithmetic.grading, *self._at_points(), arithmetic.degree)
-        step = self._planned(wide_step_size(arithmetic, taylor))
-        section = from_points(taylor[self.coordinates.section, :, 0], arithmetic.width)[:, 0]
-        scaled = section * float(step) ** np.arange(arithmetic.degree + 1)
-        root = next_crossing(
-            [int(value) for value in np.ldexp(scaled, _CENTRE_BITS)], _CENTRE_BITS, self.at_section
-        )  # fmt: skip
-        if root is not None:
-            step = step * root
-        try:
-            approximate = solve_wide(program, arithmetic, taylor, self.state, self.fixed, step)
-            return step, root, enclose_step(program, arithmetic, approximate, self.state, self.fixed, step)
-        except IntegrationFailure:
-            if self.share <= _LEAST_SHARE:
-                raise
-            return step, root, None
 
     def _planned(self, size: float) -> Fraction:
         if size < _LEAST_STEP:
@@ -223,10 +169,6 @@ class Returns:
                 "centre",
             )
         return dyadic_below(size * self.share)
-
-    def _at_points(self) -> tuple[Points, Points]:
-        constants = [element_at_points(p) for p in self.fixed]
-        return np.array([element_at_points(x) for x in self.state]), np.array(constants)
 
     def crossing(self, number: int) -> tuple[Sequence[Series], arb]:
         """The system's own state at crossing `number`, and its time, with the proof that it is that crossing."""
@@ -269,7 +211,7 @@ class Returns:
         if regularisation is None:
             return
         rate = flow.slopes[regularisation.time_index]
-        if self.arithmetic.width:
+        if isinstance(self.arithmetic, WideArithmetic):
             # Over a wide piece the coarse bounds of the tube are too coarse for a passage close to the primary.
             rate = self._clock_rate(flow)
         if not all(stays_positive(rate, counter.wide) for counter in self.counters):
@@ -286,11 +228,7 @@ class Returns:
         assert regularisation is not None
         field = self.coordinates.field
         only = prepare(replace(field, outputs=(field.outputs[regularisation.time_index],)))
-        evaluation = Evaluation(only, self.arithmetic)
-        inputs = [*flow.solution, *self.constants]
-        for position in range(len(self.arithmetic.grading.monomials)):
-            evaluation.fill(position, [x.coefs[position] for x in inputs])
-        return evaluation.enclose(inputs)[0]
+        return evaluate(only, [*flow.solution, *self.constants])[0]
 
     def _clock(self) -> float:
         """About the system's time, for messages."""
@@ -314,7 +252,7 @@ def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapp
 def first_integral(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapping[str, Series]) -> Series | None:
     """The first integral at points of Fix(R), as in `initial_values`; `None` if the system has none."""
     program = system.first_integral_program
-    return None if program is None else evaluate(arithmetic, program, initial_values(system, arithmetic, point))[0]
+    return None if program is None else at_start(program, initial_values(system, arithmetic, point))[0]
 
 
 def kernel_components(
@@ -330,11 +268,9 @@ def kernel_components(
     ]
 
 
-def evaluate(arithmetic: Arithmetic, program: Program, arguments: Sequence[Series]) -> list[Series]:
+def at_start(program: Program, arguments: Sequence[Series]) -> list[Series]:
     """Values of a program at elements that do not depend on time, so that degree 0 does."""
-    flat = Arithmetic(arithmetic.grading, arithmetic.bits, arithmetic.grade_bits, 0, width=arithmetic.width)
-    inputs = [Series(flat, x.coefs, x.errors) for x in arguments]
-    evaluation = Evaluation(prepare(program), flat)
-    for position in range(len(flat.grading.monomials)):
-        evaluation.fill(position, [x.coefs[position] for x in inputs])
-    return [Series(arithmetic, x.coefs, x.errors) for x in evaluation.enclose(inputs)]
+    arithmetic = arguments[0].arithmetic
+    flat = replace(arithmetic, degree=0)
+    values = evaluate(prepare(program), [Series(flat, x.coefs, x.errors) for x in arguments])
+    return [Series(arithmetic, x.coefs, x.errors) for x in values]

@@ -16,7 +16,7 @@ from flint import arb, arb_poly
 
 from orbitproof.shared.formats import SurfacePiece
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Grading, Series, plus, recentred, values_around
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic, plus, recentred, values_around
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, enclose, guarded
 from orbitproof.verify.poincare import Returns, first_integral, kernel_components, table_of
@@ -119,7 +119,7 @@ def _enclose(
     # With these bits per grade scaled initial values of every weight are of size 1 in fixed point.
     further = max(0, floor(max(-log2(scale) / weight for scale, weight in zip(scales, weights, strict=True))))
     grading = Grading(weights, limits.top)
-    arithmetic = Arithmetic(grading, limits.precision, further, limits.order, width=limits.width)
+    arithmetic = WideArithmetic(grading, limits.precision, further, limits.order, width=limits.width)
     constant = (0,) * size
     middle, half = (interval[0] + interval[1]) / 2, (interval[1] - interval[0]) / 2
     point = {}

@@ -1,0 +1,145 @@
+"""The algebra with one more variable s of weight 0, the *wide* variable (section 15.1).
+
+The coefficients of the monomials are polynomials in theta and s, packed into one integer polynomial with s as the
+minor index. Powers are approximations only: `correct_power` bounds how far they are from the power.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import ldexp
+
+import numpy as np
+from flint import arb, arb_poly, fmpz, fmpz_poly
+
+from orbitproof.verify.algebra.circle import Floats, from_points, power_of_series, to_points
+from orbitproof.verify.algebra.grading import Grading
+from orbitproof.verify.algebra.norms import float_above
+from orbitproof.verify.algebra.series import Arithmetic
+from orbitproof.verify.evidence import IntegrationFailure
+
+_FLOAT_BITS = 50
+
+
+@dataclass(frozen=True)
+class WideArithmetic(Arithmetic):
+    """Formats with a wide variable.
+
+    Attributes:
+        width: largest degree in the wide variable s that is kept, d >= 1.
+    """
+
+    width: int = 1
+
+    @property
+    def stride(self) -> int:
+        """Distance of the powers of theta in a packed polynomial: a product has degree 2 d in s."""
+        return 2 * self.width + 1
+
+    def coarser(self, grading: Grading, bits: int, degree: int, width: int) -> WideArithmetic:
+        """As for every arithmetic."""
+        return replace(
+            self,
+            grading=grading,
+            bits=min(bits, self.bits),
+            grade_bits=0,
+            degree=min(degree, self.degree),
+            width=min(width, self.width),
+        )
+
+    def size(self, polynomial: fmpz_poly, scale: int) -> float:
+        """A bound for the sum of the absolute values of all coefficients times 2^-scale."""
+        return float_above(int(sum(map(abs, polynomial.coeffs()))), -scale) if polynomial.length() else 0.0
+
+    def part_for(self, coarse: Arithmetic, polynomial: fmpz_poly) -> tuple[fmpz_poly, int]:
+        """What a coarser format keeps of a packed polynomial, and the l1 norm of the rest."""
+        kept: list[fmpz] = []
+        beyond = fmpz(0)
+        coefs = polynomial.coeffs()
+        stride, length, width = self.stride, (coarse.degree + 1) * self.stride, coarse.width
+        zeros = [fmpz(0)] * (coarse.stride - width - 1)
+        for start in range(0, min(len(coefs), length), stride):
+            row = coefs[start : min(start + width + 1, length)]
+            kept += row
+            beyond += sum(map(abs, coefs[start + width + 1 : start + stride]))
+            if len(row) == width + 1:
+                kept += zeros
+        beyond += sum(map(abs, coefs[length:]))
+        return fmpz_poly(kept), int(beyond)
+
+    def derivative(self, polynomial: fmpz_poly) -> fmpz_poly:
+        """The derivative in theta."""
+        stride = self.stride
+        return fmpz_poly([value * (index // stride) for index, value in enumerate(polynomial.coeffs())][stride:])
+
+    def at_end(self, polynomial: fmpz_poly) -> fmpz_poly:
+        """The value at theta = 1, a polynomial in s."""
+        coefs = polynomial.coeffs()
+        return fmpz_poly([sum(coefs[power :: self.stride], fmpz(0)) for power in range(self.width + 1)])
+
+    def balls_in_time(self, polynomial: fmpz_poly, part: arb | None) -> list[arb]:
+        """Enclosures of the coefficients of the powers of theta, for s in `part`; in [-1, 1] if that is `None`."""
+        coefs = super().balls_in_time(polynomial, None)
+        where = arb(0, 1) if part is None else part
+        rows = range(0, len(coefs), self.stride)
+        return [_mean_value_form(coefs[row : row + self.width + 1], where) for row in rows]
+
+    def unpack(self, polynomial: fmpz_poly, scale: int, rows: int) -> Floats:
+        """The integers of a packed polynomial times 2^-scale, shape (rows, width + 1): powers of theta and of s."""
+        result = np.zeros((rows, self.width + 1))
+        stride = self.stride
+        try:
+            for index, value in enumerate(polynomial.coeffs()):
+                row, power = divmod(index, stride)
+                if value and row < rows:
+                    result[row, power] = ldexp(int(value), -scale)
+        except OverflowError:
+            raise _not_finite() from None
+        return result
+
+    def pack(self, coefficients: Floats, scale: int) -> fmpz_poly:
+        """The packed polynomial with the given coefficients, shape (rows, width + 1), times 2^scale, rounded."""
+        if not np.all(np.isfinite(coefficients)):
+            raise _not_finite()
+        mantissas, exponents = np.frexp(coefficients)
+        integers = np.rint(np.ldexp(mantissas, 53)).astype(np.int64).tolist()
+        shifts = (exponents.astype(np.int64) - 53 + scale).tolist()
+        zeros = [0] * self.width
+        values: list[int] = []
+        for row, shift in zip(integers, shifts, strict=True):
+            values += [value << by if by >= 0 else value >> -by for value, by in zip(row, shift, strict=True)]
+            values += zeros
+        return fmpz_poly(values)
+
+    def power(self, base: fmpz_poly, exponent: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
+        """Approximations of ``base ** exponent``, exponent < 0, and of ``1 / base``, packed polynomials of grade 0.
+
+        The power is found in float64 and improved by one step of Newton's method for y^q base^p = 1; the inverse,
+        which only higher grades need, is left at float64.
+        """
+        values = to_points(self.unpack(base, self.bits, self.degree + 1))
+        inverse, power = (
+            self.pack(from_points(power_of_series(values, a), self.width), self.bits) for a in (Fraction(-1), exponent)
+        )
+        if self.bits <= _FLOAT_BITS:
+            return power, inverse
+        p, q = -exponent.numerator, exponent.denominator
+        one = fmpz_poly([self.one])
+        value = one
+        for factor in [power] * q + [base] * p:
+            value = self.reduced(value * factor)
+        return power + self.reduced(power * (one - value)) // fmpz(q), inverse
+
+
+def _mean_value_form(coefficients: list[arb], part: arb) -> arb:
+    """Values of a polynomial on a ball."""
+    polynomial = arb_poly(coefficients)
+    middle = part.mid()
+    return polynomial(middle) + polynomial.derivative()(part) * (part - middle)
+
+
+def _not_finite() -> IntegrationFailure:
+    return IntegrationFailure(
+        "size", "the orbits of the piece leave the range of floating-point numbers", "give a narrower piece"
+    )
