@@ -101,6 +101,7 @@ def test_base_install_carries_nothing_of_the_search_side() -> None:
 def test_demo_verifies_where_the_search_side_is_refused() -> None:
     assert re.search(r"^VERIFY = PYTHONPATH=verify/alone \S+ verify$", MAKEFILE, re.MULTILINE)
     assert "env $(VERIFY) $(OUT)/candidates.json" in MAKEFILE
+    assert MAKEFILE.index("mkdir -p $(OUT)") < MAKEFILE.index("-o $(OUT)/candidates.json")
 
 
 def test_tracked_files_name_no_machine_path() -> None:
