@@ -77,6 +77,9 @@ def with_integral(integral: Callable[..., Any]) -> ReversibleSystem:
         (lambda x, w: (w * w + x) ** 0.5, None),
         (lambda x, w: x / w, None),
         (lambda x, w: x * (w * w), None),
+        (lambda x, w: w * w + (x * x + 1) ** 0.5, F(1)),
+        (lambda x, w: w * w + (w * w) ** 0.5 / w, None),
+        (lambda x, w: (x + w) * (x + w) - (w + w) * x, F(1)),
     ],
 )
 def test_a_quadratic_dependence_is_found_exactly_where_the_program_shows_it(integral: Any, coefficient: Any) -> None:

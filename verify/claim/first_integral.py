@@ -39,6 +39,27 @@ def is_first_integral(field: Program, integral: Program) -> bool:
     return ring.vanishes(value.rate)
 
 
+def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Fraction] | None:
+    """The derivative of a function of one value in the input `name`, as a coefficient for each tuple of exponents.
+
+    `None` if that input is in a divisor or in a base of a power, or if the derivative is no polynomial of the inputs.
+    """
+    ring = _Ring(function, function)
+    unit, zero = ring.polynomials.constant(1), ring.polynomials.constant(0)
+    inputs = [
+        _AlongFlow(ring, x.value, unit if argument == name else zero)
+        for x, argument in zip(ring.inputs, function.inputs, strict=True)
+    ]
+    try:
+        (value,) = function.evaluate(inputs, ring.constant, _AlongFlow.power)
+    except _NotDefinedError:
+        return None
+    terms, place = value.rate.to_dict(), function.inputs.index(name)
+    if any(base.degrees()[place] for base, _ in ring.symbols) or any(any(e[ring.first :]) for e in terms):
+        return None
+    return {tuple(map(int, exponents[: ring.first])): Fraction(int(c.p), int(c.q)) for exponents, c in terms.items()}
+
+
 class _NotDefinedError(Exception):
     """A divisor is zero, or H divides by or takes a power of something that f does not."""
 

@@ -8,7 +8,6 @@ Poincare maps on the levels of H are a family of maps with the parameter h.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -16,58 +15,18 @@ from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import Program, ReversibleSystem, record
+from orbitproof.verify.claim.first_integral import derivative_terms
 from orbitproof.verify.evidence import Checklist, enclose
-
-
-@dataclass(frozen=True)
-class _InW:
-    """A + a w + b w^2: A unknown but independent of w (known to be zero or not), a and b constants."""
-
-    free: bool
-    a: Fraction
-    b: Fraction
-    constant: Fraction | None = None
-
-    @property
-    def independent(self) -> bool:
-        return not self.a and not self.b
 
 
 def quadratic_coefficient(system: ReversibleSystem) -> Fraction | None:
     """The constant b if the program of H shows H = A + b w^2, w the level coordinate; else `None`."""
-    program = system.first_integral_program
-    if program is None or system.level_coordinate is None:
+    program, name = system.first_integral_program, system.level_coordinate
+    if program is None or name is None:
         return None
-    values: list[_InW | None] = []
-    for index, step in enumerate(program.instructions):
-        operands = [values[operand] for operand in step.operands]
-        if step.operation == "input":
-            is_w = program.inputs[index] == system.level_coordinate
-            values.append(_InW(not is_w, Fraction(int(is_w)), Fraction(0)))
-        elif step.operation == "constant":
-            values.append(_InW(True, Fraction(0), Fraction(0), step.value))
-        elif any(operand is None for operand in operands):
-            values.append(None)
-        else:
-            values.append(_combine(step.operation, [operand for operand in operands if operand is not None]))
-    (output,) = (values[index] for index in program.outputs)
-    return output.b if output is not None and not output.a else None
-
-
-def _combine(operation: str, operands: Sequence[_InW]) -> _InW | None:
-    first, last = operands[0], operands[-1]
-    if all(operand.independent for operand in operands):
-        return _InW(True, Fraction(0), Fraction(0))
-    if operation in ("add", "sub"):
-        sign = 1 if operation == "add" else -1
-        return _InW(first.free or last.free, first.a + sign * last.a, first.b + sign * last.b)
-    if operation == "mul":
-        for factor, other in ((first, last), (last, first)):
-            if factor.constant is not None:
-                return _InW(other.free, factor.constant * other.a, factor.constant * other.b)
-        if not first.free and not last.free and not first.b and not last.b:
-            return _InW(False, Fraction(0), first.a * last.a)
-    return None
+    terms = derivative_terms(program, name)
+    linear = tuple(int(argument == name) for argument in program.inputs)
+    return terms.get(linear, Fraction(0)) / 2 if terms is not None and set(terms) <= {linear} else None
 
 
 def level_program(system: ReversibleSystem, sign: int) -> Program:
