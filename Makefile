@@ -57,7 +57,7 @@ BOUND = export ORBITPROOF_ENDS_WITH=$$PPID;
 
 # Exit code 1 of a step (something not found, not proved) does not stop the ones after it.
 demo: $(VENV)/demo.stamp
-	@mkdir -p $(OUT); $(BOUND) start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
+	@$(BOUND) mkdir -p $(OUT); start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	echo "1/3  search: Earth-Moon L1 halo family and Falkner-Skan family"; \
 	step $(EXPLORE) --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.3 \
 	  -o $(OUT)/candidates.json --family-output $(OUT)/halo-family.json; \

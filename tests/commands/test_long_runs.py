@@ -36,7 +36,7 @@ TRUE: dict[str, Any] = {
     "radii": ["1e-11", "1e-15"],
 }
 QUICK = {**TRUE, "id": "quick", "kernel_frame": [["0"]]}
-ENDLESS = {**TRUE, "id": "endless", "radii": ["1e-9000", "1e-9000"]}
+ENDLESS = {**TRUE, "id": "endless", "kind": "period_tupling", "k": 1000}
 
 
 def write(path: Path, *entries: dict[str, Any]) -> str:
