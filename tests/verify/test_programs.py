@@ -14,7 +14,7 @@ from support.exact_elements import PRECISION, is_enclosed, number, random_arithm
 
 from orbitproof.shared.systems.program import Program, record
 from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import Evaluation, prepare
+from orbitproof.verify.algebra.programs import evaluate, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.evidence.failure import IntegrationFailure
 
@@ -44,10 +44,8 @@ def recorded(formula: Formula) -> Program:
 
 def enclose(program: Program, arithmetic: Arithmetic, inputs: Sequence[Series]) -> list[Series]:
     """Enclosures of the outputs."""
-    evaluation = Evaluation(prepare(program), arithmetic)
-    for position in range(len(arithmetic.grading.monomials)):
-        evaluation.fill(position, [x.coefs[position] for x in inputs])
-    return evaluation.enclose(inputs)
+    assert all(x.arithmetic is arithmetic for x in inputs)
+    return evaluate(prepare(program), inputs)
 
 
 @pytest.mark.parametrize("name", FORMULAS)

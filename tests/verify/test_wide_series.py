@@ -31,7 +31,7 @@ from support.exact_elements import (
 from orbitproof.shared.systems.libration import AROUND
 from orbitproof.shared.systems.system import SYSTEMS
 from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import Evaluation, prepare
+from orbitproof.verify.algebra.programs import evaluate, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.flow.gronwall import (
@@ -193,10 +193,7 @@ def test_programs_enclose(seed: int) -> None:
     centres = [0.8, 0.3, 0.4, 0.2, 0.3, 0.1, 0.2]
     elements = [random_element(source, arithmetic, centre=value) for value in centres]
     small = [shrunk(x, 0.05) for x in elements]
-    evaluation = Evaluation(prepare(system.program), arithmetic)
-    for position in range(len(arithmetic.grading.monomials)):
-        evaluation.fill(position, [x.series.coefs[position] for x in small])
-    for index, result in enumerate(evaluation.enclose([x.series for x in small])):
+    for index, result in enumerate(evaluate(prepare(system.program), [x.series for x in small])):
         check(
             source, arithmetic, result, lambda theta, x, index=index: field(system.program, small, theta, x)[index], 3
         )

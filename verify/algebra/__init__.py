@@ -4,7 +4,15 @@ from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded
 from orbitproof.verify.algebra.grading import Factors, Grading
 from orbitproof.verify.algebra.norms import GradedNorm, float_above, fraction_above, inflate, total
 from orbitproof.verify.algebra.polynomials import ball_polynomial, plus, recentred, values_around
-from orbitproof.verify.algebra.programs import Evaluation, PreparedProgram, evaluate, prepare
+from orbitproof.verify.algebra.programs import (
+    Evaluation,
+    PreparedProgram,
+    Recurrence,
+    enclose_nodes,
+    evaluate,
+    partial_derivatives,
+    prepare,
+)
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
 from orbitproof.verify.algebra.time_powers import integer_part
 from orbitproof.verify.algebra.wide import WideArithmetic
@@ -18,10 +26,12 @@ __all__ = [
     "Grading",
     "Points",
     "PreparedProgram",
+    "Recurrence",
     "Series",
     "WideArithmetic",
     "ball_polynomial",
     "correct_power",
+    "enclose_nodes",
     "evaluate",
     "float_above",
     "fraction_above",
@@ -29,6 +39,7 @@ __all__ = [
     "graded_power",
     "inflate",
     "integer_part",
+    "partial_derivatives",
     "plus",
     "prepare",
     "recentred",

@@ -1,21 +1,27 @@
-"""Straight-line programs on graded Taylor models, one monomial at a time (section 3).
+"""Straight-line programs on power series, one coefficient after another (section 3).
 
 `prepare` rewrites a program so that only additions, products, scalings by constants and negative
-powers are left. `Evaluation` computes the known parts of all nodes monomial by monomial, because the
-solution of a differential equation is built in the same order; `Evaluation.enclose` then adds the
-errors and returns rigorous enclosures of the outputs.
+powers are left. A `Recurrence` finds the coefficients of all nodes in order, because the solution of a
+differential equation is built in the same order. `Evaluation` is that of graded Taylor models, with one
+coefficient per monomial; `Evaluation.enclose` then adds the errors and returns rigorous enclosures.
+`partial_derivatives` is the chain rule.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Literal
+from functools import reduce
+from math import ceil
+from operator import add, mul
+from typing import Any, Generic, Literal, TypeVar
 
 from flint import fmpz, fmpz_poly
 
 from orbitproof.shared.systems import Program
+from orbitproof.verify.algebra.norms import add as sum_of_norms
 from orbitproof.verify.algebra.series import ZERO, Arithmetic, Series, correct_power, product_errors
 from orbitproof.verify.evidence import IntegrationFailure
 
@@ -41,57 +47,48 @@ class PreparedProgram:
 
 def prepare(program: Program) -> PreparedProgram:
     """Rewrite divisions and powers with negative exponents and products with constants as scalings."""
-    nodes: list[Node] = []
-    seen: dict[Node, int] = {}
-    place: list[int] = []
+    places: dict[Node, int] = {}
+    inputs = [_place(places, Node("input", left=index)) for index in range(len(program.inputs))]
+    outputs = program.evaluate(inputs, lambda value: _place(places, Node("constant", value=value)), _Place.power)
+    return _without_unused(PreparedProgram(len(inputs), tuple(places), tuple(output.index for output in outputs)))
 
-    def emit(node: Node) -> int:
-        if node not in seen:
-            seen[node] = len(nodes)
-            nodes.append(node)
-        return seen[node]
 
-    def emit_product(left: int, right: int) -> int:
-        for factor, other in ((left, right), (right, left)):
-            if nodes[factor].operation == "constant":
-                return emit(Node("scale", other, value=nodes[factor].value))
-        return emit(Node("mul", min(left, right), max(left, right)))
+def _place(places: dict[Node, int], node: Node) -> _Place:
+    return _Place(places, node, places.setdefault(node, len(places)))
 
-    def emit_power(base: int, exponent: Fraction) -> int:
-        if exponent < 0:
-            return emit(Node("pow", base, value=exponent))
-        whole, part = int(exponent), exponent - int(exponent)
-        if part:
-            whole, part = whole + 1, part - 1
-        result = emit(Node("pow", base, value=part)) if part else None
-        for _ in range(whole):
-            result = base if result is None else emit_product(result, base)
-        return emit(Node("constant", value=Fraction(1))) if result is None else result
 
-    for index in range(len(program.inputs)):
-        nodes.append(Node("input", left=index))
-        place.append(index)
-    for step in program.instructions[len(program.inputs) :]:
-        operands = [place[operand] for operand in step.operands]
-        if step.operation == "constant":
-            assert step.value is not None
-            place.append(emit(Node("constant", value=step.value)))
-        elif step.operation == "add":
-            place.append(emit(Node("add", operands[0], operands[1])))
-        elif step.operation == "sub":
-            place.append(emit(Node("sub", operands[0], operands[1])))
-        elif step.operation == "mul":
-            place.append(emit_product(operands[0], operands[1]))
-        elif step.operation == "div":
-            place.append(emit_product(operands[0], emit_power(operands[1], Fraction(-1))))
-        elif step.operation == "pow":
-            assert step.value is not None
-            place.append(emit_power(operands[0], step.value))
-        else:
-            raise ValueError(f"input {step.name!r} after the first operation")
-    return _without_unused(
-        PreparedProgram(len(program.inputs), tuple(nodes), tuple(place[index] for index in program.outputs))
-    )
+@dataclass(frozen=True)
+class _Place:
+    """A node and its place among those so far; operations add the nodes that they need."""
+
+    places: dict[Node, int]
+    node: Node
+    index: int
+
+    def __add__(self, other: _Place) -> _Place:
+        return _place(self.places, Node("add", self.index, other.index))
+
+    def __sub__(self, other: _Place) -> _Place:
+        return _place(self.places, Node("sub", self.index, other.index))
+
+    def __mul__(self, other: _Place) -> _Place:
+        for factor, rest in ((self, other), (other, self)):
+            if factor.node.operation == "constant":
+                return _place(self.places, Node("scale", rest.index, value=factor.node.value))
+        return _place(self.places, Node("mul", min(self.index, other.index), max(self.index, other.index)))
+
+    def __truediv__(self, other: _Place) -> _Place:
+        return self * other.power(Fraction(-1))
+
+    def power(self, exponent: Fraction) -> _Place:
+        """A negative power times an integer power, which is a product."""
+        whole = max(0, ceil(exponent))
+        factors = [self] * whole
+        if exponent != whole:
+            factors.insert(0, _place(self.places, Node("pow", self.index, value=exponent - whole)))
+        if not factors:
+            return _place(self.places, Node("constant", value=Fraction(1)))
+        return reduce(mul, factors)
 
 
 def _without_unused(program: PreparedProgram) -> PreparedProgram:
@@ -110,113 +107,221 @@ def _without_unused(program: PreparedProgram) -> PreparedProgram:
     return PreparedProgram(program.inputs, tuple(nodes), tuple(new[index] for index in program.outputs))
 
 
-class Evaluation:
-    """The known parts of all nodes of a prepared program, filled monomial by monomial."""
+Coefficient = TypeVar("Coefficient")
+
+
+class Recurrence(ABC, Generic[Coefficient]):
+    """The coefficients of all nodes of a program, each found from those before it.
+
+    Attributes:
+        program: the program.
+        coefs: one row of coefficients per node, zero where they have not been found.
+    """
+
+    def __init__(self, program: PreparedProgram, coefs: Sequence[Any]) -> None:
+        self.program = program
+        self.coefs = coefs
+
+    def extend(self, n: int) -> None:
+        """Find coefficient `n` of every node; those of the inputs and all before it are there."""
+        rows = self.coefs
+        for index, node in enumerate(self.program.nodes):
+            row, left, right = rows[index], rows[node.left], rows[node.right]
+            match node.operation:
+                case "constant":
+                    if n == 0:
+                        row[0] = self.constant(index, node.value)
+                case "add":
+                    row[n] = left[n] + right[n]
+                case "sub":
+                    row[n] = left[n] - right[n]
+                case "scale":
+                    row[n] = self.scaled(index, n, left[n], node.value)
+                case "mul":
+                    row[n] = self.product(index, n, left, right)
+                case "pow":
+                    row[n] = self.power(index, n, left, node.value)
+
+    @abstractmethod
+    def constant(self, index: int, value: Fraction) -> Coefficient:
+        """The first coefficient of a constant, node `index`."""
+
+    @abstractmethod
+    def scaled(self, index: int, n: int, coefficient: Coefficient, factor: Fraction) -> Coefficient:
+        """The product of a coefficient with an exact constant."""
+
+    @abstractmethod
+    def product(self, index: int, n: int, left: Sequence[Coefficient], right: Sequence[Coefficient]) -> Coefficient:
+        """Coefficient n of a product."""
+
+    @abstractmethod
+    def power(self, index: int, n: int, base: Sequence[Coefficient], exponent: Fraction) -> Coefficient:
+        """Coefficient n of a power with a negative exponent, by R DS = exponent S DR for a derivation D."""
+
+
+def _singular() -> IntegrationFailure:
+    return IntegrationFailure(
+        "singularity",
+        "a power or quotient of the vector field could not be bounded on the box",
+        "the box comes too close to a singularity: give smaller radii or a better centre",
+    )
+
+
+class Evaluation(Recurrence[fmpz_poly]):
+    """The known parts of all nodes of a prepared program, monomial by monomial, in the order of the grades."""
 
     def __init__(self, program: PreparedProgram, arithmetic: Arithmetic) -> None:
-        self.program = program
+        super().__init__(program, [[ZERO] * len(arithmetic.grading.monomials) for _ in program.nodes])
         self.arithmetic = arithmetic
-        self.coefs: list[list[fmpz_poly]] = [[ZERO] * len(arithmetic.grading.monomials) for _ in program.nodes]
         self.lost: list[list[float]] = [arithmetic.zero_errors() for _ in program.nodes]
         self._inverse: dict[int, fmpz_poly] = {}
 
-    def fill(self, position: int, inputs: Sequence[fmpz_poly], record: bool = True) -> None:
+    def fill(self, position: int, inputs: Sequence[fmpz_poly]) -> None:
         """Compute the coefficient of monomial `position` at every node from those of the inputs.
 
-        All monomials of lower grade must have been filled. With `record`, what rounding and
-        truncation lose is kept for `enclose`; a monomial is recorded once.
+        All monomials of lower grade must have been filled.
         """
-        arithmetic = self.arithmetic
-        grade = arithmetic.grading.grades[position]
-        for index, node in enumerate(self.program.nodes):
-            loss = 0.0
-            match node.operation:
-                case "input":
-                    value = inputs[index]
-                case "constant":
-                    value = ZERO
-                    if position == 0:
-                        series = arithmetic.constant(node.value)
-                        value, loss = series.coefs[0], series.errors[0]
-                case "add":
-                    value = self.coefs[node.left][position] + self.coefs[node.right][position]
-                case "sub":
-                    value = self.coefs[node.left][position] - self.coefs[node.right][position]
-                case "mul":
-                    value, loss = arithmetic.product_slice(self.coefs[node.left], self.coefs[node.right], position)
-                case "scale":
-                    value = self.coefs[node.left][position] * fmpz(node.value.numerator)
-                    if node.value.denominator != 1:
-                        value = value // fmpz(node.value.denominator)
-                        loss = arithmetic.rounding[grade]
-                case "pow":
-                    value = self._power_slice(index, node, position)
-            self.coefs[index][position] = value
-            if record and loss:
-                self.lost[index][grade] += loss
+        for row, value in zip(self.coefs, inputs, strict=False):
+            row[position] = value
+        self.extend(position)
+
+    def try_out(self, position: int, inputs: Sequence[fmpz_poly]) -> None:
+        """As `fill`, for a monomial that is filled again later: what is lost now does not count."""
+        lost, self.lost = self.lost, [self.arithmetic.zero_errors() for _ in self.program.nodes]
+        self.fill(position, inputs)
+        self.lost = lost
 
     def reciprocal(self, index: int) -> fmpz_poly:
         """An approximation of 1 / base at the centre, for a node that is a power."""
         return self._inverse[index]
 
-    def _power_slice(self, index: int, node: Node, position: int) -> fmpz_poly:
-        """An approximate coefficient of a negative power, from R DS = exponent S DR, D the grade derivation."""
+    def constant(self, index: int, value: Fraction) -> fmpz_poly:
+        """See `Recurrence`; what is lost by rounding and truncation, here and below, is kept for `enclose`."""
+        series = self.arithmetic.constant(value)
+        self.lost[index][0] += series.errors[0]
+        return series.coefs[0]
+
+    def scaled(self, index: int, n: int, coefficient: fmpz_poly, factor: Fraction) -> fmpz_poly:
+        """See `Recurrence`."""
+        return coefficient * fmpz(factor.numerator) // fmpz(factor.denominator)
+
+    def product(self, index: int, n: int, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly]) -> fmpz_poly:
+        """See `Recurrence`."""
+        value, loss = self.arithmetic.product_slice(left, right, n)
+        self.lost[index][self.arithmetic.grading.grades[n]] += loss
+        return value
+
+    def power(self, index: int, n: int, base: Sequence[fmpz_poly], exponent: Fraction) -> fmpz_poly:
+        """See `Recurrence`, with the derivation that multiplies a monomial by its grade; `enclose` corrects it."""
         arithmetic = self.arithmetic
         grades = arithmetic.grading.grades
-        base = self.coefs[node.left]
-        if position == 0:
-            value, self._inverse[index] = arithmetic.power(base[0], node.value)
+        if n == 0:
+            value, self._inverse[index] = arithmetic.power(base[0], exponent)
             return value
-        p, q = node.value.numerator, node.value.denominator
+        p, q = exponent.numerator, exponent.denominator
         power = self.coefs[index]
         exact = ZERO
-        for i, j in arithmetic.grading.factors[position]:
+        for i, j in arithmetic.grading.factors[n]:
             weight = p * grades[j] - q * grades[i]
-            if i != position and weight and power[i].length() and base[j].length():
+            if i != n and weight and power[i].length() and base[j].length():
                 exact = exact + power[i] * base[j] * fmpz(weight)
         if not exact.length():
             return ZERO
         quotient, _ = arithmetic.cut(arithmetic.reduced(exact) * self._inverse[index])
-        return quotient // (arithmetic.one * fmpz(q * grades[position]))
+        return quotient // (arithmetic.one * fmpz(q * grades[n]))
 
-    def enclose(self, inputs: Sequence[Series]) -> list[Series]:
-        """Enclosures of the outputs once all monomials are filled from `inputs` (their errors count here).
+    def enclose(
+        self, inputs: Sequence[Series], unbounded: Callable[[], IntegrationFailure] = _singular
+    ) -> list[Series]:
+        """Enclosures of all nodes once all monomials are filled from `inputs` (their errors count here).
 
-        Raises `IntegrationFailure` where a power or quotient cannot be bounded.
+        Raises what `unbounded` says where a power or quotient cannot be bounded.
         """
         arithmetic = self.arithmetic
         nodes: list[Series] = []
         for index, node in enumerate(self.program.nodes):
-            lost = self.lost[index]
-            coefs = self.coefs[index]
+            known = Series(arithmetic, self.coefs[index], self.lost[index])
             match node.operation:
                 case "input":
                     nodes.append(inputs[index])
                 case "constant":
-                    nodes.append(Series(arithmetic, coefs, lost))
+                    nodes.append(known)
                 case "add" | "sub":
-                    nodes.append(Series(arithmetic, coefs, (nodes[node.left] + nodes[node.right]).errors))
+                    nodes.append(known.with_errors(sum_of_norms(nodes[node.left].errors, nodes[node.right].errors)))
                 case "mul":
-                    nodes.append(Series(arithmetic, coefs, product_errors(nodes[node.left], nodes[node.right], lost)))
+                    nodes.append(known.with_errors(product_errors(nodes[node.left], nodes[node.right], known.errors)))
                 case "scale":
                     nodes.append(nodes[node.left].scaled(node.value))
                 case "pow":
-                    approximate = Series(arithmetic, coefs, arithmetic.zero_errors())
-                    power = correct_power(approximate, nodes[node.left], node.value)
+                    power = correct_power(known.with_errors(arithmetic.zero_errors()), nodes[node.left], node.value)
                     if power is None:
-                        raise IntegrationFailure(
-                            "singularity",
-                            "a power or quotient of the vector field could not be bounded on the box",
-                            "the box comes too close to a singularity: give smaller radii or a better centre",
-                        )
+                        raise unbounded()
                     nodes.append(power)
-        return [nodes[index] for index in self.program.outputs]
+        return nodes
 
 
-def evaluate(program: PreparedProgram, inputs: Sequence[Series]) -> list[Series]:
-    """Enclosures of the values of a program at elements of one arithmetic."""
+def enclose_nodes(
+    program: PreparedProgram, inputs: Sequence[Series], unbounded: Callable[[], IntegrationFailure] = _singular
+) -> list[Series]:
+    """Enclosures of the values of all nodes of a program at elements of one arithmetic."""
     arithmetic = inputs[0].arithmetic
     evaluation = Evaluation(program, arithmetic)
     for position in range(len(arithmetic.grading.monomials)):
         evaluation.fill(position, [x.coefs[position] for x in inputs])
-    return evaluation.enclose(inputs)
+    return evaluation.enclose(inputs, unbounded)
+
+
+def evaluate(program: PreparedProgram, inputs: Sequence[Series]) -> list[Series]:
+    """Enclosures of the values of a program at elements of one arithmetic."""
+    nodes = enclose_nodes(program, inputs)
+    return [nodes[output] for output in program.outputs]
+
+
+def partial_derivatives(
+    program: PreparedProgram,
+    size: int,
+    values: Sequence[Coefficient],
+    one: Coefficient,
+    scaled: Callable[[Coefficient, Fraction], Coefficient],
+    dot: Callable[[Sequence[tuple[Coefficient, Coefficient]]], Coefficient],
+    slope_of_power: Callable[[int], Coefficient],
+) -> list[dict[int, Coefficient]]:
+    """Derivatives of the outputs with respect to the first `size` inputs, by the chain rule.
+
+    Args:
+        values: of all nodes, elements of any algebra with addition.
+        one: its unit.
+        scaled: the product with an exact constant.
+        dot: the sum of products of pairs.
+        slope_of_power: the derivative of a power, the node of this index, with respect to its base.
+
+    Returns:
+        for each output, a map from the number of an input to the derivative (absent: zero).
+    """
+    slopes: list[dict[int, Coefficient]] = []
+    for index, node in enumerate(program.nodes):
+        slope: dict[int, Coefficient] = {}
+        match node.operation:
+            case "input":
+                if node.left < size:
+                    slope = {node.left: one}
+            case "add" | "sub":
+                sign = Fraction(1 if node.operation == "add" else -1)
+                summands = {j: [x] for j, x in slopes[node.left].items()}
+                for j, x in slopes[node.right].items():
+                    summands.setdefault(j, []).append(x if sign == 1 else scaled(x, sign))
+                slope = {j: reduce(add, terms) for j, terms in summands.items()}
+            case "scale":
+                slope = {j: scaled(x, node.value) for j, x in slopes[node.left].items()}
+            case "mul":
+                pairs: dict[int, list[tuple[Coefficient, Coefficient]]] = {}
+                for side, factor in ((node.left, node.right), (node.right, node.left)):
+                    for j, x in slopes[side].items():
+                        pairs.setdefault(j, []).append((x, values[factor]))
+                slope = {j: dot(terms) for j, terms in pairs.items()}
+            case "pow":
+                if slopes[node.left]:
+                    outer = slope_of_power(index)
+                    slope = {j: dot([(outer, x)]) for j, x in slopes[node.left].items()}
+        slopes.append(slope)
+    return [slopes[output] for output in program.outputs]

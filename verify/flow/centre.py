@@ -7,42 +7,116 @@ afterwards.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import ceil, floor, inf, isfinite, log2
-from operator import mul
-from typing import Any
+from operator import floordiv, mul, truediv
+from typing import Any, TypeVar
 
 from flint import arb, arb_poly
 
-from orbitproof.verify.algebra import PreparedProgram, integer_part
+from orbitproof.verify.algebra import PreparedProgram, Recurrence, integer_part
 from orbitproof.verify.evidence import IntegrationFailure, guarded
 
 _STEP_BITS = 12
 
+Coefficient = TypeVar("Coefficient")
 
-def float_coefficients(
-    program: PreparedProgram, state: Sequence[float], parameters: Sequence[float], degree: int
-) -> list[list[float]]:
-    """Taylor coefficients in time of the orbit, degree + 1 per state coordinate, in float64."""
+
+class TaylorRecurrence(Recurrence[Coefficient]):
+    """Taylor coefficients of the solution of x' = f(x); the rows of the inputs are those of state and parameters."""
+
+    def solve(self, initial: Sequence[Coefficient], degree: int) -> Sequence[Any]:
+        """Rows of degree + 1 coefficients per component, given state and parameters at the start."""
+        for row, value in zip(self.coefs, initial, strict=False):
+            row[0] = value
+        for n in range(degree):
+            self.extend(n)
+            for component, output in enumerate(self.program.outputs):
+                self.coefs[component][n + 1] = self.integral(component, n, self.coefs[output][n])
+        return self.coefs[: len(self.program.outputs)]
+
+    @abstractmethod
+    def integral(self, component: int, n: int, slope: Coefficient) -> Coefficient:
+        """Coefficient n + 1 of a component whose slope has coefficient n."""
+
+
+class _Numbers(TaylorRecurrence[Any]):
+    """In theta = t / step, with numbers of one kind.
+
+    Args:
+        constant: a number of this kind for an exact one.
+        ratio: the quotient of two numbers, rounded.
+        reduced: a sum of products, rounded.
+        first_power: the power of a number.
+    """
+
+    def __init__(
+        self,
+        program: PreparedProgram,
+        degree: int,
+        step: Fraction,
+        constant: Callable[[Fraction], Any],
+        ratio: Callable[[Any, Any], Any],
+        reduced: Callable[[Any], Any],
+        first_power: Callable[[Any, Fraction], Any],
+    ) -> None:
+        super().__init__(program, [[0] * (degree + 1) for _ in program.nodes])
+        self.step, self.ratio, self.reduced, self.first_power = step, ratio, reduced, first_power
+        self._constant = constant
+        self._weighted: dict[int, list[Any]] = {}
+
+    def constant(self, index: int, value: Fraction) -> Any:
+        return self._constant(value)
+
+    def scaled(self, index: int, n: int, coefficient: Any, factor: Fraction) -> Any:
+        value = coefficient * factor.numerator
+        return value if factor.denominator == 1 else self.ratio(value, factor.denominator)
+
+    def product(self, index: int, n: int, left: Sequence[Any], right: Sequence[Any]) -> Any:
+        backward = right[n::-1]
+        if left is not right:
+            return self.reduced(sum(map(mul, left, backward)))
+        half = (n + 1) // 2
+        value = 2 * sum(map(mul, left[:half], backward))
+        return self.reduced(value if n % 2 else value + left[half] * left[half])
+
+    def power(self, index: int, n: int, base: Sequence[Any], exponent: Fraction) -> Any:
+        if n == 0:
+            self._weighted[index] = [0]
+            return self.first_power(base[0], exponent)
+        weighted = self._weighted[index]
+        weighted.append(n * base[n])
+        p, q = exponent.numerator, exponent.denominator
+        backward = self.coefs[index][n - 1 :: -1]
+        plain = sum(map(mul, base[1:], backward))
+        heavy = sum(map(mul, weighted[1:], backward))
+        return self.ratio((p + q) * heavy - q * n * plain, q * n * base[0])
+
+    def integral(self, component: int, n: int, slope: Any) -> Any:
+        return self.ratio(slope * self.step.numerator, self.step.denominator * (n + 1))
+
+
+def float_coefficients(program: PreparedProgram, initial: Sequence[float], degree: int) -> Sequence[list[float]]:
+    """Taylor coefficients in time of the orbit, degree + 1 per state coordinate, in float64.
+
+    Args:
+        initial: state, then parameters.
+    """
 
     def power(base: float, exponent: Fraction) -> float:
         return float(base ** float(exponent))
 
     try:
-        return _coefficients(program, list(state), list(parameters), degree, None, Fraction(1), power)
+        return _Numbers(program, degree, Fraction(1), float, truediv, float, power).solve(initial, degree)
     except (ZeroDivisionError, OverflowError, TypeError):
         raise _singular() from None
 
 
 def fixed_coefficients(
-    program: PreparedProgram,
-    state: Sequence[int],
-    parameters: Sequence[int],
-    degree: int,
-    bits: int,
-    step: Fraction,
-) -> list[list[int]]:
+    program: PreparedProgram, initial: Sequence[int], degree: int, bits: int, step: Fraction
+) -> Sequence[list[int]]:
     """Taylor coefficients in theta = t / step of the orbit, integers times 2^-bits."""
 
     def power(base: int, exponent: Fraction) -> int:
@@ -53,8 +127,13 @@ def fixed_coefficients(
             raise _singular()
         return int(value)
 
+    def constant(value: Fraction) -> int:
+        return int(value * 2**bits)
+
     try:
-        return _coefficients(program, list(state), list(parameters), degree, bits, step, power)
+        return _Numbers(program, degree, step, constant, floordiv, lambda product: product >> bits, power).solve(
+            initial, degree
+        )
     except ZeroDivisionError:
         raise _singular() from None
 
@@ -65,78 +144,6 @@ def _singular() -> IntegrationFailure:
         "the vector field has no Taylor expansion along the centre's orbit",
         "the orbit meets a singularity of the vector field (a collision): give another centre",
     )
-
-
-def _coefficients(
-    program: PreparedProgram,
-    state: list[Any],
-    parameters: list[Any],
-    degree: int,
-    bits: int | None,
-    step: Fraction,
-    power: Any,
-) -> list[list[Any]]:
-    size = len(state)
-    nodes = program.nodes
-    series: list[list[Any]] = [[] for _ in nodes]
-    weighted: dict[int, list[Any]] = {}
-    solution = [[value] for value in state]
-    length, numerator, denominator = float(step), step.numerator, step.denominator
-    for n in range(degree + 1):
-        for index, node in enumerate(nodes):
-            own = series[index]
-            match node.operation:
-                case "input":
-                    if node.left < size:
-                        own.append(solution[node.left][n])
-                    else:
-                        own.append(parameters[node.left - size] if n == 0 else 0)
-                case "constant":
-                    if n:
-                        own.append(0)
-                    else:
-                        own.append(float(node.value) if bits is None else int(node.value * 2**bits))
-                case "add":
-                    own.append(series[node.left][n] + series[node.right][n])
-                case "sub":
-                    own.append(series[node.left][n] - series[node.right][n])
-                case "scale":
-                    value = series[node.left][n] * node.value.numerator
-                    if node.value.denominator != 1:
-                        value = value / node.value.denominator if bits is None else value // node.value.denominator
-                    own.append(value)
-                case "mul":
-                    left = series[node.left]
-                    if node.left == node.right:
-                        half = (n + 1) // 2
-                        value = 2 * sum(map(mul, left[:half], reversed(left)))
-                        if n % 2 == 0:
-                            value += left[half] * left[half]
-                    else:
-                        value = sum(map(mul, left, reversed(series[node.right])))
-                    own.append(value if bits is None else value >> bits)
-                case "pow":
-                    base = series[node.left]
-                    if n == 0:
-                        own.append(power(base[0], node.value))
-                        weighted[index] = [0]
-                    else:
-                        weighted[index].append(n * base[n])
-                        p, q = node.value.numerator, node.value.denominator
-                        backward = own[::-1]
-                        plain = sum(map(mul, base[1:], backward))
-                        heavy = sum(map(mul, weighted[index][1:], backward))
-                        value = (p + q) * heavy - q * n * plain
-                        divisor = q * n * base[0]
-                        own.append(value / divisor if bits is None else value // divisor)
-        if n < degree:
-            for component, output in enumerate(program.outputs):
-                slope = series[output][n]
-                if bits is None:
-                    solution[component].append(slope * length / (n + 1))
-                else:
-                    solution[component].append(slope * numerator // (denominator * (n + 1)))
-    return solution
 
 
 def step_size(coefficients: Sequence[Sequence[float]], log2_tolerance: float, degree: int) -> float:

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache
+from functools import cache, reduce
+from itertools import starmap
 from math import comb
+from operator import add, mul
 
 import numpy as np
 from flint import fmpz_poly
@@ -22,8 +24,10 @@ from orbitproof.verify.algebra import (
     PreparedProgram,
     Series,
     correct_power,
+    enclose_nodes,
     float_above,
     inflate,
+    partial_derivatives,
 )
 from orbitproof.verify.evidence import IntegrationFailure
 
@@ -77,60 +81,35 @@ def derivative_bounds(
         for each output, a map from component to derivative (absent: zero), and the outputs.
     """
     coarse = inputs[0].arithmetic
-    zero = coarse.zero_errors()
-    values: list[Series] = []
-    slopes: list[dict[int, Series]] = []
-    for node in program.nodes:
-        slope: dict[int, Series] = {}
-        match node.operation:
-            case "input":
-                value = inputs[node.left]
-                if node.left < size:
-                    slope = {node.left: Series(coarse, [fmpz_poly([coarse.one])], zero)}
-            case "constant":
-                value = coarse.constant(node.value)
-            case "add":
-                value = values[node.left] + values[node.right]
-                slope = dict(slopes[node.left])
-                for j, other in slopes[node.right].items():
-                    slope[j] = slope[j] + other if j in slope else other
-            case "sub":
-                value = values[node.left] - values[node.right]
-                slope = dict(slopes[node.left])
-                for j, other in slopes[node.right].items():
-                    other = other.scaled(_MINUS_ONE)
-                    slope[j] = slope[j] + other if j in slope else other
-            case "scale":
-                value = values[node.left].scaled(node.value)
-                slope = {j: other.scaled(node.value) for j, other in slopes[node.left].items()}
-            case "mul":
-                value = values[node.left] * values[node.right]
-                for side, factor in ((node.left, node.right), (node.right, node.left)):
-                    for j, other in slopes[side].items():
-                        term = other * values[factor]
-                        slope[j] = slope[j] + term if j in slope else term
-            case "pow":
-                base = values[node.left]
-                value = _power(base, node.value)
-                if slopes[node.left]:
-                    outer = (value * _power(base, _MINUS_ONE)).scaled(node.value)
-                    slope = {j: outer * other for j, other in slopes[node.left].items()}
-        values.append(value)
-        slopes.append(slope)
-    return [slopes[output] for output in program.outputs], [values[output] for output in program.outputs]
+    values = enclose_nodes(program, inputs, _unbounded)
+
+    def slope_of_power(index: int) -> Series:
+        base, exponent = values[program.nodes[index].left], program.nodes[index].value
+        approximate, _ = coarse.power(base.coefs[0], _MINUS_ONE)
+        inverse = correct_power(Series(coarse, [approximate], coarse.zero_errors()), base, _MINUS_ONE)
+        if inverse is None:
+            raise _unbounded()
+        return (values[index] * inverse).scaled(exponent)
+
+    derivatives = partial_derivatives(
+        program,
+        size,
+        values,
+        one=Series(coarse, [fmpz_poly([coarse.one])], coarse.zero_errors()),
+        scaled=Series.scaled,
+        dot=lambda pairs: reduce(add, starmap(mul, pairs)),
+        slope_of_power=slope_of_power,
+    )
+    return derivatives, [values[output] for output in program.outputs]
 
 
-def _power(base: Series, exponent: Fraction) -> Series:
-    approximate, _ = base.arithmetic.power(base.coefs[0], exponent)
-    result = correct_power(Series(base.arithmetic, [approximate], base.arithmetic.zero_errors()), base, exponent)
-    if result is None:
-        raise IntegrationFailure(
-            "tube",
-            "a power or quotient of the vector field could not be bounded on the tube around the approximate solution",
-            "give smaller radii, or more precision",
-            needs_precision=True,
-        )
-    return result
+def _unbounded() -> IntegrationFailure:
+    return IntegrationFailure(
+        "tube",
+        "a power or quotient of the vector field could not be bounded on the tube around the approximate solution",
+        "give smaller radii, or more precision",
+        needs_precision=True,
+    )
 
 
 def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) -> list[Floats]:

@@ -10,12 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
+from itertools import starmap
 from operator import mul
 from typing import Protocol
 
 from flint import fmpz, fmpz_poly
 
-from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram, Series
+from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram, Series, partial_derivatives
 from orbitproof.verify.flow.centre import fixed_coefficients, float_coefficients, next_crossing, rough, step_size
 
 _ZERO = fmpz_poly([])
@@ -60,16 +61,14 @@ class CentreExpansion:
         self, program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
     ) -> None:
         self.program, self.arithmetic, self.state, self.parameters = program, arithmetic, state, parameters
-        self._start = [int(x.coefs[0][0]) for x in state]
-        self._constants = [int(p.coefs[0][0]) for p in parameters]
+        self._start = [int(x.coefs[0][0]) for x in (*state, *parameters)]
         bits = arithmetic.bits
-        series = float_coefficients(program, rough(self._start, bits), rough(self._constants, bits), _ROUGH_DEGREE)
+        series = float_coefficients(program, rough(self._start, bits), _ROUGH_DEGREE)
         self.step_size = step_size(series, float(-bits), arithmetic.degree)
         self._coefficients = cache(self._centre)
 
-    def _centre(self, step: Fraction) -> list[list[int]]:
-        degree, bits = self.arithmetic.degree, self.arithmetic.bits
-        return fixed_coefficients(self.program, self._start, self._constants, degree, bits, step)
+    def _centre(self, step: Fraction) -> Sequence[list[int]]:
+        return fixed_coefficients(self.program, self._start, self.arithmetic.degree, self.arithmetic.bits, step)
 
     def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
         """See `Expansion`."""
@@ -114,7 +113,7 @@ def solve(
         factors = arithmetic.grading.factors[position]
         forced = any(p.length() for p in constants) or any(i and j for i, j in factors)
         if forced:
-            evaluation.fill(position, [_ZERO] * size + constants, record=False)
+            evaluation.try_out(position, [_ZERO] * size + constants)
             forcing = [evaluation.coefs[output][position] for output in program.outputs]
         else:
             forcing = [_ZERO] * size
@@ -135,41 +134,21 @@ def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
 
     Row i maps j to the coefficients in theta of d f_i / d x_j; entries that vanish are absent.
     """
-    arithmetic = evaluation.arithmetic
-    length = arithmetic.degree + 1
-    one = arithmetic.one
+    arithmetic, nodes = evaluation.arithmetic, evaluation.program.nodes
     centre = [row[0] for row in evaluation.coefs]
-    slopes: list[dict[int, fmpz_poly]] = []
-    for index, node in enumerate(evaluation.program.nodes):
-        slope: dict[int, fmpz_poly] = {}
-        match node.operation:
-            case "input":
-                if node.left < size:
-                    slope = {node.left: fmpz_poly([one])}
-            case "add" | "sub":
-                slope = dict(slopes[node.left])
-                for j, value in slopes[node.right].items():
-                    other = value if node.operation == "add" else -value
-                    slope[j] = slope[j] + other if j in slope else other
-            case "scale":
-                factor = fmpz(node.value.numerator)
-                slope = {j: value * factor // fmpz(node.value.denominator) for j, value in slopes[node.left].items()}
-            case "mul":
-                for side, factor_node in ((node.left, node.right), (node.right, node.left)):
-                    for j, value in slopes[side].items():
-                        term = value * centre[factor_node]
-                        slope[j] = slope[j] + term if j in slope else term
-                slope = {j: value.truncate(length) // one for j, value in slope.items()}
-            case "pow":
-                if slopes[node.left]:
-                    outer = (centre[index] * evaluation.reciprocal(index)).truncate(length) // one
-                    outer = outer * fmpz(node.value.numerator) // fmpz(node.value.denominator)
-                    slope = {j: (outer * value).truncate(length) // one for j, value in slopes[node.left].items()}
-        slopes.append(slope)
-    return [
-        {j: [int(c) for c in value.coeffs()] for j, value in slopes[output].items() if value.length()}
-        for output in evaluation.program.outputs
-    ]
+
+    def scaled(slope: fmpz_poly, factor: Fraction) -> fmpz_poly:
+        return slope * fmpz(factor.numerator) // fmpz(factor.denominator)
+
+    def dot(pairs: Sequence[tuple[fmpz_poly, fmpz_poly]]) -> fmpz_poly:
+        return sum(starmap(mul, pairs), _ZERO).truncate(arithmetic.degree + 1) // arithmetic.one
+
+    def slope_of_power(index: int) -> fmpz_poly:
+        return scaled(dot([(centre[index], evaluation.reciprocal(index))]), nodes[index].value)
+
+    one = fmpz_poly([arithmetic.one])
+    slopes = partial_derivatives(evaluation.program, size, centre, one, scaled, dot, slope_of_power)
+    return [{j: [int(c) for c in value.coeffs()] for j, value in row.items() if value.length()} for row in slopes]
 
 
 def _rounded(jacobian: Jacobian, bits: int) -> Jacobian:

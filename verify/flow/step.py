@@ -77,7 +77,8 @@ def enclose_step(
     size = len(state)
     _check_start(arithmetic, coefs, state)
     exact = [Series(arithmetic, row, arithmetic.zero_errors()) for row in coefs]
-    field = evaluation.enclose([*exact, *parameters])
+    nodes = evaluation.enclose([*exact, *parameters])
+    field = [nodes[output] for output in program.outputs]
     sources = [
         [inflate(e + d) for e, d in zip(state[i].errors, _defect(exact[i], field[i], step), strict=True)]
         for i in range(size)

@@ -27,7 +27,7 @@ from orbitproof.verify.algebra import (
     graded_power,
     to_points,
 )
-from orbitproof.verify.flow.centre import next_crossing, step_size
+from orbitproof.verify.flow.centre import TaylorRecurrence, next_crossing, step_size
 from orbitproof.verify.flow.solution import CentreExpansion, Expansion
 
 _MINUS_ONE = Fraction(-1)
@@ -82,7 +82,7 @@ class CircleExpansion:
         ]
         constants = [p.coefs for p in self.parameters]
         trial = Evaluation(program, arithmetic)
-        trial.fill(0, [row[0] for row in (*solution, *constants)], record=False)
+        trial.fill(0, [row[0] for row in (*solution, *constants)])
         forcing = _defects(arithmetic, trial, [row[0] for row in solution], step)
         start = np.zeros((size, 2, taylor.shape[-1]), complex)
         start[:, 0] = taylor[:, 0, 0]
@@ -126,51 +126,46 @@ def taylor_at_points(
     Returns:
         shape (components, degree + 1, monomials, points).
     """
-    factors, grades = grading.factors, grading.grades
-    size = len(state)
-    shape = (degree + 1, *state.shape[1:])
-    nodes = program.nodes
-    series = [np.zeros(shape, complex) for _ in nodes]
-    inverses: dict[int, Points] = {}
-    solution = np.zeros((size, *shape), complex)
-    solution[:, 0] = state
     with np.errstate(all="ignore"):
-        for n in range(degree + 1):
-            for index, node in enumerate(nodes):
-                own = series[index]
-                match node.operation:
-                    case "input":
-                        if node.left < size:
-                            own[n] = solution[node.left, n]
-                        elif n == 0:
-                            own[0] = parameters[node.left - size]
-                    case "constant":
-                        if n == 0:
-                            own[0, 0] = float(node.value)
-                    case "add":
-                        own[n] = series[node.left][n] + series[node.right][n]
-                    case "sub":
-                        own[n] = series[node.left][n] - series[node.right][n]
-                    case "scale":
-                        own[n] = series[node.left][n] * float(node.value)
-                    case "mul":
-                        own[n] = _product(factors, series[node.left][: n + 1], series[node.right][n::-1])
-                    case "pow":
-                        base = series[node.left]
-                        if n == 0:
-                            own[0] = graded_power(base[0], node.value, factors, grades)
-                            inverses[index] = graded_power(base[0], _MINUS_ONE, factors, grades)
-                        else:
-                            p, q = node.value.numerator, node.value.denominator
-                            weights = (((p + q) * np.arange(1, n + 1) - q * n) / (q * n)).astype(complex)[:, None, None]
-                            mixed = _product(factors, weights * base[1 : n + 1], own[n - 1 :: -1][:n])
-                            own[n] = _product(factors, mixed[None], inverses[index][None])
-            if n < degree:
-                for component, output in enumerate(program.outputs):
-                    solution[component, n + 1] = series[output][n] * (step / (n + 1))
-                if forcing is not None:
-                    solution[:, n + 1, -1] += forcing[n] / (n + 1)
-    return solution
+        recurrence = _PointsRecurrence(program, grading, (degree + 1, *state.shape[1:]), step, forcing)
+        return np.array(recurrence.solve([*state, *parameters], degree))
+
+
+class _PointsRecurrence(TaylorRecurrence[Points]):
+    """See `taylor_at_points`."""
+
+    def __init__(
+        self, program: PreparedProgram, grading: Grading, shape: tuple[int, ...], step: float, forcing: Points | None
+    ) -> None:
+        super().__init__(program, [np.zeros(shape, complex) for _ in program.nodes])
+        self.factors, self.grades, self.step, self.forcing = grading.factors, grading.grades, step, forcing
+        self._inverses: dict[int, Points] = {}
+
+    def constant(self, index: int, value: Fraction) -> Points:
+        result: Points = np.zeros_like(self.coefs[index][0])
+        result[0] = float(value)
+        return result
+
+    def scaled(self, index: int, n: int, coefficient: Points, factor: Fraction) -> Points:
+        return np.asarray(coefficient * float(factor))
+
+    def product(self, index: int, n: int, left: Sequence[Points], right: Sequence[Points]) -> Points:
+        return _product(self.factors, np.asarray(left[: n + 1]), np.asarray(right[n::-1]))
+
+    def power(self, index: int, n: int, base: Sequence[Points], exponent: Fraction) -> Points:
+        if n == 0:
+            self._inverses[index] = graded_power(base[0], _MINUS_ONE, self.factors, self.grades)
+            return graded_power(base[0], exponent, self.factors, self.grades)
+        p, q = exponent.numerator, exponent.denominator
+        weights = (((p + q) * np.arange(1, n + 1) - q * n) / (q * n)).astype(complex)[:, None, None]
+        mixed = _product(self.factors, weights * base[1 : n + 1], self.coefs[index][n - 1 :: -1][:n])
+        return _product(self.factors, mixed[None], self._inverses[index][None])
+
+    def integral(self, component: int, n: int, slope: Points) -> Points:
+        result = np.asarray(slope * (self.step / (n + 1)))
+        if self.forcing is not None:
+            result[-1] += self.forcing[n, component] / (n + 1)
+        return result
 
 
 def _product(factors: Factors, left: Points, right: Points) -> Points:

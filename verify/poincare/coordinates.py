@@ -114,7 +114,7 @@ def steps_to_section(
     before = 0.0
     for count in range(1, most + 1):
         try:
-            series = float_coefficients(coordinates.program, state, constants, _ROUGH_DEGREE)
+            series = float_coefficients(coordinates.program, [*state, *constants], _ROUGH_DEGREE)
             size = step_size(series, -float(bits), degree)
         except (IntegrationFailure, TypeError):
             return None
