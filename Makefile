@@ -43,7 +43,7 @@ $(VENV)/demo.stamp: pyproject.toml setup.py | $(BIN)/python
 
 $(VENV)/dev.stamp: pyproject.toml setup.py | $(BIN)/python
 	@echo "installing orbitproof with all extras (the first time it downloads a few hundred megabytes)" >&2
-	@$(BIN)/python -m pip install --editable '.[explore,figures,dev]'
+	@$(BIN)/python -m pip install --editable '.[explore,figures,oem,interactive,dev]'
 	@touch $@ $(VENV)/demo.stamp
 
 # The verifier runs in processes of its own in which the search side cannot be imported: verify/alone comes

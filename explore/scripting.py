@@ -15,19 +15,16 @@ from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import solve_ivp
 
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Limits, TracedFamily, detect, trace_family
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, is_family_name
-from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
+from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
-
-_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True, repr=False)
@@ -60,15 +57,7 @@ class Orbit:
 
         Returns shape (N, m), columns in the order of `system.state` (CR3BP: x, y, z, vx, vy, vz).
         """
-        instants = np.atleast_1d(np.asarray(times, dtype=float))
-        if instants.ndim != 1 or not np.all(np.isfinite(instants)):
-            raise ValueError("times: give a list of finite numbers")
-        half = self.period / 2
-        phase = np.mod(instants, self.period)
-        mirrored = phase > half
-        signs = np.array(self.system.reversing_symmetry, dtype=float)
-        found = np.asarray(self._half(np.where(mirrored, self.period - phase, phase)).T, dtype=float)
-        return np.where(mirrored[:, None], found * signs, found)
+        return self._solution.states(times)
 
     def trajectory(self, count: int = 200) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """`count` equidistant times over one period, shape (count,), and the states, shape (count, m)."""
@@ -76,17 +65,9 @@ class Orbit:
         return times, self.states(times)
 
     @cached_property
-    def _half(self) -> Any:
+    def _solution(self) -> PeriodicSolution:
         values = [self.parameters[name] for name in self.system.parameters]
-
-        def field(time: float, state: NDArray[np.float64]) -> Sequence[float]:
-            return self.system.vector_field(state.tolist(), values)
-
-        solution = solve_ivp(
-            field, (0.0, self.period / 2), self.point, method="DOP853", rtol=_TOLERANCE, atol=_TOLERANCE,
-            dense_output=True,
-        )  # fmt: skip
-        return solution.sol
+        return PeriodicSolution(self.system, values, self.point, self.period)
 
     def __repr__(self) -> str:
         return f"<Orbit of {self.system.name}: period {self.period:.10g}{_level(self)}>"

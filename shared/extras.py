@@ -5,6 +5,8 @@ from __future__ import annotations
 _EXTRAS = {
     **dict.fromkeys(("jax", "jaxlib", "diffrax", "equinox", "mpmath", "scipy"), "explore"),
     "matplotlib": "figures",
+    **dict.fromkeys(("ccsds_ndm", "xsdata", "lxml"), "oem"),
+    "plotly": "interactive",
     **dict.fromkeys(("distributed", "dask"), "cluster"),
 }
 

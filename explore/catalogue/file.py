@@ -12,7 +12,7 @@ import csv
 import io
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from math import isfinite
@@ -45,6 +45,11 @@ HEADER = (
 
 MASS_RATIO = "Mass ratio"
 
+_KEYS = frozenset(
+    ("signature", "system", "count", "family", "branch", "libration_point", "limits", "filter", "fields", "data")
+)
+"""Entries of the JSON form that are read, or that follow from the others."""
+
 
 @dataclass(frozen=True)
 class Catalogue:
@@ -58,6 +63,10 @@ class Catalogue:
         family: for example halo, or "".
         point: number of the libration point, or "".
         branch: for example N or S, or "".
+        system_details: everything else that a JSON file says about the system, as it stands there: units of length
+            (lunit, km) and time (tunit, s), radius_secondary (km), positions of the libration points.
+        details: further entries of a JSON file that name the family, such as the resonance.
+        numbers: of the orbits in the file that they come from, counted from 1; `None`: all of them, in order.
     """
 
     mass_ratio: Fraction
@@ -69,6 +78,9 @@ class Catalogue:
     family: str = ""
     point: str = ""
     branch: str = ""
+    system_details: Mapping[str, Any] = field(default_factory=dict)
+    details: Mapping[str, Any] = field(default_factory=dict)
+    numbers: tuple[int, ...] | None = None
 
     def __len__(self) -> int:
         return len(self.states)
@@ -78,6 +90,20 @@ class Catalogue:
         """Point, family and branch in one word: L2-halo-S; "orbits" if the file names none of them."""
         parts = (f"L{self.point}" if self.point else "", self.family, self.branch)
         return "-".join(part for part in parts if part) or "orbits"
+
+    @property
+    def lunit(self) -> float | None:
+        """The unit of length, km, if the file names it."""
+        return self._unit("lunit")
+
+    @property
+    def tunit(self) -> float | None:
+        """The unit of time, s, if the file names it."""
+        return self._unit("tunit")
+
+    def _unit(self, name: str) -> float | None:
+        value = self.system_details.get(name)
+        return None if value is None else float(value)
 
     @property
     def columns(self) -> Array:
@@ -134,6 +160,10 @@ def _read_json(path: Path) -> Catalogue:
         family=document.get("family", ""),
         point=str(document.get("libration_point", "")),
         branch=document.get("branch", ""),
+        system_details={
+            name: value for name, value in document["system"].items() if name not in ("name", "mass_ratio")
+        },
+        details={name: value for name, value in document.items() if name not in _KEYS},
     )
 
 
@@ -185,7 +215,7 @@ def _decimal_form(text: str) -> str:
     return f"{whole or '0'}{dot if fraction else ''}{fraction}{e}{exponent.removeprefix('+')}"
 
 
-def _catalogue(mass_ratio: Fraction, rows: Sequence[Sequence[Any]], where: Any, **names: str) -> Catalogue:
+def _catalogue(mass_ratio: Fraction, rows: Sequence[Sequence[Any]], where: Any, **names: Any) -> Catalogue:
     values = np.empty((len(rows), len(FIELDS)))
     for i, row in enumerate(rows):
         for j, cell in enumerate(row):
@@ -205,16 +235,19 @@ def write_catalogue_json(path: Path, catalogue: Catalogue, points: Mapping[str, 
     """Write the JSON form, whole or not at all.
 
     Arguments:
-        points: positions of libration points by name, for the block that describes the system.
+        points: positions of libration points by name, for the block that describes the system where the catalogue
+            has none of its own.
     """
     columns = catalogue.columns
     document = {
         "signature": {"source": "orbitproof", "version": "1.0"},
         "system": {
+            **{name: [f"{value:.15g}" for value in place] for name, place in points.items()},
+            **catalogue.system_details,
             "name": catalogue.system,
             "mass_ratio": decimal_text(catalogue.mass_ratio),
-            **{name: [f"{value:.15g}" for value in place] for name, place in points.items()},
         },
+        **catalogue.details,
         "count": str(len(catalogue)),
         "family": catalogue.family,
         "branch": catalogue.branch,
@@ -240,6 +273,7 @@ def write_catalogue_csv(path: Path, catalogue: Catalogue) -> None:
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(["Id", *HEADER, MASS_RATIO])
     mass_ratio = decimal_text(catalogue.mass_ratio)
-    for number, row in enumerate(catalogue.columns, start=1):
+    numbers = catalogue.numbers or range(1, len(catalogue) + 1)
+    for number, row in zip(numbers, catalogue.columns, strict=True):
         writer.writerow([number, *(f"{value:.16e}" for value in row), mass_ratio])
     write_text(path, stream.getvalue())

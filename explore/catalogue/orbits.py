@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,7 @@ from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import SHOOTING
 from orbitproof.explore.orbits import OrbitBatch, ShootingProblem, correct_batch, stability_index
 from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, primaries
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 ON_SYMMETRY = 1e-6
 """Largest magnitude of y, vx, vz at which a catalogue's initial state counts as lying on Fix(R)."""
@@ -86,6 +86,26 @@ class CorrectedCatalogue:
             jacobi_constant=np.abs(batch.first_integrals - catalogue.jacobi_constants) + hidden,
             period=np.abs(2 * batch.unknowns[:, -1] - catalogue.periods) + hidden,
             stability_index=np.abs(self.stability_indices - indices) / np.maximum(indices, 1.0),
+        )
+
+    @property
+    def result(self) -> Catalogue | None:
+        """The corrected orbits as a catalogue of the same system and family; `None` if there are none.
+
+        An orbit whose initial state is not on Fix(R) is given by its point there.
+        """
+        which = np.flatnonzero(self.corrected)
+        if not len(which):
+            return None
+        batch = self.batch
+        assert batch.first_integrals is not None
+        return replace(
+            self.catalogue,
+            states=np.array([self.problem.initial_state(batch.unknowns[index]) for index in which]),
+            jacobi_constants=batch.first_integrals[which],
+            periods=2 * batch.unknowns[which, -1],
+            stability_indices=self.stability_indices[which],
+            numbers=tuple(int(index) + 1 for index in which),
         )
 
     def seed(self, index: int) -> Family:
@@ -164,11 +184,17 @@ def catalogue_of(family: Family, name: str, label: str) -> Catalogue:
         jacobi_constants=np.array([orbit.first_integral for orbit in orbits], dtype=float),
         periods=np.array([orbit.period for orbit in orbits]),
         stability_indices=np.array([stability_index(orbit.stability) for orbit in orbits]),
-        system=label,
+        system=system_name(label),
         family=rest.partition("-")[0] if numbered else name,
         point=point[1:] if numbered else "",
         branch=_branch(family),
     )
+
+
+def system_name(label: str) -> str:
+    """The name of a system as the catalogue writes it, Earth-Moon, from that of its mass parameter."""
+    known = label in MASS_PARAMETERS
+    return "-".join(part.capitalize() for part in label.removeprefix("jpl-").split("-")) if known else label
 
 
 def _branch(family: Family) -> str:

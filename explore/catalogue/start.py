@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orbitproof.explore.catalogue.file import decimal_text, read_catalogue
+from orbitproof.explore.catalogue.file import Catalogue, decimal_text, read_catalogue
 from orbitproof.explore.catalogue.orbits import CorrectedCatalogue, correct_catalogue
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Family, in_fixed_space
@@ -27,6 +27,7 @@ class CatalogueStart:
         seed: the chosen orbit, `None` if it could not be corrected.
         table: how far the corrected orbits are from the catalogue's numbers, as lines of text.
         complete: whether every orbit was corrected.
+        corrected: the corrected orbits in the catalogue's form, `None` if there are none.
     """
 
     name: str
@@ -34,6 +35,7 @@ class CatalogueStart:
     seed: Family | None
     table: tuple[str, ...]
     complete: bool
+    corrected: Catalogue | None
 
 
 def catalogue_start(path: Path, number: int | None, tolerance: float, report: Reporter) -> CatalogueStart:
@@ -59,8 +61,9 @@ def catalogue_start(path: Path, number: int | None, tolerance: float, report: Re
     except CorrectionFailure as error:
         report.error(f"--catalogue-orbit {number}: no family is traced from it: {error}")
     return CatalogueStart(
-        catalogue.title, decimal_text(catalogue.mass_ratio), seed, tuple(agreement_table(corrected)), not failed
-    )
+        catalogue.title, decimal_text(catalogue.mass_ratio), seed, tuple(agreement_table(corrected)), not failed,
+        corrected.result,
+    )  # fmt: skip
 
 
 def _seed(corrected: CorrectedCatalogue, index: int) -> Family:

@@ -14,6 +14,7 @@ from orbitproof.explore.commands import (
     common,
     mass_curve,
     portraits,
+    trajectory,
 )
 from orbitproof.explore.families import CONTROL
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS
@@ -36,8 +37,9 @@ examples:
 _MASS_HELP = (
     "mass parameter of the CR3BP, the smaller mass over the total: a name ("
     + ", ".join(MASS_PARAMETERS)
-    + ": exact IEEE doubles) or a number in (0, 1), taken exactly as written: decimal (0.01215 is the fraction "
-    "1215/100000, not the nearest double) or hexadecimal (0x18e267d713713fp-59)"
+    + "; the first two as in the paper, exact IEEE doubles, the others as in the periodic orbit catalogue) or a number "
+    "in (0, 1), taken exactly as written: decimal (0.01215 is the fraction 1215/100000, not the nearest double) or "
+    "hexadecimal (0x18e267d713713fp-59)"
 )
 
 
@@ -109,6 +111,7 @@ def parser() -> Parser:
         branches,
         mass_curve,
         portraits,
+        trajectory,
         atlas,
         atlas_libration,
         atlas_mass,

@@ -117,7 +117,7 @@ def detect(
                 undecided += unclear
         extrema = curve.extrema(samples, wanted)
         orbits = curve.orbits(samples, extrema)
-        undecided += curve.failures
+        undecided += curve.unknown
     found.sort(key=lambda resonance: resonance.orbit.arclength)
     return Detection(tuple(found), tuple(undecided), orbits, tuple(extrema))
 

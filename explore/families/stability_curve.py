@@ -57,7 +57,7 @@ class StabilityCurve:
 
     def __init__(self, family: Family) -> None:
         self.family = family
-        self.failures: list[str] = []
+        self._failures: dict[float, str] = {}
         self._orbits = {orbit.arclength: orbit for orbit in family.orbits}
 
     def orbit(self, arclength: float) -> SymmetricOrbit:
@@ -72,10 +72,19 @@ class StabilityCurve:
         try:
             return self.orbit(arclength).coefficients[1:]
         except (CorrectionFailure, ZeroDivisionError) as error:
-            self.failures.append(f"stability unknown at arclength {arclength:.6g}: {error}")
+            self._failures[arclength] = str(error)
             places = self.family.arclengths
             rows = np.array([orbit.coefficients[1:] for orbit in self.family.orbits])
             return np.array([np.interp(arclength, places, column) for column in rows.T])
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Where the stability is not known, in one line however many orbits there are; empty if it is everywhere."""
+        if not self._failures:
+            return ()
+        first, last, count = min(self._failures), max(self._failures), len(self._failures)
+        where = f"arclength {first:.6g}" if count == 1 else f"{count} orbits, arclength {first:.6g} to {last:.6g}"
+        return (f"stability unknown at {where}: {self._failures[first]}",)
 
     def samples(self, progress: Callable[[float], None] | None = None) -> Samples:
         """The coefficients, sampled as the module's text says."""

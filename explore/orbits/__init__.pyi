@@ -2,11 +2,13 @@ from .batch import OrbitBatch as OrbitBatch
 from .batch import correct_batch as correct_batch
 from .multiple_shooting import MultipleShooting as MultipleShooting
 from .multiple_shooting import SegmentedOrbit as SegmentedOrbit
+from .periodic_solution import PeriodicSolution as PeriodicSolution
 from .shooting import Correction as Correction
 from .shooting import CorrectionFailure as CorrectionFailure
 from .shooting import ShootingProblem as ShootingProblem
 from .shooting import SymmetricOrbit as SymmetricOrbit
 from .stability import Side as Side
+from .stability import multipliers as multipliers
 from .stability import stability_index as stability_index
 from .stability import stability_parameters as stability_parameters
 from .stability import tupling_sides as tupling_sides

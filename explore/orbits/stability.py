@@ -122,17 +122,26 @@ def stability_parameters(coefficients: Vector) -> tuple[complex, ...]:
     return tuple(complex(root) for root in sorted(roots, key=lambda root: (root.real, root.imag)))
 
 
+def multipliers(parameters: Iterable[complex]) -> tuple[complex, ...]:
+    """The multipliers lambda, 1/lambda of each stability parameter (lambda + 1/lambda)/2, largest magnitude first.
+
+    The one that is not small comes from the formula without cancellation, the other is its inverse.
+    """
+    result: list[complex] = []
+    for s in parameters:
+        root = complex(np.sqrt(complex(s) * complex(s) - 1))
+        large = max(s + root, s - root, key=abs)
+        result += [large, 1 / large]
+    return tuple(sorted(result, key=abs, reverse=True))
+
+
 def stability_index(parameters: Iterable[complex]) -> float:
     """(|lambda| + 1/|lambda|)/2 of the multiplier with the largest magnitude; 1 for a linearly stable orbit.
 
     From the stability parameters s = (lambda + 1/lambda)/2.
     """
-    result = 1.0
-    for s in parameters:
-        root = np.sqrt(complex(s * s - 1))
-        size = max(abs(s + root), abs(s - root))
-        result = max(result, 0.5 * float(size + 1 / size))
-    return result
+    size = max((abs(value) for value in multipliers(parameters)), default=1.0)
+    return max(1.0, 0.5 * float(size + 1 / size))
 
 
 def tupling_sides(derivative: HalfReturn, k: int) -> tuple[Side, ...]:

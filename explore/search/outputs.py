@@ -5,31 +5,43 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.explore.catalogue import catalogue_of, libration_places, write_catalogue_csv, write_catalogue_json
+from orbitproof.explore.catalogue import (
+    Catalogue,
+    catalogue_of,
+    libration_places,
+    write_catalogue_csv,
+    write_catalogue_json,
+)
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import TracedFamily, family_record
 from orbitproof.explore.records import write_families
 from orbitproof.shared.systems import CR3BP
 
 
-def write_outputs(
-    items: Sequence[TracedFamily], family: Path | None, csv: Path | None, catalogue: Path | None, report: Reporter
-) -> None:
-    """Write each file that is asked for. Raises `InputError` if one cannot be written."""
+def write_outputs(items: Sequence[TracedFamily], family: Path | None, report: Reporter) -> None:
+    """Write the family file if it is asked for. Raises `InputError` if it cannot be written."""
     if family is not None:
         write_families(family, [family_record(item) for item in items])
         report.message(f"families written to {family}")
+
+
+def write_traced(items: Sequence[TracedFamily], csv: Path | None, catalogue: Path | None, report: Reporter) -> None:
+    """Write the orbits of traced CR3BP families in the catalogue's forms. Raises `InputError`."""
     spatial = [item for item in items if item.system is CR3BP]
     for item in spatial:
         form = catalogue_of(item.family, item.name, item.label)
-        if csv is not None:
-            path = path_for(csv, item, len(spatial))
-            write_catalogue_csv(path, form)
-            report.message(f"{item.title}: {len(form)} orbits written to {path}")
-        if catalogue is not None:
-            path = path_for(catalogue, item, len(spatial))
-            write_catalogue_json(path, form, libration_places(float(form.mass_ratio)))
-            report.message(f"{item.title}: {len(form)} orbits written to {path}")
+        paths = [None if path is None else path_for(path, item, len(spatial)) for path in (csv, catalogue)]
+        write_catalogue(form, item.title, *paths, report)
+
+
+def write_catalogue(form: Catalogue, title: str, csv: Path | None, catalogue: Path | None, report: Reporter) -> None:
+    """Write orbits in the catalogue's forms. Raises `InputError`."""
+    if csv is not None:
+        write_catalogue_csv(csv, form)
+        report.message(f"{title}: {len(form)} orbits written to {csv}")
+    if catalogue is not None:
+        write_catalogue_json(catalogue, form, libration_places(float(form.mass_ratio)))
+        report.message(f"{title}: {len(form)} orbits written to {catalogue}")
 
 
 def path_for(path: Path, item: TracedFamily, count: int) -> Path:

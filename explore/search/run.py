@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from orbitproof.explore.names import mirrored_name
 from orbitproof.explore.records import BAND, FamilyRecord, read_families
 from orbitproof.explore.refinement import refine_tasks
 from orbitproof.explore.search.branches import branches_of, shared_branches
-from orbitproof.explore.search.outputs import write_outputs
+from orbitproof.explore.search.outputs import write_catalogue, write_outputs, write_traced
 from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
@@ -44,6 +45,8 @@ def search(request: Request) -> int:
         else:
             start = catalogue_start(options.from_catalogue, options.catalogue_orbit, request.control.tolerance, report)
             tasks, lines, complete = _catalogue_tasks(request, start), start.table, start.complete
+            if start.corrected is not None:
+                write_catalogue(start.corrected, start.name, *_catalogue_paths(request), report)
         code, rows = _search(request, tasks, kept, report) if tasks else (1, [])
     # Only now: a running progress display would take what is printed to standard output.
     for line in lines:
@@ -67,9 +70,9 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
     traced = [result.item for result in results if result.item is not None]
     complete = False not in [_is_complete(result, report) for result in results] and not unlocated
     if traced:
-        options = request.options
-        csv, catalogue = getattr(options, "csv", None), getattr(options, "catalogue", None)
-        write_outputs(traced, request.family_output, csv, catalogue, report)
+        write_outputs(traced, request.family_output, report)
+        if request.options.from_catalogue is None:
+            write_traced(traced, *_catalogue_paths(request), report)
     if _interrupted(tasks, results):
         written = request.family_output is not None and traced
         where = f"resume with --from-family {request.family_output}" if written else "nothing is written"
@@ -79,6 +82,11 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
         return (0 if complete else 1), [row for item in traced for row in _float_rows(item)]
     code, rows = _refine_all(request, traced, kept, report)
     return max(code, 0 if complete else 1), rows
+
+
+def _catalogue_paths(request: Request) -> tuple[Path | None, Path | None]:
+    """Where orbits go in the catalogue's forms, CSV and JSON, if anywhere."""
+    return getattr(request.options, "csv", None), getattr(request.options, "catalogue", None)
 
 
 def _interrupted(tasks: list[TraceTask], results: list[Traced]) -> bool:

@@ -179,6 +179,7 @@ sys.meta_path.insert(0, Missing())
         ("jax", ["-m", "orbitproof", "explore", "family", "--system", "falkner-skan", "-o", "f.json"], "explore"),
         ("diffrax", ["-m", "orbitproof.explore", "family", "--system", "falkner-skan", "-o", "f.json"], "explore"),
         ("mpmath", ["-m", "orbitproof.explore", "candidates", "--system", "falkner-skan", "-o", "f.json"], "explore"),
+        ("ccsds_ndm", ["-m", "orbitproof", "explore", "trajectory", "claims.json", "--oem", "o.oem"], "oem"),
         ("matplotlib", ["-m", "orbitproof", "figures", "family", "claims.json", "-o", "out"], "figures"),
         ("matplotlib", ["-m", "orbitproof.figures", "family", "claims.json", "-o", "out"], "figures"),
     ],

@@ -95,7 +95,14 @@ def test_readme_names_every_room() -> None:
 def test_base_install_carries_nothing_of_the_search_side() -> None:
     names = {re.split(r"[<>=\[]", line)[0] for line in PROJECT["project"]["dependencies"]}
     assert names.isdisjoint({"jax", "diffrax", "equinox", "mpmath", "matplotlib"})
-    assert set(PROJECT["project"]["optional-dependencies"]) == {"explore", "figures", "cluster", "dev"}
+    assert set(PROJECT["project"]["optional-dependencies"]) == {
+        "explore",
+        "figures",
+        "oem",
+        "interactive",
+        "cluster",
+        "dev",
+    }
 
 
 def test_demo_verifies_where_the_search_side_is_refused() -> None:

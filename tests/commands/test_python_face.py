@@ -208,7 +208,7 @@ def test_a_family_is_a_table_where_pandas_is(family: explore.OrbitFamily, monkey
         ("L9-halo", {"mu": EARTH_MOON}, "'L9-halo' is no family of cr3bp; there are L1-halo"),
         ("L1-halo", {}, "mu: missing; give the mass parameter"),
         ("L1-halo", {"mu": 1.5}, "outside"),
-        ("L1-halo", {"mu": "moon"}, "names are earth-moon, sun-jupiter"),
+        ("L1-halo", {"mu": "moon"}, "names are earth-moon, sun-jupiter,"),
         ("L1-halo", {"mu": Fraction(1, 7)}, "mu: 1/7 is neither dyadic nor decimal"),
         ("L1-halo", {"mu": float("nan")}, "no number"),
         ("L1-halo", {"mu": EARTH_MOON, "beta": (2, 3)}, "beta: cr3bp has no such parameter"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -63,6 +64,37 @@ def test_what_was_written_reads_back(tmp_path: Path) -> None:
     assert (again.title, again.mass_ratio, again.system) == (catalogue.title, catalogue.mass_ratio, catalogue.system)
     write_catalogue_csv(tmp_path / "a.csv", catalogue)
     assert np.array_equal(read_catalogue(tmp_path / "a.csv").columns, catalogue.columns)
+
+
+def test_what_a_file_says_about_the_system_and_the_family_is_kept(tmp_path: Path) -> None:
+    document = json.loads(OWN["json"].read_text())
+    about = {"lunit": 389703.264829278, "tunit": "382981.289129055", "radius_secondary": 1737.1, "name": "Earth-Moon"}
+    document["system"] |= about
+    document["resonance"] = "2:1"
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps(document))
+    result = correct_catalogue(read_catalogue(path)).result
+    assert result is not None
+    again = tmp_path / "b.json"
+    write_catalogue_json(again, result, {"L1": [0.5, 0.0, 0.0]})
+    written = json.loads(again.read_text())
+    assert {name: written["system"][name] for name in about} == about
+    assert written["system"]["L1"] == document["system"]["L1"]
+    assert all(written[name] == document[name] for name in ("resonance", "family", "branch", "libration_point"))
+    assert read_catalogue(again).tunit == 382981.289129055
+    assert Fraction(written["system"]["mass_ratio"]) == Fraction(document["system"]["mass_ratio"])
+
+
+def test_orbits_that_are_not_corrected_leave_the_numbers_of_the_others_as_they_are(
+    small: CorrectedCatalogue, tmp_path: Path
+) -> None:
+    states = small.catalogue.states.copy()
+    states[1, 3] = 0.1
+    result = correct_catalogue(replace(small.catalogue, states=states)).result
+    assert result is not None
+    write_catalogue_csv(tmp_path / "a.csv", result)
+    numbers = [line.split(",")[0] for line in (tmp_path / "a.csv").read_text().splitlines()[1:]]
+    assert numbers == ["1", "3", "4", "5", "6", "7"]
 
 
 def test_mass_ratio_is_written_with_all_its_digits() -> None:
@@ -169,7 +201,7 @@ def test_command_starts_from_a_catalogue_and_writes_one(tmp_path: Path, capsys: 
     assert record.beginning is not None
     written = read_catalogue(files["out.json"])
     assert np.array_equal(written.columns, read_catalogue(files["out.csv"]).columns)
-    assert written.columns[:, 7] == pytest.approx([2 * orbit.half_period for orbit in record.orbits], abs=0)
+    assert written.columns[:, :8] == pytest.approx(read_catalogue(OWN["csv"]).columns[:, :8], abs=1e-10)
     assert main(["family", *arguments[:3], "9", *arguments[4:]]) == 2
     assert "--catalogue-orbit 9" in capsys.readouterr().err
 

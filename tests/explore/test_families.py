@@ -10,6 +10,7 @@ import pytest
 from orbitproof.explore.families.continuation import Course, Family, Start, StepControl, trace
 from orbitproof.explore.families.detection import Detection, detect, symmetry_breakings
 from orbitproof.explore.families.named import FamilyFailure, Limits, continue_family, trace_family
+from orbitproof.explore.families.stability_curve import StabilityCurve
 from orbitproof.explore.orbits.shooting import CorrectionFailure, ShootingProblem
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
@@ -211,3 +212,20 @@ def test_a_family_whose_steps_become_too_small_ends_with_reason_and_place(odd_fa
     family = trace(odd_family.problem, start, Course(lambda orbit, states: None, control, max_orbits=5))
     assert family.outcome == "failed"
     assert "beta = " in family.reason
+
+
+def test_unknown_stability_at_many_orbits_is_one_line(halo_family: Family, monkeypatch: pytest.MonkeyPatch) -> None:
+    short = replace(halo_family, orbits=halo_family.orbits[:12], tangents=halo_family.tangents[:12])
+    assert StabilityCurve(short).unknown == ()
+
+    def lost(family: Family, arclength: float) -> None:
+        raise CorrectionFailure(f"nothing at {arclength}")
+
+    monkeypatch.setattr(Family, "orbit_at", lost)
+    places = short.arclengths[:-1] + 0.5 * np.diff(short.arclengths)
+    curve = StabilityCurve(short)
+    for place in places:
+        curve.coefficients(float(place))
+    (line,) = curve.unknown
+    assert f"unknown at {len(places)} orbits" in line
+    assert f"nothing at {places[0]}" in line

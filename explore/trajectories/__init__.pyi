@@ -1,0 +1,12 @@
+from .csv_file import description as description
+from .csv_file import write_csv as write_csv
+from .ephemeris import ephemeris_text as ephemeris_text
+from .ephemeris import epoch_of as epoch_of
+from .source import Choice as Choice
+from .source import NoOrbit as NoOrbit
+from .source import SourceOrbit as SourceOrbit
+from .source import find_orbit as find_orbit
+from .trajectory import Trajectory as Trajectory
+from .trajectory import trajectory_of as trajectory_of
+from .units import Units as Units
+from .units import chosen_units as chosen_units

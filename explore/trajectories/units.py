@@ -1,0 +1,51 @@
+"""Units of length and time: nondimensional, or kilometres and seconds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from orbitproof.shared.formats import InputError
+
+
+@dataclass(frozen=True)
+class Units:
+    """What the nondimensional units of a three-body system are.
+
+    Attributes:
+        length: the distance of the primaries, km.
+        time: the inverse of their angular velocity, s.
+        source: who says so.
+    """
+
+    length: float
+    time: float
+    source: str
+
+    @property
+    def velocity(self) -> float:
+        """km/s."""
+        return self.length / self.time
+
+
+def chosen_units(wanted: str, length: float | None, time: float | None, known: Units | None) -> Units | None:
+    """The units that a file is written in; `None`: nondimensional.
+
+    Arguments:
+        wanted: "nondimensional" or "km".
+        length, time: km and s as the user gives them, or `None`.
+        known: units that the file of the orbit names.
+
+    Raises `InputError` where kilometres are wanted and nobody says how long the units are.
+    """
+    if (length is None) != (time is None):
+        missing = "--lunit" if length is None else "--tunit"
+        raise InputError(f"{missing}: missing; give the unit of length in km and the unit of time in s, or neither")
+    if wanted == "nondimensional":
+        return None
+    if length is not None and time is not None:
+        return Units(length, time, "given by the user")
+    if known is None:
+        raise InputError(
+            "--lunit, --tunit: missing; the file names no units: give the unit of length in km, of time in s"
+        )
+    return known
