@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches figures test lint test-slow campaign bench clean
+.PHONY: help demo branches report figures test lint test-slow campaign bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -19,6 +19,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 help:
 	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
 	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; 20 minutes)"
+	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; half an hour)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; more than an hour, goes on where it stopped)"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make test-slow  the longer proofs and campaigns"
@@ -105,6 +106,18 @@ branches: $(VENV)/demo.stamp
 	done; \
 	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
 	exit $$failed
+
+# Everything that is proved here, in one document; what exists is kept.
+report: $(VENV)/demo.stamp
+	@$(BOUND) mkdir -p $(BRANCHES); step() { "$$@" || [ $$? -eq 1 ]; }; rows=$(BRANCHES)/candidates.json; \
+	[ -e $$rows ] || { step $(EXPLORE) --preset tables -o $$rows && step $(EXPLORE) --system falkner-skan -k 2 3 4 \
+	  --append -o $$rows; } || exit 2; \
+	step env $(VERIFY) $$rows -o $(BRANCHES)/certificates.json --jobs $(JOBS) || exit 2
+	-@$(MAKE) --no-print-directory branches BIFURCATIONS=$(BRANCHES)/certificates.json
+	@$(BOUND) code=0; for format in html tex md; do \
+	  $(BIN)/orbitproof report $(BRANCHES)/certificates.json $(BRANCHES)/*-certificate.json \
+	    -o $(BRANCHES)/report.$$format --quiet || code=$$?; \
+	done; exit $$code
 
 # The data are kept by `make clean`: they hold the proofs of all rows.
 figures: $(VENV)/demo.stamp

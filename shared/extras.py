@@ -4,7 +4,7 @@ from __future__ import annotations
 
 _EXTRAS = {
     **dict.fromkeys(("jax", "jaxlib", "diffrax", "equinox", "mpmath", "scipy"), "explore"),
-    "matplotlib": "figures",
+    **dict.fromkeys(("matplotlib", "jinja2", "latex2mathml"), "figures"),
     **dict.fromkeys(("ccsds_ndm", "xsdata", "lxml"), "oem"),
     "plotly": "interactive",
     **dict.fromkeys(("distributed", "dask"), "cluster"),

@@ -8,11 +8,16 @@ from importlib import metadata
 
 from orbitproof.shared.interrupts import run_command
 
-_ROOMS = {
-    "explore": "find families, bifurcations and branches; write candidates and atlases",
-    "verify": "prove candidates (verify FILE) and whole branches (verify atlas FILE); check certificates again",
-    "figures": "draw families, branches, certificates; set tables",
+_COMMANDS = {
+    "explore": ("explore.__main__", "find families, bifurcations and branches; write candidates and atlases"),
+    "verify": (
+        "verify.__main__",
+        "prove candidates (verify FILE) and whole branches (verify atlas FILE); check certificates again",
+    ),
+    "figures": ("figures.__main__", "draw families, branches, certificates; set tables"),
+    "report": ("figures.report.command", "tell what certificates prove, as HTML, LaTeX or Markdown"),
 }
+"""The module of each command, and what the command does."""
 
 
 def main() -> int:
@@ -29,18 +34,18 @@ def _run() -> int:
     if name == "--version":
         print(f"orbitproof {metadata.version('orbitproof')}")
         return 0
-    if name not in _ROOMS:
-        print(f"error: {name}: there is no such command; there are {', '.join(_ROOMS)}", file=sys.stderr)
+    if name not in _COMMANDS:
+        print(f"error: {name}: there is no such command; there are {', '.join(_COMMANDS)}", file=sys.stderr)
         return 2
-    room = importlib.import_module(f"orbitproof.{name}.__main__")
+    room = importlib.import_module(f"orbitproof.{_COMMANDS[name][0]}")
     code: int = room.main(arguments[1:])
     return code
 
 
 def _help() -> str:
-    rows = "\n".join(f"  {name:9}{text}" for name, text in _ROOMS.items())
+    rows = "\n".join(f"  {name:9}{text}" for name, (_, text) in _COMMANDS.items())
     return (
-        "usage: orbitproof {explore,verify,figures} ...\n\n"
+        "usage: orbitproof {explore,verify,figures,report} ...\n\n"
         "Finds bifurcations of symmetric periodic orbits and proves them.\n\n"
         f"{rows}\n\n"
         "options:\n  --version   print the version\n\n"

@@ -19,7 +19,7 @@ from orbitproof.verify.evidence.sources import source_digest
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("shared", "explore", "verify", "figures")
-DATA = {".json", ".mplstyle", ".pyi", ".md", ".typed"}
+DATA = {".json", ".mplstyle", ".pyi", ".md", ".typed", ".bib", ".html", ".tex"}
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +75,8 @@ def test_a_wheel_holds_every_source_and_every_file_of_data(installed: Path) -> N
         missing = sources(ROOT / room) - sources(installed / "orbitproof" / room) - {"alone/sitecustomize.py"}
         assert not missing, room
     for example in ("figures/style/orbitproof.mplstyle", "explore/__init__.pyi", "verify/curve/README.md",
-                    "shared/schemas/candidates.schema.json", "figures/tables/published.json", "py.typed"):  # fmt: skip
+                    "shared/schemas/candidates.schema.json", "figures/tables/published.json",
+                    "figures/report/templates/report.tex", "py.typed"):  # fmt: skip
         assert (installed / "orbitproof" / example).is_file(), example
 
 

@@ -15,6 +15,8 @@ from typing import Any
 
 import pytest
 
+from orbitproof.__main__ import _COMMANDS as COMMANDS
+
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("shared", "explore", "verify", "figures")
 README = (ROOT / "README.md").read_text("utf-8")
@@ -23,8 +25,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
 
 def commands_of(text: str) -> list[list[str]]:
-    """Every `orbitproof explore|verify|figures ...` in a text, as argument lists from the package name on."""
-    lines = re.findall(r"orbitproof ((?:explore|verify|figures)[ ][^\n`#]+)", text.replace("\\\n", " "))
+    """Every `orbitproof explore|verify|figures|report ...` in a text, as argument lists from that word on."""
+    lines = re.findall(r"orbitproof ((?:explore|verify|figures|report)[ ][^\n`#]+)", text.replace("\\\n", " "))
     return [shlex.split(re.split(r"\s{2,}\(", line)[0]) for line in lines]
 
 
@@ -35,7 +37,7 @@ class Parsed(Exception):
 def parse(arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the command's own parser read the arguments; raises `SystemExit` if it refuses them."""
     package, *rest = arguments
-    main = importlib.import_module(f"orbitproof.{package}.__main__").main
+    main = importlib.import_module(f"orbitproof.{COMMANDS[package][0]}").main
     plain = argparse.ArgumentParser.parse_args
 
     def parse_and_stop(parser: argparse.ArgumentParser, *args: Any, **options: Any) -> None:
@@ -56,7 +58,7 @@ def tracked_files() -> list[Path]:
 
 
 def test_readme_shows_a_command_for_each_step() -> None:
-    assert {command[0] for command in commands_of(README)} == {"explore", "verify", "figures"}
+    assert {command[0] for command in commands_of(README)} == set(COMMANDS)
 
 
 @pytest.mark.parametrize("command", commands_of(README), ids=" ".join)
@@ -70,7 +72,7 @@ def test_a_command_with_a_misspelt_option_does_not_parse(monkeypatch: pytest.Mon
             parse(command, monkeypatch)
 
 
-@pytest.mark.parametrize("package", ["explore", "verify", "figures"])
+@pytest.mark.parametrize("package", COMMANDS)
 def test_help_has_examples_and_its_examples_parse(package: str, monkeypatch: pytest.MonkeyPatch) -> None:
     result = subprocess.run(
         [sys.executable, "-m", "orbitproof", package, "--help"],

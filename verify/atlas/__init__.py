@@ -1,8 +1,13 @@
 """Proving an atlas: ``orbitproof verify atlas``."""
 
-from orbitproof.verify.atlas.certificate import AtlasCertificate, read_atlas_certificate
+from orbitproof.verify.atlas.certificate import SCHEMA, AtlasCertificate, read_atlas_certificate
+from orbitproof.verify.atlas.recheck import Means, atlas_of, recheck_atlas
 
 __all__ = [
+    "SCHEMA",
     "AtlasCertificate",
+    "Means",
+    "atlas_of",
     "read_atlas_certificate",
+    "recheck_atlas",
 ]

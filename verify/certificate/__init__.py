@@ -9,6 +9,7 @@ from orbitproof.verify.certificate.certificate import (
     write_certificates,
 )
 from orbitproof.verify.certificate.levels import (
+    MEANINGS,
     CannotBeCheckedError,
     Examination,
     Finding,
@@ -32,6 +33,7 @@ __all__ = [
     "GREATEST_PRECISION",
     "LEAST_PRECISION",
     "LEVELS",
+    "MEANINGS",
     "UNKNOWN",
     "CannotBeCheckedError",
     "Certificate",

@@ -1,0 +1,10 @@
+from .command import argument_parser as argument_parser
+from .content import report_of as report_of
+from .document import Document as Document
+from .theorems import Checked as Checked
+from .theorems import CheckedAtlas as CheckedAtlas
+from .theorems import CheckedRow as CheckedRow
+from .theorems import Refused as Refused
+from .theorems import check_files as check_files
+from .writers import FORMATS as FORMATS
+from .writers import write_report as write_report

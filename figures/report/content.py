@@ -1,0 +1,193 @@
+"""The report of checked certificates: a summary, every theorem, and how to check and cite it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from importlib import metadata, resources
+
+from orbitproof.figures.report.document import (
+    Block,
+    Code,
+    Document,
+    Items,
+    Link,
+    Listing,
+    Paragraph,
+    Picture,
+    Place,
+    Runs,
+    Section,
+    Statement,
+    Table,
+)
+from orbitproof.figures.report.statements import (
+    box_label,
+    box_table,
+    hypothesis_table,
+    is_proved,
+    kind_of,
+    name_of,
+    parameter_text,
+    piece_table,
+    statement_blocks,
+)
+from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
+from orbitproof.verify.certificate import MEANINGS, Level
+from orbitproof.verify.evidence import software
+
+TITLE = "Bifurcations and families of symmetric periodic orbits: theorems and their certificates"
+
+Draw = Callable[[Checked], tuple[Picture, ...]]
+
+
+def report_of(entries: Sequence[Checked], draw: Draw = lambda entry: ()) -> Document:
+    """The report. `draw` gives the pictures of a theorem."""
+    proved = [entry for entry in entries if is_proved(entry)]
+    numbers = {name_of(entry): number for number, entry in enumerate(_in_order(proved), start=1)}
+    rows = [entry for entry in proved if isinstance(entry, CheckedRow)]
+    atlases = [entry for entry in proved if isinstance(entry, CheckedAtlas)]
+    sections = [_summary(_in_order(proved), numbers)]
+    groups = (
+        ("bifurcations", "Bifurcations", rows),
+        ("curves", "Curves of symmetric periodic orbits", [entry for entry in atlases if not entry.atlas.is_surface]),
+        ("surfaces", "Over ranges of a parameter", [entry for entry in atlases if entry.atlas.is_surface]),
+    )
+    for label, title, group in groups:
+        if group:
+            sections.append(Section(label, title, ()))
+            sections += [_theorem(entry, numbers[name_of(entry)], draw) for entry in group]
+    sections += _not_proved([entry for entry in entries if not is_proved(entry)])
+    sections += [_checked(entries), _again(entries), _software(entries)]
+    if rows:
+        sections += _boxes(rows)
+    return Document(TITLE, (*sections, _references()))
+
+
+def _in_order(proved: Sequence[Checked]) -> list[Checked]:
+    """Bifurcations, then curves, then surfaces, each as they were given."""
+    return sorted(proved, key=lambda entry: isinstance(entry, CheckedAtlas) and 1 + entry.atlas.is_surface)
+
+
+def theorem_label(name: str) -> str:
+    """The label of a theorem."""
+    return f"theorem-{name}"
+
+
+def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
+    many = f"{len(proved)} theorems" if len(proved) != 1 else "one theorem"
+    blocks: list[Block] = [
+        Paragraph((
+            f"This report states {many}, each with its system, so that it can be read by itself. An interval [a, b] "
+            "is an enclosure: it contains the number, and its ends are rounded outward. Words and numbers are those of "
+            "the certificates, each of which was checked again before it was printed; what that check shows, and "
+            "what it leaves to be believed, stands in ", Place("checked", "What was checked"), ". Names such as ",
+            Code(name_of(proved[0]) if proved else "earth-moon-L1-halo-k1-1"),
+            " are labels: nothing is concluded from them.",
+        )),
+    ]  # fmt: skip
+    rows: list[tuple[Runs, ...]] = []
+    for entry in proved:
+        name = name_of(entry)
+        side = str(entry.certificate.side) if isinstance(entry, CheckedRow) else ""
+        number: Runs = (Place(theorem_label(name), str(numbers[name])),)
+        rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (side,)))
+    if rows:
+        header = ("theorem", "about", "certificate", "bifurcation parameter", "new orbits")
+        blocks.append(Table(header, tuple(rows), "The theorems", (0.08, 0.2, 0.24, 0.32, 0.08)))
+    return Section("summary", "Summary", tuple(blocks))
+
+
+def _theorem(entry: Checked, number: int, draw: Draw) -> Section:
+    name = name_of(entry)
+    statement = Statement(theorem_label(name), number, f"{kind_of(entry)}; {name}", statement_blocks(entry))
+    blocks: list[Block] = [statement, hypothesis_table(entry)]
+    if isinstance(entry, CheckedAtlas):
+        blocks.append(piece_table(entry))
+    return Section(f"section-{name}", f"Theorem {number}: {name}", (*blocks, *draw(entry)), level=2)
+
+
+def _not_proved(entries: Sequence[Checked]) -> list[Section]:
+    if not entries:
+        return []
+    items: list[Runs] = []
+    for entry in entries:
+        reason = entry.certificate.to_json()["reason"] if isinstance(entry, CheckedRow) else entry.document["reason"]
+        items.append((f"{name_of(entry)}: {reason['condition']}: {reason['message']}",))
+    words = (
+        "These certificates claim nothing. That something is not proved does not mean that it is false; the reasons "
+        "are as the certificates give them."
+    )
+    return [Section("not-proved", "Not proved", (Paragraph((words,)), Items(tuple(items))))]
+
+
+def _checked(entries: Sequence[Checked]) -> Section:
+    rows: list[tuple[Runs, ...]] = []
+    for level in (Level.FORM, Level.CONCLUSION):
+        meaning = MEANINGS[level]
+        rows.append(((f"{level:d} {level.name.lower()}",), (meaning.checked,), (meaning.how,), (meaning.remains,)))
+    words = (
+        f"Each of the {len(entries)} certificates passed these checks before the report was made. Nothing was "
+        "integrated again: that the stored enclosures of derivatives and the stored proved intervals are true rests on "
+        "the run that made the certificates, and the commands of the next section show it once more."
+    )
+    integration = MEANINGS[Level.INTEGRATION]
+    last = f"A second integration then leaves to be believed: {integration.remains}."
+    header = ("level", "what was checked", "how", "what remains to be believed")
+    table = Table(header, tuple(rows), "The checks that every certificate passed", (0.12, 0.25, 0.25, 0.3))
+    return Section("checked", "What was checked", (Paragraph((words,)), table, Paragraph((last,))))
+
+
+def _again(entries: Sequence[Checked]) -> Section:
+    lines = ["# follows from what the certificates carry"]
+    paths = list(dict.fromkeys((entry.path, isinstance(entry, CheckedAtlas)) for entry in entries))
+    verify = {path: "verify atlas" if is_atlas else "verify" for path, is_atlas in paths}
+    lines += [f"orbitproof {verify[path]} --recheck {path.name}" for path, _ in paths]
+    lines += ["", "# integrated again, with other settings"]
+    lines += [f"orbitproof {verify[path]} --recheck --integrate {path.name}" for path, _ in paths]
+    if any(not is_atlas for _, is_atlas in paths):
+        lines += ["", "# bifurcations, by code that shares nothing with the first proof"]
+        lines += [f"orbitproof verify --second-proof {path.name}" for path, is_atlas in paths if not is_atlas]
+    words = f"With orbitproof {metadata.version('orbitproof')} installed and the certificate files at hand:"
+    return Section("again", "How to check it again", (Paragraph((words,)), Listing("\n".join(lines))))
+
+
+def _software(entries: Sequence[Checked]) -> Section:
+    rows: list[tuple[Runs, ...]] = []
+    for name, version in software().items():
+        rows.append((("this report and its checks",), (name,), (Code(version),)))
+    made: dict[tuple[tuple[str, str], ...], int] = {}
+    for entry in entries:
+        by = entry.certificate.software if isinstance(entry, CheckedRow) else entry.document["software"]
+        key = tuple(by.items())
+        made[key] = made.get(key, 0) + 1
+    for by, count in made.items():
+        for name, version in by:
+            rows.append(((f"{count} certificates, as they record",), (name,), (Code(version),)))
+    digests = tuple(
+        (((Place(theorem_label(name_of(entry)), name_of(entry)) if is_proved(entry) else name_of(entry)),),
+         (Code(str((entry.certificate.to_json() if isinstance(entry, CheckedRow) else entry.document)["digest"])),))
+        for entry in entries
+    )  # fmt: skip
+    return Section("software", "Software and digests", (
+        Table(("used for", "name", "version or digest of sources"), tuple(rows), "Software", (0.26, 0.16, 0.52)),
+        Table(("certificate", "digest of its content"), digests, "Certificates", (0.34, 0.6)),
+    ))  # fmt: skip
+
+
+def _boxes(rows: Sequence[CheckedRow]) -> list[Section]:
+    words = "Numbers are exact: 0xMp-E is the hexadecimal integer M divided by 2 to the E, 0xMpE is M times 2 to the E."
+    tables = [Section(box_label(entry), name_of(entry), (box_table(entry),), level=2) for entry in rows]
+    return [Section("boxes", "Boxes, exactly", (Paragraph((words,)),)), *tables]
+
+
+def _references() -> Section:
+    text = resources.files("orbitproof.figures.report").joinpath("references.bib").read_text("utf-8")
+    text = text.replace("VERSION", metadata.version("orbitproof"))
+    theory: Runs = (
+        "The theorems are those of I. Walawska and D. Wilczak, Validated numerics for period-tupling and touch-and-go "
+        "bifurcations of symmetric periodic orbits in reversible systems (",
+        Link("arXiv:1903.01195", "https://arxiv.org/abs/1903.01195"),
+        "), and those of the chapters of the method of orbitproof, which the sections in the tables of hypotheses "
+        "belong to. Every enclosure rests on the ball arithmetic of FLINT.",
+    )
+    return Section("references", "References", (Paragraph(theory), Listing(text.strip())))

@@ -1,0 +1,71 @@
+"""The pictures that certificates alone are enough for: boxes with their curves, proved curves, surfaces."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+from matplotlib.figure import Figure
+
+from orbitproof.figures.model import certified_curves, curve_of
+from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, surface_of
+from orbitproof.figures.pictures.certified_boxes import draw_certified
+from orbitproof.figures.report.document import Picture
+from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
+from orbitproof.figures.style import close, file_name, use_style
+from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS
+from orbitproof.verify.atlas import AtlasCertificate
+
+_PNG_DPI = 130
+_FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the true curve is not further than the tube"
+
+
+def pictures_of(entry: Checked) -> tuple[Picture, ...]:
+    """The pictures of a proved theorem; none of a system that is not known here."""
+    with use_style():
+        return _of_row(entry) if isinstance(entry, CheckedRow) else _of_atlas(entry)
+
+
+def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
+    if entry.candidate.system.name not in SYSTEMS:
+        return ()
+    name = entry.certificate.id
+    figure = draw_certified(certified_curves(entry.certificate.to_json(), f"certificate {name!r}"), None)
+    caption = (
+        f"{name}: (a) the family and the branch in the box of the certificate, both enclosed; (b) the parameter along "
+        "the branch from the enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
+    )
+    return (_picture(f"box-{file_name(name)}", caption, figure),)
+
+
+def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:
+    if entry.atlas.system.name not in BRANCH_SYSTEMS:
+        return ()
+    # The title is free text that no check looks at; the id names the theorem.
+    atlas = replace(entry.atlas, title=entry.atlas.id)
+    certificate = AtlasCertificate(atlas, entry.document)
+    stem = file_name(atlas.id)
+    if atlas.is_surface:
+        caption = f"{atlas.id}: how far the proved orbits reach over the parameter, and where the symmetry breaks"
+        return (_picture(f"surface-{stem}", caption, draw_surface(surface_of(certificate))),)
+    curve = curve_of(certificate)
+    return (
+        _picture(f"curve-{stem}", f"{atlas.id}: the curve, {_FROM_POLYNOMIALS}", draw_curves([curve])),
+        _picture(
+            f"pieces-{stem}",
+            f"{atlas.id}: the pieces, their tubes, and the proved distance from the polynomials; the coordinates in "
+            "which orbits were followed are as the certificate records them",
+            draw_pieces(curve),
+        ),
+    )
+
+
+def _picture(name: str, caption: str, figure: Figure) -> Picture:
+    content = {}
+    for suffix in ("png", "pdf"):
+        buffer = io.BytesIO()
+        metadata = {"CreationDate": None} if suffix == "pdf" else {"Software": None}
+        figure.savefig(buffer, format=suffix, metadata=metadata, **({"dpi": _PNG_DPI} if suffix == "png" else {}))
+        content[suffix] = buffer.getvalue()
+    close(figure)
+    return Picture(name, caption, content["png"], content["pdf"])

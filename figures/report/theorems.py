@@ -1,0 +1,154 @@
+"""The theorems of certificate files, each checked again up to its conclusion before it may be told (section 13)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_document
+from orbitproof.shared.systems import SYSTEMS
+from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, recheck_atlas
+from orbitproof.verify.bifurcation import level_form
+from orbitproof.verify.certificate import Certificate, Recheck, digest, read_certificates, recheck, systems_with
+from orbitproof.verify.curve import conclude
+from orbitproof.verify.engines import Display
+from orbitproof.verify.surface import conclude_surface
+
+_ATLAS = "orbitproof-atlas-certificate"
+
+
+class Refused(Exception):
+    """Certificates that do not stand, with what was found: nothing of them may be told."""
+
+    def __init__(self, rechecks: Sequence[tuple[Path, Recheck]]) -> None:
+        super().__init__(", ".join(result.id for _, result in rechecks))
+        self.rechecks = tuple(rechecks)
+
+
+@dataclass(frozen=True)
+class CheckedRow:
+    """A certificate of a bifurcation that follows from what it carries.
+
+    Attributes:
+        path: its file.
+        certificate: as it was read.
+        candidate: the claim.
+        claim: what the hypotheses are about, the candidate or its level form.
+        check: what checking it has shown.
+    """
+
+    path: Path
+    certificate: Certificate
+    candidate: Candidate
+    claim: Candidate
+    check: Recheck
+
+
+@dataclass(frozen=True)
+class CheckedAtlas:
+    """A certificate of a curve or surface that follows from what it carries: file, claim, document, check."""
+
+    path: Path
+    atlas: Atlas
+    document: Mapping[str, Any]
+    check: Recheck
+
+
+Checked = CheckedRow | CheckedAtlas
+
+
+def check_files(paths: Sequence[Path], only: Sequence[str] | None = None, quiet: bool = True) -> list[Checked]:
+    """Read certificates files of both kinds and check every certificate, in order.
+
+    A bifurcation is checked once, however many files carry its certificate. `only` are ids, or patterns of ids.
+
+    Raises:
+        InputError: for what cannot be read, and if two different certificates have the same id.
+        Refused: if a certificate does not stand or cannot be checked here; it names all of these.
+    """
+    entries = [entry for path in paths for entry in _read(path)]
+    if not entries:
+        raise InputError(f"{paths[0]}: holds no certificates; prove something first")
+    names = [_name(entry) for _, entry in entries]
+    for pattern in only or ():
+        if not any(fnmatchcase(name, pattern) for name in names):
+            raise InputError(f"--only {pattern}: no such certificate; the ids are: {', '.join(names)}")
+    if only is not None:
+        entries = [entry for entry in entries if any(fnmatchcase(_name(entry[1]), pattern) for pattern in only)]
+        names = [_name(entry) for _, entry in entries]
+    for (path, _), name in zip(entries, names, strict=True):
+        if names.count(name) > 1:
+            raise InputError(f"{path}: {name!r} is given twice; give each certificate once")
+    display = Display({name: _work(entry) for name, (_, entry) in zip(names, entries, strict=True)}, quiet)
+    examined: dict[str, Recheck] = {}
+    found: list[tuple[Path, Certificate | Mapping[str, Any], Recheck]] = []
+    with display.shown():
+        for path, entry in entries:
+            check = _examine(entry, examined) if isinstance(entry, Certificate) else _examine_atlas(entry, examined)
+            found.append((path, entry, check))
+            display.finish(_name(entry), check.word)
+    refused = [(path, check) for path, _, check in found if not check.stands]
+    if refused:
+        raise Refused(refused)
+    return [_checked(path, entry, check) for path, entry, check in found]
+
+
+def _read(path: Path) -> list[tuple[Path, Certificate | Mapping[str, Any]]]:
+    if _says_atlas(path):
+        return [(path, read_document(path, SCHEMA))]
+    return [(path, certificate) for certificate in read_certificates(path).values()]
+
+
+def _says_atlas(path: Path) -> bool:
+    """Whether the file calls itself the certificate of an atlas; what cannot be read is refused by its reader."""
+    try:
+        document = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(document, dict) and document.get("format") == _ATLAS
+
+
+def _name(entry: Certificate | Mapping[str, Any]) -> str:
+    return entry.id if isinstance(entry, Certificate) else str(entry["id"])
+
+
+def _work(entry: Certificate | Mapping[str, Any]) -> float:
+    return 1.0 if isinstance(entry, Certificate) else 1.0 + len(entry["results"]) / 10
+
+
+def _examine(certificate: Certificate, examined: dict[str, Recheck]) -> Recheck:
+    entry = certificate.to_json()
+    # By what it holds, not by what it says: a stored digest is part of what is checked.
+    key = f"{digest(entry)} {entry.get('digest')}"
+    if key not in examined:
+        examined[key] = recheck(certificate)
+    return examined[key]
+
+
+def _examine_atlas(document: Mapping[str, Any], examined: dict[str, Recheck]) -> Recheck:
+    def conclude_again(
+        atlas: Atlas, results: Sequence[Mapping[str, Any]], carried: Sequence[Certificate]
+    ) -> Mapping[str, Any]:
+        if atlas.is_surface:
+            return conclude_surface(atlas, results).to_json()
+        return conclude(atlas, results, carried, lambda entry: _examine(entry, examined)).to_json()
+
+    return recheck_atlas(document, (), False, Means(conclude_again, _no_integration, _no_integration))
+
+
+def _no_integration(*_: Any) -> Any:
+    raise AssertionError("nothing is integrated up to the conclusion")
+
+
+def _checked(path: Path, entry: Certificate | Mapping[str, Any], check: Recheck) -> Checked:
+    if not isinstance(entry, Certificate):
+        return CheckedAtlas(path, atlas_of(entry), entry, check)
+    statement = entry.statement
+    stated = statement["candidate"]
+    candidate = candidate_from_json(stated, "statement.candidate", systems_with(SYSTEMS, statement, stated))
+    form = level_form(candidate) if "level_form" in statement else None
+    return CheckedRow(path, entry, candidate, form or candidate, check)

@@ -1,0 +1,325 @@
+"""A report tells what its certificates prove, in every format, and nothing of a certificate that does not stand."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+import re
+from collections.abc import Callable
+from fractions import Fraction
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb
+from support.claims import known, moved
+from support.forgeries import DATA, atlas_certificate, forged, read
+
+from orbitproof.figures.report.command import main
+from orbitproof.figures.report.document import Math
+from orbitproof.figures.report.formulas import program_to_latex, typeset
+from orbitproof.figures.report.margins import margin_of
+from orbitproof.figures.report.theorems import CheckedAtlas, CheckedRow, Refused, check_files
+from orbitproof.shared.systems import BRANCH_SYSTEMS, Program
+from orbitproof.verify.certificate import Certificate, Limits, digest, write_certificates
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.evidence import bounds, interval_text
+
+LIMITS = Limits(max_precision=256)
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Certificate]:
+    """A touch-and-go bifurcation and a symmetry breaking, proved."""
+    return [certify(known(name), LIMITS) for name in ("fs3", "em1")]
+
+
+@pytest.fixture(scope="module")
+def surface() -> dict[str, Any]:
+    results = json.loads((DATA / "surface-results.json").read_text())
+    return json.loads(json.dumps(atlas_certificate(read("surface.json"), results)))  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="module")
+def files(rows: list[Certificate], surface: dict[str, Any], tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """A file of two rows, and a surface."""
+    folder = tmp_path_factory.mktemp("certificates")
+    write_certificates(folder / "rows.json", rows)
+    (folder / "surface.json").write_text(json.dumps(surface))
+    return [folder / "rows.json", folder / "surface.json"]
+
+
+def words(*parts: Any) -> list[str]:
+    return [str(part) for part in parts]
+
+
+class Page(HTMLParser):
+    """Text, ids and links of a page; fails where tags are not closed in order."""
+
+    VOID = frozenset(("meta", "img", "col"))
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: set[str] = set()
+        self.links: list[str] = []
+        self.pictures = 0
+        self.text = ""
+        self.feed(text)
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in self.VOID:
+            self.open.append(tag)
+        for key, value in attrs:
+            if key == "id":
+                assert value not in self.ids, value
+                self.ids.add(str(value))
+            elif key == "href":
+                self.links.append(str(value))
+        self.pictures += tag == "img" and str(dict(attrs)["src"]).startswith("data:image/png;base64,")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.text += data
+
+
+def test_an_html_report_holds_every_theorem_with_its_numbers_and_pictures(
+    files: list[Path], rows: list[Certificate], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target = tmp_path / "report.html"
+    assert main(words(*files, "-o", target, "--quiet")) == 0
+    assert capsys.readouterr().out.splitlines() == [str(target)]
+    page = Page(target.read_text("utf-8"))
+    assert page.pictures == 3
+    assert {link[1:] for link in page.links if link.startswith("#")} <= page.ids
+    for number, row in enumerate(rows, start=1):
+        assert f"Theorem {number}: {row.id}" in page.text
+        assert row.parameter is not None
+        for ball in (row.parameter, *row.point.values()):
+            assert interval_text(ball, 34) in page.text
+        for hypothesis in row.hypotheses:
+            assert f"{hypothesis.statement} (section {hypothesis.section})" in page.text
+        assert str(row.to_json()["digest"]) in page.text
+        assert "0x" in page.text
+    assert "mu = h^3 this is the point" in page.text or "Over mu in" in page.text or "There are smooth" in page.text
+
+
+def test_every_format_says_the_same_theorems(files: list[Path], rows: list[Certificate], tmp_path: Path) -> None:
+    plain = {}
+    for suffix in ("html", "tex", "md"):
+        target = tmp_path / f"report.{suffix}"
+        assert main(words(*files, "-o", target, "--quiet", "--no-pictures")) == 0
+        text = target.read_text("utf-8")
+        plain[suffix] = Page(text).text if suffix == "html" else re.sub(r"\\allowbreak\{\}|[\\{}`]", "", text)
+    for row in rows:
+        assert row.parameter is not None
+        for low_or_high in re.findall(r"-?[0-9.]+", interval_text(row.parameter, 34)):
+            assert all(low_or_high in text for text in plain.values())
+        assert all(str(row.to_json()["digest"]) in text for text in plain.values())
+
+
+def test_a_latex_report_is_balanced_and_names_pictures_that_exist(files: list[Path], tmp_path: Path) -> None:
+    target = tmp_path / "report.tex"
+    assert main(words(*files, "-o", target, "--quiet")) == 0
+    text = target.read_text("utf-8")
+    depth = 0
+    for token in re.findall(r"\\.|[{}]", text, re.DOTALL):
+        depth += {"{": 1, "}": -1}.get(token, 0)
+        assert depth >= 0
+    assert depth == 0
+    opened: list[str] = []
+    for word, name in re.findall(r"\\(begin|end)\{([a-z*]+)\}", text):
+        if word == "begin":
+            opened.append(name)
+        else:
+            assert opened.pop() == name
+    assert not opened
+    labels = set(re.findall(r"\\label\{([^}]*)\}", text))
+    assert set(re.findall(r"\\hyperref\[([^]]*)\]", text)) <= labels
+    pictures = re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", text)
+    assert len(pictures) == 3
+    assert all((tmp_path / name).read_bytes().startswith(b"%PDF") for name in pictures)
+    assert text.isascii()
+
+
+def test_a_markdown_report_has_tables_of_even_width(files: list[Path], tmp_path: Path) -> None:
+    target = tmp_path / "report.md"
+    assert main(words(*files, "-o", target, "--quiet")) == 0
+    text = target.read_text("utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("|")]
+    assert rows
+    for row, before in zip(rows[1:], rows, strict=False):
+        if set(row) <= set("|- "):
+            assert len(re.findall(r"(?<!\\)\|", row)) == len(re.findall(r"(?<!\\)\|", before))
+    for name in re.findall(r"!\[.*\]\(([^)]*)\)", text):
+        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+
+
+def _other_side(entry: dict[str, Any]) -> None:
+    entry["results"]["side"] = "above"
+
+
+def _more_words(entry: dict[str, Any]) -> None:
+    entry["statement"]["theorem"] += " The orbits are stable."
+
+
+def _other_system(entry: dict[str, Any]) -> None:
+    entry["statement"]["names"]["system"] = "three-body problem of everything"
+
+
+@pytest.mark.parametrize("change", [_other_side, _more_words, _other_system])
+def test_a_forged_certificate_is_refused_and_named(
+    change: Callable[[Any], Any], files: list[Path], rows: list[Certificate], tmp_path: Path, capsys: Any
+) -> None:
+    false = Certificate.from_json(forged(rows[0].to_json(), change))
+    write_certificates(tmp_path / "rows.json", [rows[1], false])
+    target = tmp_path / "report.html"
+    assert main(words(tmp_path / "rows.json", files[1], "-o", target, "--quiet")) == 1
+    assert not target.exists()
+    errors = capsys.readouterr().err.splitlines()
+    assert [line.split(": ")[:2] for line in errors if line.startswith("REFUSED")] == [
+        [f"REFUSED {tmp_path / 'rows.json'}", false.id]
+    ]
+
+
+def test_a_forged_surface_is_refused_also_with_its_digest_kept(
+    surface: dict[str, Any], tmp_path: Path, capsys: Any
+) -> None:
+    path = tmp_path / "surface.json"
+
+    def widen(document: dict[str, Any]) -> None:
+        theorem = document["conclusion"]["statement"].replace("smooth", "analytic")
+        document["statement"]["theorem"] = document["conclusion"]["statement"] = theorem
+
+    kept = copy.deepcopy(surface)
+    widen(kept)
+    for document in (forged(surface, widen), kept):
+        path.write_text(json.dumps(document))
+        assert main(words(path, "-o", tmp_path / "report.md", "--quiet")) == 1
+        assert f"REFUSED {path}: {surface['id']}: " in capsys.readouterr().err
+
+
+def test_the_check_of_one_certificate_does_not_count_for_another_that_copies_its_digest(
+    rows: list[Certificate], tmp_path: Path
+) -> None:
+    entry = rows[0].to_json()
+    entry["id"] = entry["statement"]["candidate"]["id"] = "copy"
+    assert entry["digest"] != digest(entry)
+    write_certificates(tmp_path / "rows.json", [rows[0], Certificate.from_json(entry)])
+    with pytest.raises(Refused, match=r"^copy$"):
+        check_files([tmp_path / "rows.json"])
+
+
+def test_what_is_not_proved_is_told_as_such(rows: list[Certificate], tmp_path: Path) -> None:
+    wrong = certify(moved(known("fs2"), 0, 10), LIMITS)
+    assert not wrong.proved
+    assert wrong.reason is not None
+    write_certificates(tmp_path / "rows.json", [rows[0], wrong])
+    target = tmp_path / "report.html"
+    assert main(words(tmp_path / "rows.json", "-o", target, "--quiet")) == 1
+    text = Page(target.read_text("utf-8")).text
+    assert f"Theorem 1: {rows[0].id}" in text
+    assert "Theorem 2" not in text
+    assert f"{wrong.id}: {wrong.reason.condition}" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["{rows}", "-o", "report.pdf"], "the suffix says which format"),
+        (["{rows}", "{rows}", "-o", "report.md"], "given twice"),
+        (["{rows}", "-o", "report.md", "--only", "nothing*"], "no such certificate"),
+        (["missing.json", "-o", "report.md"], "cannot be read"),
+        (["{atlas}", "-o", "report.md"], "atlas"),
+    ],
+)
+def test_bad_input_is_one_line_and_code_2(
+    arguments: list[str], message: str, files: list[Path], tmp_path: Path, monkeypatch: Any, capsys: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    places = {"rows": str(files[0]), "atlas": str(DATA / "surface.json")}
+    assert main([*(word.format(**places) for word in arguments), "--quiet"]) == 2
+    errors = capsys.readouterr().err.splitlines()
+    assert len(errors) == 1
+    assert message in errors[0]
+
+
+def test_only_chooses_what_is_checked_and_told(files: list[Path], rows: list[Certificate]) -> None:
+    (entry,) = check_files(files, ["*k1-1"])
+    assert isinstance(entry, CheckedRow)
+    assert entry.certificate == rows[1]
+    kinds = [type(entry) for entry in check_files(files)]
+    assert kinds == [CheckedRow, CheckedRow, CheckedAtlas]
+
+
+# Formulas: what is printed is what the program computes
+
+
+def value_of(latex: str, names: dict[str, float]) -> float:
+    """A formula of `program_to_latex`, evaluated."""
+    text = latex
+    while (found := re.search(r"\\frac\{((?:[^{}]|\{[^{}]*\})*)\}\{((?:[^{}]|\{[^{}]*\})*)\}", text)) is not None:
+        text = text.replace(found[0], f"(({found[1]})/({found[2]}))")
+    text = text.replace(r"\,", "*")
+    text = re.sub(r"\^\{([^{}]*)\}", r"**(\1)", text)
+    for name in sorted(names, key=len, reverse=True):
+        text = text.replace(name, f"({names[name]!r})")
+    assert "\\" not in text, text
+    return float(eval(text, {"__builtins__": {}}))
+
+
+@pytest.mark.parametrize("name", BRANCH_SYSTEMS)
+def test_a_printed_formula_is_the_program(name: str) -> None:
+    system = BRANCH_SYSTEMS[name]
+    random.seed(1)
+    for program in filter(None, (system.program, system.first_integral_program)):
+        arguments = [random.uniform(0.2, 0.4) for _ in program.inputs]
+        values = dict(zip((latex_name(each) for each in program.inputs), arguments, strict=True))
+        lefts = [f"out_{{{index}}}" for index in range(len(program.outputs))]
+        for left, right in program_to_latex(program, lefts):
+            values[left] = value_of(right, values)
+        expected = program.evaluate(arguments)
+        assert [values[left] for left in lefts] == pytest.approx(expected, rel=1e-12)
+
+
+def latex_name(name: str) -> str:
+    identity = Program.from_text(f"v0 = {name}\nreturn v0")
+    return program_to_latex(identity, ["y"])[0][1]
+
+
+@pytest.mark.parametrize(
+    ("text", "formula"),
+    [
+        ("so P^2(x) = x here", "P^{2}(x) = x"),
+        ("P^(2i)(x) = x for", "P^{2i}(x) = x"),
+        ("of {vy = 0}", r"\{v_{y} = 0\}"),
+        ("|z| <= 0.003 mu^(1/3), and", r"|z| \le 0.003\, \mu^{1/3}"),
+    ],
+)
+def test_formulas_in_words_are_set_and_the_words_stay(text: str, formula: str) -> None:
+    runs = typeset(text)
+    assert [run.latex for run in runs if isinstance(run, Math)] == [formula]
+    assert all(run in text for run in runs if isinstance(run, str))
+
+
+# Margins are never larger than the truth
+
+
+def test_a_margin_in_the_box_is_rounded_up_and_one_from_zero_down() -> None:
+    radii = {"": (Fraction(1), Fraction(3)), "candidate-box": (Fraction(1), Fraction(6))}
+    ball = arb(0, 1)
+    high = bounds(ball)[1]
+    assert Fraction(margin_of("C3", "p_1", ball, radii).split()[2]) >= high / 3
+    assert margin_of("C3", "p_1", ball, radii) == "at most 0.34 R_1"
+    assert margin_of("candidate-box", "p_1", ball, radii) == "at most 0.17 R_1"
+    away = margin_of("G_01", "G_01", arb(7, 2), radii)
+    low, high = bounds(arb(7, 2))
+    assert Fraction(away.split()[2]) <= low / (high - low)
+    assert margin_of("G_01", "G_01", ball, radii) == ""
+    assert margin_of("family", "d q_1(P) / d p_1", arb(7), radii) == ""
