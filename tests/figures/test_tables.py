@@ -62,7 +62,7 @@ def test_text_that_is_not_an_enclosure_is_refused(text: str) -> None:
         parse_interval(text)
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(
     st.integers(-(10**40), 10**40),
     st.integers(-150, 20),

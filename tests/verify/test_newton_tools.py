@@ -182,7 +182,7 @@ def test_jet_refuses_a_derivative_that_it_does_not_have() -> None:
         Jet(2, 3, {}).derivative(1)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(fractions, min_size=20, max_size=20), st.integers(0, 10**9))
 def test_taylor_forms_contain_the_derivatives_at_random_points(coefficients: list[F], seed: int) -> None:
     generator = random.Random(seed)
@@ -205,7 +205,7 @@ def test_taylor_forms_are_tight_near_the_centre() -> None:
     assert function.table.box[(0, 0)].rad() > 100
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(fractions, min_size=4, max_size=4), st.fractions(min_value=0, max_value=2, max_denominator=32))
 def test_a_ball_matrix_with_a_singular_member_is_not_regular(entries: list[F], radius: F) -> None:
     a, b, c, d = entries
@@ -227,7 +227,7 @@ def test_regular_ball_matrices_are_recognised_whatever_the_scales() -> None:
     assert not is_regular([[WIDE]])
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(fractions, min_size=6, max_size=6), st.integers(0, 10**9))
 def test_newton_image_contains_the_solution_for_every_member(entries: list[F], seed: int) -> None:
     a, b, c, d, e, f = entries
