@@ -1,0 +1,251 @@
+"""The command that proves an atlas: certificates, interrupted runs, bad input."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import signal
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support import atlas_work
+from support.atlas_runs import CURVE, ROOT, go, refused, write
+from support.runs import started, wait_until
+
+from orbitproof.shared.formats.atlas import Atlas
+from orbitproof.shared.formats.candidates import InputError
+from orbitproof.verify.atlas.__main__ import _parser, main
+from orbitproof.verify.atlas.certificate import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.atlas.splitting import interval_of
+from orbitproof.verify.certificate.certificate import digest
+
+
+def certificate_of(atlas: Atlas, work: Any) -> dict[str, Any]:
+    run, _ = go(atlas, work)
+    return make_atlas_certificate(atlas, run.results, None)
+
+
+def test_a_certificate_is_written_and_read_again(tmp_path: Path) -> None:
+    path = tmp_path / "curve.json"
+    certificate = certificate_of(CURVE, atlas_work.short_only)
+    write_atlas_certificate(path, certificate)
+    stored = read_atlas_certificate(path)
+    assert stored.document == certificate
+    assert replace(stored.atlas, provenance=CURVE.provenance) == CURVE
+    assert not stored.is_proved
+    keys = [(result["piece"], interval_of(result)) for result in stored.results]
+    assert keys == sorted(keys)
+
+
+def test_a_changed_certificate_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "curve.json"
+    write_atlas_certificate(path, certificate_of(CURVE, atlas_work.proving))
+    text = path.read_text()
+    path.write_text(text.replace('"0x1p-30"', '"0x1p-31"', 1))
+    with pytest.raises(InputError, match="digest"):
+        read_atlas_certificate(path)
+    document = json.loads(text)
+    document["results"][0]["piece"] = "p777"
+    document["digest"] = digest(document)
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"results\[0\]\.piece"):
+        read_atlas_certificate(path)
+
+
+def test_what_is_not_proved_carries_no_theorem(tmp_path: Path) -> None:
+    certificate = certificate_of(CURVE, atlas_work.proving)
+    certificate["statement"]["theorem"] = "all is well"
+    with pytest.raises(InputError):
+        write_atlas_certificate(tmp_path / "curve.json", certificate)
+
+
+def test_the_theorem_is_proved_printed_and_stored(tmp_path: Path, capsys: Any) -> None:
+    target = tmp_path / "curve.json"
+    code = main([write(tmp_path / "atlas.json"), "-o", str(target)], atlas_work.short_only)
+    output, errors = capsys.readouterr()
+    assert code == 0, output + errors
+    stored = read_atlas_certificate(target)
+    assert stored.is_proved
+    assert stored.document["statement"]["theorem"] in output
+    assert stored.document["conclusion"]["joints"]
+    assert "p001: again with more precision, not proved for s in [-1, 1]: the tube is empty" in errors
+    assert "p001: split, not proved for s in [-1, 1]: the tube is empty" in errors
+    assert "[3/3]" in errors
+    assert "s left" in errors
+    row = next(line for line in output.splitlines() if line.startswith("p001"))
+    assert row.split() == ["p001", "regular", "proved", "4", "physical", "28", "4.0", "s"]
+
+    assert main(["--recheck", str(target)]) == 0
+    assert "stands" in capsys.readouterr().out
+
+
+def test_a_conclusion_that_the_results_do_not_give_does_not_stand(tmp_path: Path, capsys: Any) -> None:
+    target = tmp_path / "curve.json"
+    assert main([write(tmp_path / "atlas.json"), "-o", str(target), "--quiet"], atlas_work.proving) == 0
+    document = json.loads(target.read_text())
+    document["results"] = [result for result in document["results"] if result["piece"] != "p001"]
+    document["digest"] = digest(document)
+    target.write_text(json.dumps(document))
+    capsys.readouterr()
+    assert main(["--recheck", str(target)]) == 1
+    output, errors = capsys.readouterr()
+    assert "DOES NOT STAND" in output
+    assert "verdict: stored is 'proved', evaluated again it is 'not proved'" in errors
+
+
+def test_every_interval_is_proved_again_with_more_precision(tmp_path: Path, capsys: Any) -> None:
+    target = str(tmp_path / "curve.json")
+    assert main([write(tmp_path / "atlas.json"), "-o", target, "--quiet"], atlas_work.short_only) == 0
+    capsys.readouterr()
+    assert main(["--recheck", "--integrate", target], atlas_work.precise_only) == 0
+    output, errors = capsys.readouterr()
+    assert "stands  3 integration" in output
+    assert "[6/6]" in errors
+    assert main(["--recheck", "--integrate", target], atlas_work.not_the_second) == 1
+    output, errors = capsys.readouterr()
+    assert "DOES NOT STAND" in output
+    assert output.count("parabola: piece p001, s in") == 4
+    assert "FAILED parabola: piece p001, s in" in errors
+    assert main(["--recheck", "--integrate", target], atlas_work.other_times) == 1
+    assert "half period: stored is [2.75, 3.25], which the new integration does not confirm" in capsys.readouterr().err
+
+
+def test_a_piece_that_cannot_be_proved_is_named_and_the_rest_is_kept(tmp_path: Path, capsys: Any) -> None:
+    source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
+    assert main([source, "-o", str(target), "--max-splits", "1"], atlas_work.not_the_second) == 1
+    output, errors = capsys.readouterr()
+    assert "NOT PROVED" in output
+    assert errors.count("p001: not proved: the tube is empty") == 1
+    assert "[4/3]" not in errors
+    assert "Traceback" not in errors
+    stored = read_atlas_certificate(target)
+    assert {r["piece"] for r in stored.results if r["verdict"] == "proved"} == {"p000", "p002"}
+
+    # The same command with more splits proves p001 and nothing else.
+    assert main([source, "-o", str(target), "--max-splits", "2"], atlas_work.short_only) == 0
+    output, errors = capsys.readouterr()
+    assert "2 of 3 pieces settled already" in errors
+    assert [line.split()[-1] for line in output.splitlines() if line.startswith(("p000", "p002"))] == ["kept", "kept"]
+
+
+def test_a_process_that_ends_costs_its_piece_only_and_is_tried_again(tmp_path: Path, capsys: Any) -> None:
+    source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
+    assert main([source, "-o", str(target), "--jobs", "2"], atlas_work.dying) == 1
+    assert "exit code 3" in capsys.readouterr().err
+    assert {r["piece"] for r in read_atlas_certificate(target).results if r["verdict"] == "proved"} == {"p000", "p002"}
+    assert main([source, "-o", str(target), "--quiet"], atlas_work.proving) == 0
+
+
+def test_an_interval_without_end_is_ended_at_the_time_limit(tmp_path: Path, capsys: Any) -> None:
+    source = write(tmp_path / "atlas.json")
+    assert main([source, "--timeout", "0.2", "--max-splits", "0"], atlas_work.endless) == 1
+    errors = capsys.readouterr().err
+    assert "p001: not proved: the time limit of 0.2 s passed within one step" in errors
+    assert "p002: proved" in errors
+
+
+def test_a_piece_that_changed_is_proved_again_and_only_that(tmp_path: Path, capsys: Any) -> None:
+    target = tmp_path / "curve.json"
+    assert main([write(tmp_path / "atlas.json"), "-o", str(target), "--quiet"], atlas_work.proving) == 0
+    first, second, third = CURVE.curve_pieces()
+    changed = replace(CURVE, pieces=(first, replace(second, tube=(second.tube[0] / 2,)), third))
+    assert main([write(tmp_path / "atlas.json", changed), "-o", str(target)], atlas_work.proving) == 0
+    errors = capsys.readouterr().err
+    assert "2 of 3 pieces settled already" in errors
+    assert "[1/1] p001: proved" in errors
+    assert read_atlas_certificate(target).atlas.curve_pieces()[1] == changed.curve_pieces()[1]
+    assert main([write(tmp_path / "atlas.json", changed), "-o", str(target), "--fresh"], atlas_work.proving) == 0
+    assert "[3/3]" in capsys.readouterr().err
+
+
+def test_results_of_other_software_are_not_kept(tmp_path: Path, capsys: Any) -> None:
+    target = tmp_path / "curve.json"
+    certificate = certificate_of(CURVE, atlas_work.proving)
+    certificate["software"] = {**certificate["software"], "source": "sha256:other"}
+    certificate["digest"] = digest(certificate)
+    write_atlas_certificate(target, certificate)
+    assert main([write(tmp_path / "atlas.json"), "-o", str(target)], atlas_work.proving) == 0
+    assert "[3/3]" in capsys.readouterr().err
+
+
+def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_path: Path, capsys: Any) -> None:
+    source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
+    call = f"main({[source, '-o', str(target)]!r}, atlas_work.endless)"
+    code = (
+        f"from support import atlas_work; from orbitproof.verify.atlas.__main__ import main; raise SystemExit({call})"
+    )
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
+    with started(["-c", code], env=environment) as run:
+        wait_until(target.exists)
+        time.sleep(0.3)
+        # As a terminal does: to every process of the group.
+        os.killpg(run.pid, signal.SIGINT)
+        output, errors = run.communicate(timeout=60)
+    assert run.returncode == 1
+    assert "interrupted: 1 of 3 pieces finished, saved in" in errors
+    assert "Traceback" not in errors
+    assert "not finished" in output
+    stored = read_atlas_certificate(target)
+    assert stored.document["reason"]["condition"] == "unfinished"
+    assert [result["piece"] for result in stored.results] == ["p000"]
+    assert main(["--recheck", str(target)]) == 1
+
+    assert main([source, "-o", str(target)], atlas_work.proving) == 0
+    assert "1 of 3 pieces settled already" in capsys.readouterr().err
+    assert read_atlas_certificate(target).is_proved
+
+
+def test_examples_of_the_help_parse(capsys: Any) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["--help"])
+    assert stopped.value.code == 0
+    text = capsys.readouterr().out.partition("examples:")[2]
+    commands = [shlex.split(line) for line in re.findall(r"orbitproof verify atlas (.+)", text)]
+    assert len(commands) >= 5
+    for command in commands:
+        assert _parser().parse_args(command).file.suffix == ".json"
+
+
+def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
+    assert "cannot be read" in refused(capsys, str(tmp_path / "none.json"))
+    assert "does not exist" in refused(capsys, source, "-o", str(tmp_path / "none" / "curve.json"))
+    assert "--only" in refused(capsys, source, "--only", "x")
+    certificates = str(ROOT / "tests" / "data" / "figures-certificates.json")
+    text = refused(capsys, source, "--bifurcations", certificates, "--only", "halo-*", "none-such")
+    assert "--only none-such: no such bifurcation; the ids are: " in text
+    assert "is in another file too" in refused(capsys, source, "--bifurcations", certificates, certificates)
+    assert "--integrate" in refused(capsys, source, "--integrate")
+    assert "too small" in refused(capsys, source, "--precision", "3")
+    assert "not an address" in refused(capsys, source, "--scheduler", "somewhere")
+    assert "--output: --recheck writes no file" in refused(capsys, "--recheck", source, "-o", str(target))
+    assert "the file holds an atlas" in refused(capsys, "--recheck", source)
+    write_atlas_certificate(target, certificate_of(replace(CURVE, id="another"), atlas_work.proving))
+    assert "certificate of another atlas ('another')" in refused(capsys, source, "-o", str(target))
+    target.write_text("{")
+    assert "or replace the file with --fresh" in refused(capsys, source, "-o", str(target))
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert "install orbitproof[cluster]" in refused(capsys, source, "--scheduler", "127.0.0.1:8786")
+    for arguments in (["--jobs", "0"], ["--max-splits", "x"], ["--timeout", "-1"], ["--width"]):
+        with pytest.raises(SystemExit) as stopped:
+            main([source, *arguments])
+        assert stopped.value.code == 2
+
+
+def test_a_full_disk_ends_the_run_in_one_line(tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
+
+    def full(*arguments: Any) -> None:
+        raise InputError(f"{target}: cannot be written (No space left on device); free space")
+
+    monkeypatch.setattr("orbitproof.verify.atlas.__main__.write_atlas_certificate", full)
+    assert main([source, "-o", str(target)], atlas_work.proving) == 2
+    errors = capsys.readouterr().err
+    assert errors.splitlines()[-1].startswith(f"error: {target}: cannot be written")
+    assert "Traceback" not in errors
