@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -67,7 +68,10 @@ def sources(folder: Path) -> set[str]:
 
 def test_a_wheel_lands_one_package_and_nothing_generic(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
-    assert {name.split("/")[0] for name in names} == {"orbitproof", "orbitproof-0.1.0.dist-info"}
+    assert {name.split("/")[0] for name in names} == {
+        "orbitproof",
+        f"orbitproof-{metadata.version('orbitproof')}.dist-info",
+    }
 
 
 def test_a_wheel_holds_every_source_and_every_file_of_data(installed: Path) -> None:
