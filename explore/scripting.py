@@ -213,7 +213,7 @@ def trace(
     >>> explore.trace(CR3BP, "L7-halo", mu=EARTH_MOON)
     Traceback (most recent call last):
     ValueError: name: 'L7-halo' is no family of cr3bp; there are L1-halo, L2-halo, L3-halo, L1-lyapunov, L2-lyapunov, \
-L3-lyapunov, L1-vertical, L2-vertical, L3-vertical
+L3-lyapunov, L1-vertical, L2-vertical, L3-vertical, L2-butterfly, dro
     >>> explore.trace(CR3BP, "L1-halo")
     Traceback (most recent call last):
     ValueError: mu: missing; give the mass parameter of cr3bp, in (0, 1), for example shared.EARTH_MOON

@@ -14,13 +14,10 @@ from orbitproof.explore.flow import FlowFailure, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import SHOOTING
 from orbitproof.explore.orbits import OrbitBatch, ShootingProblem, correct_batch, stability_index
 from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, primaries
-from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, MASS_PARAMETERS, ReversibleSystem
 
 ON_SYMMETRY = 1e-6
 """Largest magnitude of y, vx, vz at which a catalogue's initial state counts as lying on Fix(R)."""
-
-ODD = (1, 3, 5)
-"""Indices of the state coordinates that vanish on Fix(R)."""
 
 
 @dataclass(frozen=True)
@@ -128,16 +125,16 @@ def correct_catalogue(
     Fix(R) must be there a quarter of a period later (a vertical family whose orbits start at the x axis); otherwise it
     is marked as failed.
     """
-    size = _size(catalogue)
+    system, size = system_of(catalogue), _size(catalogue)
     planar = bool(np.all(catalogue.states[:, (2, 5)] == 0))
     scale = (size, size, size, 1.0)
     problem = ShootingProblem(
-        CR3BP, {"mu": catalogue.mass_ratio}, symmetry="S" if planar else None, scale=scale, tolerance=tolerance
+        system, {"mu": catalogue.mass_ratio}, symmetry="S" if planar else None, scale=scale, tolerance=tolerance
     )
-    states, failures = _on_fixed_set(catalogue)
-    guesses = np.column_stack([states[:, list(CR3BP.fixed_coordinates)], 0.5 * catalogue.periods])
+    states, failures = _on_fixed_set(catalogue, system)
+    guesses = np.column_stack([states[:, list(system.fixed_coordinates)], 0.5 * catalogue.periods])
     batch = correct_batch(
-        CR3BP,
+        system,
         {"mu": float(catalogue.mass_ratio)},
         guesses,
         symmetry=problem.symmetry,
@@ -149,19 +146,25 @@ def correct_catalogue(
     return CorrectedCatalogue(catalogue, problem, guesses, batch, together)
 
 
-def _on_fixed_set(catalogue: Catalogue) -> tuple[Matrix, list[str]]:
+def system_of(catalogue: Catalogue) -> ReversibleSystem:
+    """The system of whose reversing symmetry the orbits are: axial orbits are symmetric about the x axis."""
+    return CR3BP_AXIAL if catalogue.family == "axial" else CR3BP
+
+
+def _on_fixed_set(catalogue: Catalogue, system: ReversibleSystem) -> tuple[Matrix, list[str]]:
     """A point of each orbit on Fix(R), shape (N, 6), and for the orbits without one why."""
     states, failures = catalogue.states.copy(), [""] * len(catalogue)
     mass = [float(catalogue.mass_ratio)]
+    odd = [index for index, sign in enumerate(system.reversing_symmetry) if sign == -1]
     for i, state in enumerate(states):
-        if np.max(np.abs(state[list(ODD)])) <= ON_SYMMETRY:
+        if np.max(np.abs(state[odd])) <= ON_SYMMETRY:
             continue
         try:
-            later = flow_of(CR3BP).derivative(state, 0.25 * catalogue.periods[i], mass).state
+            later = flow_of(system).derivative(state, 0.25 * catalogue.periods[i], mass).state
         except FlowFailure as error:
             failures[i] = str(error)
             continue
-        if np.max(np.abs(later[list(ODD)])) > 100 * ON_SYMMETRY:
+        if np.max(np.abs(later[odd])) > 100 * ON_SYMMETRY:
             failures[i] = "no point on Fix(R): neither the initial state nor the one a quarter of a period later"
             continue
         states[i] = later
@@ -199,7 +202,7 @@ def system_name(label: str) -> str:
 
 def _branch(family: Family) -> str:
     """N or S for a family outside the plane: the sign of z where its orbits are far from the smaller primary."""
-    if family.problem.symmetry is not None:
+    if family.problem.symmetry is not None or family.problem.system is not CR3BP:
         return ""
     middle = family.orbits[len(family.orbits) // 2]
     _, smaller = primaries(float(family.problem.parameters["mu"]))

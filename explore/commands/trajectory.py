@@ -86,12 +86,12 @@ def run(options: argparse.Namespace) -> int:
         trajectory_of,
         write_csv,
     )
-    from orbitproof.shared.systems import CR3BP
+    from orbitproof.shared.systems import THREE_BODY
 
     epoch = epoch_of(options.epoch)
     try:
         source = find_orbit(options.file, Choice(options.id, options.family, options.orbit))
-        if options.units == "km" and source.system is not CR3BP:
+        if options.units == "km" and source.system not in THREE_BODY:
             raise InputError(f"--units km: {source.system.name} has no units of length and time; leave it out")
         units = chosen_units(options.units, options.lunit, options.tunit, source.units)
         trajectory = trajectory_of(source, options.points, options.periods)

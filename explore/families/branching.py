@@ -12,10 +12,10 @@ from typing import Literal
 
 import numpy as np
 
-from orbitproof.explore.families.continuation import Family, Stop
+from orbitproof.explore.families.continuation import Family, Stop, crossings
 from orbitproof.explore.families.detection import LocatedResonance
-from orbitproof.explore.flow import Matrix
-from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector
+from orbitproof.explore.orbits import Correction, CorrectionFailure, ShootingProblem, SymmetricOrbit
 
 Sign = Literal[1, -1]
 
@@ -36,6 +36,40 @@ def branch_seed(problem: ShootingProblem, breaking: LocatedResonance, sign: Sign
     tangent[list(outer.odd_unknowns(breaking.symmetry))] = sign
     tangent /= np.linalg.norm(tangent)
     return Family(outer, (replace(breaking.orbit, arclength=0.0),), (tangent,), "limit", "started")
+
+
+def doubling_seed(problem: ShootingProblem, resonance: LocatedResonance) -> Family:
+    """The branch of doubled period at a 1:2 resonance, not traced yet: its first orbit and its tangent there.
+
+    Over two half returns the shooting equations have two solution curves through the resonant orbit, so that their
+    derivative has a kernel of dimension two. The tangent of the branch is the direction in it in which the first
+    integral does not change: the orbits on both sides of the branch are the same, half a period apart. Raises
+    `CorrectionFailure` for a system without first integral and where the kernel is not found.
+    """
+    orbit, system = resonance.orbit, problem.system
+    doubled = np.append(orbit.centre(resonance.side), 2 * orbit.half_period)
+    if system.first_integral is None:
+        raise CorrectionFailure("a doubled family needs a first integral")
+    try:
+        _, jacobian, flow = problem.evaluate(doubled)
+    except FlowFailure as error:
+        raise CorrectionFailure(str(error)) from None
+    _, _, rows = np.linalg.svd(jacobian * problem.scales)
+    kernel = rows[-2:]
+    slopes = [_integral_slope(problem, doubled, row) for row in kernel]
+    tangent = kernel[0] * slopes[1] - kernel[1] * slopes[0]
+    tangent /= np.linalg.norm(tangent)
+    first = problem.orbit(Correction(doubled, jacobian, flow, 0), 0.0, crossings(problem, problem.samples(doubled)))
+    return Family(problem, (first,), (tangent,), "limit", "started")
+
+
+def _integral_slope(problem: ShootingProblem, unknowns: Vector, direction: Vector) -> float:
+    """Derivative of the first integral along a direction in scaled unknowns, by central differences."""
+    assert problem.system.first_integral is not None
+    step = 1e-6 * direction * problem.scales
+    values = problem.parameter_values(unknowns)
+    ends = [problem.system.first_integral(problem.initial_state(unknowns + sign * step), values)[0] for sign in (1, -1)]
+    return float(ends[0] - ends[1]) / 2e-6
 
 
 def after_breakings(problem: ShootingProblem, count: int, stop: Stop) -> Stop:

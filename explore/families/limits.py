@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from orbitproof.explore.flow import Matrix
 from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
 from orbitproof.explore.seeds import distance_to_primaries
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import THREE_BODY
 
 BETA_START = 100.0
 
@@ -52,7 +52,7 @@ class Limits:
         integral = orbit.first_integral
         if self.integral_min is not None and integral is not None and integral <= self.integral_min:
             return f"limit {system.first_integral_name} = {self.integral_min:g}"
-        if system is CR3BP:
+        if system in THREE_BODY:
             mass = float(problem.parameters["mu"])
             bound = self.distance(mass)
             if distance_to_primaries(states, mass) <= bound:

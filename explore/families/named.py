@@ -2,7 +2,11 @@
 
 - cr3bp: ``L1-lyapunov`` (planar), ``L1-vertical`` and ``L1-halo``, which branches off where the symmetry S of the
   planar family breaks first; ``L1-halo-2``, ``L1-halo-3``, .. branch off where it does so the next times. The same for
-  L2 and L3.
+  L2 and L3. ``L2-butterfly`` branches off, with twice the period, at the last 1:2 resonance of the L2 halo family on the
+  way to the smaller primary; ``dro``, the distant retrograde orbits, are planar orbits around the smaller primary, from
+  small circles outwards.
+- cr3bp-axial, the same equations with the half turn about the x axis: ``L1-axial`` branches off where S breaks first on
+  the planar family among orbits with that symmetry. The same for L2 and L3.
 - falkner-skan: ``odd``, the symmetric periodic orbits in the parameter beta.
 
 The first point of an orbit on Fix(R) is the crossing from which the paper draws the family: for L1
@@ -19,7 +23,7 @@ from fractions import Fraction
 import numpy as np
 
 from orbitproof.explore.engines import Progress
-from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed
+from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed, doubling_seed
 from orbitproof.explore.families.continuation import (
     Course,
     Family,
@@ -30,7 +34,7 @@ from orbitproof.explore.families.continuation import (
     in_fixed_space,
     trace,
 )
-from orbitproof.explore.families.detection import symmetry_breaking_near, symmetry_breakings
+from orbitproof.explore.families.detection import detect, symmetry_breaking_near, symmetry_breakings
 from orbitproof.explore.families.limits import BETA_START, Limits
 from orbitproof.explore.families.step_control import CONTROL, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix
@@ -38,10 +42,13 @@ from orbitproof.explore.names import branch_number, is_family_name
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.seeds import LinearOrbit, detuning, libration_point, limit_orbit, lyapunov_orbit, vertical_orbit
-from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
 
 AMPLITUDE = 1e-3
 PLANAR_ORBITS = 2000
+
+RETROGRADE_RADIUS = 0.1
+"""Of the first distant retrograde orbit, in units of (mu/3)^(1/3)."""
 
 
 class FamilyFailure(Exception):
@@ -68,11 +75,15 @@ def trace_family(
     """
     if not is_family_name(system.name, name):
         raise ValueError(f"unknown family {name!r} of {system.name}")
-    tracer = _Tracer(parameters, limits, control, progress)
+    tracer = _Tracer(system, parameters, limits, control, progress)
     try:
         if system is FALKNER_SKAN:
             return tracer.falkner_skan()
+        if name == "dro":
+            return tracer.grown(*tracer.retrograde_start())
         point, kind = name.split("-")[:2]
+        if kind == "butterfly":
+            return tracer.butterfly(point)
         if kind == "lyapunov":
             return tracer.grown(*tracer.planar_start(point))
         if kind == "vertical":
@@ -96,7 +107,9 @@ def continue_family(
         return family
     if len(family.orbits) > 1 and in_fixed_space(problem, last):
         return family
-    course = _Tracer(problem.parameters, limits, control, progress).course(problem, limits, family.orbits)
+    course = _Tracer(problem.system, problem.parameters, limits, control, progress).course(
+        problem, limits, family.orbits
+    )
     more = extend(replace(family, problem=problem), course)
     return _with_symmetric_end(more)
 
@@ -135,15 +148,21 @@ class _Tracer:
     """Traces families of given parameters from their first orbits."""
 
     def __init__(
-        self, parameters: Mapping[str, Fraction], limits: Limits, control: StepControl, progress: Progress | None
+        self,
+        system: ReversibleSystem,
+        parameters: Mapping[str, Fraction],
+        limits: Limits,
+        control: StepControl,
+        progress: Progress | None,
     ) -> None:
+        self.system = system
         self.parameters = parameters
         self.limits = limits
         self.control = control
         self.progress = progress
 
-    def problem(self, system: ReversibleSystem, scale: tuple[float, ...], symmetry: str | None) -> ShootingProblem:
-        return ShootingProblem(system, self.parameters, symmetry, scale, self.control.tolerance)
+    def problem(self, scale: tuple[float, ...], symmetry: str | None) -> ShootingProblem:
+        return ShootingProblem(self.system, self.parameters, symmetry, scale, self.control.tolerance)
 
     def course(self, problem: ShootingProblem, bounds: Limits, orbits: tuple[SymmetricOrbit, ...] = ()) -> Course:
         """Up to `bounds` after `orbits`, with progress towards the limits asked for."""
@@ -166,9 +185,34 @@ class _Tracer:
         return self._linear_start(libration.distance, vertical_orbit(libration, amplitude * libration.distance), None)
 
     def _linear_start(self, size: float, orbit: LinearOrbit, symmetry: str | None) -> tuple[ShootingProblem, Start]:
-        fixed = list(CR3BP.fixed_coordinates)
+        fixed = list(self.system.fixed_coordinates)
         start = Start(np.append(orbit.state[fixed], orbit.half_period), np.append(orbit.direction[fixed], 0.0))
-        return self.problem(CR3BP, (size, size, size, 1.0), symmetry), start
+        return self.problem((size, size, size, 1.0), symmetry), start
+
+    def retrograde_start(self) -> tuple[ShootingProblem, Start]:
+        """A small circle around the smaller primary, against its turning: first crossing at x < 1 - mu, vy > 0."""
+        mass = float(self.parameters["mu"])
+        hill = float((mass / 3) ** (1 / 3))
+        radius = RETROGRADE_RADIUS * hill
+        turning = float(np.sqrt(mass / radius**3)) + 1.0
+        start = Start(
+            np.array([1.0 - mass - radius, 0.0, turning * radius, np.pi / turning]), np.array([-1.0, 0.0, 0.0, 0.0])
+        )
+        return self.problem((hill, hill, hill, 1.0), "S"), start
+
+    def butterfly(self, point: str) -> Family:
+        """The branch of doubled period at the last 1:2 resonance of the halo family."""
+        far = Limits(PLANAR_ORBITS, min_distance=self.limits.min_distance)
+        halo = _Tracer(self.system, self.parameters, far, self.control, self.progress).halo(point, 1, 1)
+        if halo.outcome == "interrupted":
+            raise KeyboardInterrupt
+        if self.progress is not None:
+            self.progress("1:2 resonances of the halo family", 0.0)
+        resonances = detect(halo, [2]).resonances
+        if not resonances:
+            raise CorrectionFailure(f"no 1:2 resonance on the halo family: {halo.reason}")
+        branch = doubling_seed(halo.problem, resonances[-1])
+        return continue_family(branch, self.limits, control=self.control, progress=self.progress)
 
     def halo(self, point: str, number: int, sign: Sign) -> Family:
         """The branch at the symmetry breaking `number` = 1, 2, .. of the planar family."""
@@ -193,7 +237,7 @@ class _Tracer:
 
     def falkner_skan(self) -> Family:
         """Starts at beta = 100, or where the range begins above it, goes down to its lower end and then up."""
-        problem = self.problem(FALKNER_SKAN, (1000.0, 1.0, 1.0), None)
+        problem = self.problem((1000.0, 1.0, 1.0), None)
         limits, limit = self.limits, limit_orbit()
         beta = max(BETA_START, limits.parameter_min)
         start = Start(np.array([beta, limit.upper, limit.half_period / np.sqrt(beta)]), np.array([1.0, 0.0, 0.0]))

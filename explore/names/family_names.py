@@ -7,7 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
-    "cr3bp": tuple(f"{point}-{kind}" for kind in ("halo", "lyapunov", "vertical") for point in ("L1", "L2", "L3")),
+    "cr3bp": (
+        *(f"{point}-{kind}" for kind in ("halo", "lyapunov", "vertical") for point in ("L1", "L2", "L3")),
+        "L2-butterfly",
+        "dro",
+    ),
+    "cr3bp-axial": ("L1-axial", "L2-axial", "L3-axial"),
     "falkner-skan": ("odd",),
 }
 """The families that can be asked for, by system; `explore.families.named` traces them."""

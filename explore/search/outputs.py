@@ -15,7 +15,7 @@ from orbitproof.explore.catalogue import (
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import TracedFamily, family_record
 from orbitproof.explore.records import write_families
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import THREE_BODY
 
 
 def write_outputs(items: Sequence[TracedFamily], family: Path | None, report: Reporter) -> None:
@@ -27,7 +27,7 @@ def write_outputs(items: Sequence[TracedFamily], family: Path | None, report: Re
 
 def write_traced(items: Sequence[TracedFamily], csv: Path | None, catalogue: Path | None, report: Reporter) -> None:
     """Write the orbits of traced CR3BP families in the catalogue's forms. Raises `InputError`."""
-    spatial = [item for item in items if item.system is CR3BP]
+    spatial = [item for item in items if item.system in THREE_BODY]
     for item in spatial:
         form = catalogue_of(item.family, item.name, item.label)
         paths = [None if path is None else path_for(path, item, len(spatial)) for path in (csv, catalogue)]

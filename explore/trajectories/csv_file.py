@@ -11,7 +11,7 @@ from orbitproof.explore.trajectories.trajectory import Trajectory
 from orbitproof.explore.trajectories.units import Units
 from orbitproof.shared.formats import write_text
 from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import THREE_BODY
 
 
 def write_csv(path: Path, trajectory: Trajectory, units: Units | None) -> None:
@@ -36,7 +36,7 @@ def description(trajectory: Trajectory, units: Units | None) -> list[str]:
     ]
     if system.family_parameter is not None:
         lines.append(f"{system.family_parameter} = {orbit.unknowns[0]:.17g}")
-    if system is CR3BP:
+    if system in THREE_BODY:
         lines.append("frame: turns with the primaries, origin in their centre of mass, x towards the smaller one")
     lines.append(f"period: {orbit.period:.15g} (nondimensional)")
     if orbit.first_integral is not None:
@@ -60,7 +60,7 @@ def complex_text(value: complex) -> str:
 
 def _columns(trajectory: Trajectory, units: Units | None) -> tuple[Sequence[str], np.ndarray]:
     names = trajectory.source.system.state
-    if trajectory.source.system is not CR3BP:
+    if trajectory.source.system not in THREE_BODY:
         return ("t", *names), np.ones(1 + len(names))
     length, time, velocity = ("LU", "TU", "LU/TU") if units is None else ("km", "s", "km/s")
     labels = [f"{name} ({velocity if name.startswith('v') else length})" for name in names]

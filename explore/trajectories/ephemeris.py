@@ -10,7 +10,7 @@ from orbitproof.explore.trajectories.csv_file import description
 from orbitproof.explore.trajectories.trajectory import Trajectory
 from orbitproof.explore.trajectories.units import Units
 from orbitproof.shared.formats import InputError
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import THREE_BODY
 
 LONGEST_LINE = 240
 """The standard allows 254 characters a line, the keyword included."""
@@ -38,7 +38,7 @@ def ephemeris_text(trajectory: Trajectory, units: Units | None, epoch: np.dateti
     The restricted three-body problem knows no date: `epoch` is the label of time 0. Raises `InputError` where there
     is no length in km, and `ModuleNotFoundError` where ccsds-ndm is not installed.
     """
-    if trajectory.source.system is not CR3BP:
+    if trajectory.source.system not in THREE_BODY:
         raise InputError(f"--oem: {trajectory.source.system.name} has no orbits in space; leave it out")
     if units is None:
         raise InputError(

@@ -16,7 +16,7 @@ from orbitproof.explore.flow import Vector
 from orbitproof.explore.records import FamilyRecord, read_families
 from orbitproof.explore.trajectories.units import Units
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates, read_document
-from orbitproof.shared.systems import CR3BP, ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem
 
 _LISTED = 5
 _REMEDY = "give candidates, certificates, families or a periodic orbit catalogue"
@@ -163,7 +163,7 @@ def _catalogue_row(path: Path, choice: Choice) -> SourceOrbit:
         units = Units(catalogue.lunit, catalogue.tunit, "as in the catalogue")
     title = f"orbit {number + 1} of {len(catalogue)} of {' '.join((catalogue.system, catalogue.title)).strip()}"
     return SourceOrbit(
-        CR3BP,
+        corrected.problem.system,
         {"mu": catalogue.mass_ratio},
         corrected.batch.unknowns[0],
         title,

@@ -11,7 +11,7 @@ those that R fixes (they parametrise Fix(R)) and those that it negates (they van
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -220,6 +220,16 @@ CR3BP = ReversibleSystem(
     level_coordinate="vy",
 )
 
+CR3BP_AXIAL = replace(
+    CR3BP,
+    name="cr3bp-axial",
+    title="circular restricted three-body problem, reversible under the half turn about the x axis",
+    reversing_symmetry=(1, -1, -1, -1, 1, 1),
+)
+
+THREE_BODY = (CR3BP, CR3BP_AXIAL)
+"""The same equations with the two reversing symmetries that they have, R and R S."""
+
 HILL = ReversibleSystem(
     name="cr3bp-hill",
     title="circular restricted three-body problem in Hill's units",
@@ -245,7 +255,7 @@ FALKNER_SKAN = ReversibleSystem(
     family_parameter="beta",
 )
 
-SYSTEMS: Mapping[str, ReversibleSystem] = {system.name: system for system in (CR3BP, HILL, FALKNER_SKAN)}
+SYSTEMS: Mapping[str, ReversibleSystem] = {system.name: system for system in (CR3BP, CR3BP_AXIAL, HILL, FALKNER_SKAN)}
 
 MASS_PARAMETERS: Mapping[str, Fraction] = {
     "earth-moon": Fraction(float.fromhex("0x1.8e267d713713fp-7")),

@@ -166,6 +166,17 @@ def test_orbit_that_starts_on_the_x_axis_is_taken_where_it_meets_fix_r(small: Co
     assert result.differences.stability_index[0] < 1e-7
 
 
+def test_axial_orbits_are_written_read_and_corrected_about_the_x_axis(tmp_path: Path) -> None:
+    path = tmp_path / "axial.json"
+    words = ["--system", "cr3bp-axial", "--mass", "jpl-earth-moon", "--family", "L2-axial", "--max-orbits", "6"]
+    assert main(["family", *words, "--jobs", "1", "-o", str(tmp_path / "f.json"), "--catalogue", str(path)]) == 0
+    catalogue = read_catalogue(path)
+    assert (catalogue.title, catalogue.system) == ("L2-axial", "Earth-Moon")
+    result = correct_catalogue(catalogue)
+    assert np.all(result.corrected)
+    assert np.max(result.differences.state) < 1e-10
+
+
 def on_family(family: Family, unknowns: np.ndarray) -> float:
     """Distance, in the family's units, of an orbit from the one on the family in the hyperplane through it."""
     scales = family.problem.scales

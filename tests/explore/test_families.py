@@ -11,8 +11,9 @@ from orbitproof.explore.families.continuation import Course, Family, Start, Step
 from orbitproof.explore.families.detection import Detection, detect, symmetry_breakings
 from orbitproof.explore.families.named import FamilyFailure, Limits, continue_family, trace_family
 from orbitproof.explore.families.stability_curve import StabilityCurve
+from orbitproof.explore.flow.flow import flow_of
 from orbitproof.explore.orbits.shooting import CorrectionFailure, ShootingProblem
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.shared.systems.system import CR3BP, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 BIRTH = (3.1743503, 3.1743536)
@@ -229,3 +230,63 @@ def test_unknown_stability_at_many_orbits_is_one_line(halo_family: Family, monke
     (line,) = curve.unknown
     assert f"unknown at {len(places)} orbits" in line
     assert f"nothing at {places[0]}" in line
+
+
+CATALOGUE_MASS = {"mu": MASS_PARAMETERS["jpl-earth-moon"]}
+
+
+def closes(family: Family, index: int) -> bool:
+    """Whether the flow brings an orbit back after its period, to six digits times its instability."""
+    orbit = family.orbits[index]
+    start = family.problem.initial_state(orbit.unknowns)
+    end = flow_of(family.problem.system).derivative(start, orbit.period, [float(CATALOGUE_MASS["mu"])]).state
+    return bool(np.linalg.norm(end - start) < 1e-9 * (1 + max(abs(s) for s in orbit.stability)))
+
+
+def test_distant_retrograde_orbits_circle_the_smaller_primary_against_its_turning() -> None:
+    family = trace_family(CR3BP, "dro", CATALOGUE_MASS, Limits(max_orbits=90))
+    assert family.outcome == "limit"
+    mass = float(CATALOGUE_MASS["mu"])
+    for index in (0, 40, 89):
+        orbit = family.orbits[index]
+        path = family.problem.samples(orbit.unknowns)
+        x, y, vx, vy = path[:, 0] - (1 - mass), path[:, 1], path[:, 3], path[:, 4]
+        assert np.all(x * vy - y * vx < 0)
+        assert closes(family, index)
+        assert all(abs(s) <= 1 + 1e-9 for s in orbit.stability)
+    assert family.orbits[0].half_period < 0.1
+    assert family.orbits[89].half_period > 1.0
+
+
+def test_axial_family_joins_two_lyapunov_families_and_is_symmetric_about_the_x_axis() -> None:
+    family = trace_family(CR3BP_AXIAL, "L1-axial", CATALOGUE_MASS, Limits(max_orbits=200))
+    assert family.reason.startswith("the family returns to Fix(S)")
+    middle = family.orbits[len(family.orbits) // 2]
+    turned = np.array(CR3BP_AXIAL.reversing_symmetry)
+    flow, mass = flow_of(CR3BP_AXIAL), [float(CATALOGUE_MASS["mu"])]
+    start = family.problem.initial_state(middle.unknowns)
+    ahead, behind = (flow.derivative(start, sign * 0.4, mass).state for sign in (1, -1))
+    assert behind == pytest.approx(turned * ahead, abs=1e-9)
+    assert abs(middle.unknowns[2]) > 0.1
+    # No mirror image of itself under R: the highest point lies off the plane y = 0.
+    mirrored = np.array(CR3BP.reversing_symmetry)
+    assert np.max(np.abs(behind - mirrored * ahead)) > 0.05
+    assert closes(family, len(family.orbits) // 2)
+    # Born on a planar family where an eigenvalue is 1.
+    assert min(abs(s - 1) for s in family.orbits[0].stability) < 1e-9
+
+
+@pytest.mark.slow
+def test_butterfly_branches_off_the_halo_family_with_twice_its_period() -> None:
+    family = trace_family(CR3BP, "L2-butterfly", CATALOGUE_MASS, Limits(max_orbits=25))
+    first = family.orbits[0]
+    assert closes(family, 0)
+    start = family.problem.initial_state(first.unknowns)
+    flow, mass = flow_of(CR3BP), [float(CATALOGUE_MASS["mu"])]
+    assert flow.derivative(start, 0.5 * first.period, mass).state == pytest.approx(start, abs=1e-8)
+    for index in (10, 24):
+        orbit = family.orbits[index]
+        start = family.problem.initial_state(orbit.unknowns)
+        assert closes(family, index)
+        half = flow.derivative(start, 0.5 * orbit.period, mass).state
+        assert np.linalg.norm(half - start) > 1e-3
