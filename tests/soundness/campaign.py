@@ -1,15 +1,21 @@
 """False claims and forged certificates by the thousand: ``python tests/soundness/campaign.py --output campaign.json``.
 
-Runs for hours, keeps what it has after every batch, and goes on with the same command. What is true of a claim is
-decided as in `test_soundness_campaign`; a forgery is a certificate of any kind with one to three fields changed and a
-new digest, checked at all levels. Nothing false may be proved, and what no level finds has to be among the fields that
-belong to no claim.
+Runs for an hour or more, keeps what it has after every batch, and goes on with the same command. What is true of a
+claim is decided as in `test_soundness_campaign`; with ``--candidates`` every row of a candidates file gives false
+claims too, about which nothing has to be known but that its centre is the bifurcation point. A forgery is a certificate
+of any kind with one to three fields changed and a new digest, or with one entry of what it stores changed and all else
+derived from that again. It is checked at all levels; for the last, a claim is integrated once more, and what a prover
+would find on the pieces of an atlas is what was proved there. Nothing false may be proved, and what no level finds has
+to be among the fields that belong to no claim.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import itertools
 import json
+import math
 import multiprocessing
 import random
 import signal
@@ -29,21 +35,28 @@ sys.path[:0] = [str(TESTS), str(TESTS / "soundness")]
 
 from support import atlas_work  # noqa: E402
 from support.chain_cases import parabola  # noqa: E402
-from support.claims import EARTH_MOON, known, shifted, verdict_of  # noqa: E402
+from support.claims import known, shifted, verdict_of  # noqa: E402
 from support.forgeries import DATA, Change, Document, atlas_certificate, changes, checked, forged, honest, read  # noqa: E402
 from test_soundness_campaign import EVERYWHERE, LIMITS, THREE_BODY, Trial, objection, perturbed_symmetry_point  # noqa: E402
 
 import orbitproof.verify.certificate.rechecking as rechecking  # noqa: E402
-from orbitproof.shared.formats import InputError  # noqa: E402
+from orbitproof.shared.formats import Candidate, InputError, read_candidates  # noqa: E402
 from orbitproof.shared.numbers import round_dyadic  # noqa: E402
+from orbitproof.shared.systems import ReversibleSystem  # noqa: E402
+from orbitproof.verify.atlas.recheck import atlas_of  # noqa: E402
 from orbitproof.verify.bifurcation import level_form  # noqa: E402
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck  # noqa: E402
 from orbitproof.verify.certificate.certify import certify  # noqa: E402
 
 BATCH = 25
 
-ROWS = ("fs2", "fs3", "fs4", "em1", "em1", "fs2", "fs3", "em2")
+ROWS = (*5 * ("fs2", "em1", "em1"), *3 * ("fs3",), "fs4", "fs5", "em2")
 """Rows that claims are made from; what takes longer comes seldom."""
+
+FALSE_OF_ROW = 4
+"""False claims from each row of a candidates file."""
+
+ROW_LIMITS = Limits(max_precision=512, timeout=300.0)
 
 CERTIFICATES = ("fs2", "fs3", "em1", "curve", "family", "surface")
 
@@ -57,7 +70,11 @@ WEAKER = ("deviation.*", "slope_deviation.*", ".rad")
 
 def sliver(name: str, source: random.Random) -> Trial:
     """The box moved until the point is just outside of it, by 1e-5 to 1e-1 of a radius."""
-    claim = known(name)
+    return beside(known(name), source)
+
+
+def beside(claim: Candidate, source: random.Random) -> Trial:
+    """The same for any claim."""
     j = source.choice([0, *range(2, len(claim.radii))] if claim.k == 1 else range(len(claim.radii)))
     beyond = 1 + round_dyadic(Fraction(10 ** source.uniform(-5, -1)), 40)
     p = [Fraction(0)] * len(claim.radii)
@@ -67,13 +84,23 @@ def sliver(name: str, source: random.Random) -> Trial:
 
 def mass_by_one_unit(name: str, source: random.Random) -> Trial:
     """The mass parameter off by one unit in its last place: the point moves by much more than the box is wide."""
-    step = Fraction(source.choice((-1, 1)), 2**59)
-    return Trial("mass, one unit", replace(known(name), parameters={"mu": EARTH_MOON["mu"] + step}), None)
+    return with_mass_by_one_unit(known(name), source)
+
+
+def with_mass_by_one_unit(claim: Candidate, source: random.Random) -> Trial:
+    """The same for any claim."""
+    mass = float(claim.parameters["mu"])
+    other = math.nextafter(mass, source.choice((0.0, 1.0)))
+    return Trial("mass, one unit", replace(claim, parameters={"mu": Fraction(other)}), None)
 
 
 def other_level(name: str, source: random.Random) -> Trial:
     """The level form of a claim at another level of the first integral."""
-    claim = known(name)
+    return at_other_level(known(name), source)
+
+
+def at_other_level(claim: Candidate, source: random.Random) -> Trial:
+    """The same for any claim."""
     form = level_form(claim)
     assert form is not None
     shift = form.radii[0] * round_dyadic(Fraction(10 ** source.uniform(-5, 3)), 40)
@@ -81,32 +108,140 @@ def other_level(name: str, source: random.Random) -> Trial:
     return Trial("level", replace(form, centre=centre), None)
 
 
+def false_symmetry(name: str, source: random.Random) -> Trial:
+    """R or S with one sign turned: the system does not have it."""
+    return with_false_symmetry(known(name), source)
+
+
+def with_false_symmetry(claim: Candidate, source: random.Random) -> Trial:
+    """The same for any claim; S matters for its breaking only."""
+    system = claim.system
+    if claim.symmetry is not None and source.random() < 0.5:
+        signs = list(system.symmetries[claim.symmetry])
+        signs[source.randrange(len(signs))] *= -1
+        changed = replace(system, symmetries={claim.symmetry: tuple(signs)})
+        return Trial("S", replace(claim, system=changed), None)
+    return Trial("R", replace(claim, system=source.choice(without_its_symmetry(system))), None)
+
+
+def without_its_symmetry(system: ReversibleSystem) -> list[ReversibleSystem]:
+    """The system with every other R that has a Fix(R) of the right dimension; it has none of them."""
+    true = [system.reversing_symmetry]
+    true += [tuple(a * b for a, b in zip(true[0], signs, strict=True)) for signs in system.symmetries.values()]
+    found = []
+    for signs in itertools.product((1, -1), repeat=len(system.state)):
+        if signs not in true:
+            with contextlib.suppress(ValueError):
+                found.append(replace(system, reversing_symmetry=signs))
+    return found
+
+
+def exchanged(claim: Candidate, rows: Sequence[Candidate]) -> Trial | None:
+    """The box of a row around the point of the row that is nearest to it, of the same mass and multiplicity."""
+    others = [
+        row for row in rows
+        if row.id != claim.id and (row.parameters, row.k, row.kind) == (claim.parameters, claim.k, claim.kind)
+    ]  # fmt: skip
+    if not others:
+        return None
+    nearest = min(others, key=lambda row: sum(abs(a - b) for a, b in zip(row.centre, claim.centre, strict=True)))
+    return Trial("nearest row's point", replace(claim, centre=nearest.centre), None)
+
+
+def other_multiplicity(claim: Candidate, source: random.Random) -> Trial:
+    """Another k, with the kind that goes with it, or another kind."""
+    if source.random() < 0.3:
+        kind = "touch_and_go" if claim.kind != "touch_and_go" else "period_tupling"
+        return Trial("kind", replace(claim, kind=kind), None)
+    k = source.choice([k for k in (2, 3, 4) if k != claim.k])
+    return Trial("k", replace(claim, k=k, kind="touch_and_go" if k == 3 else "period_tupling", symmetry=None), None)
+
+
 Maker = Callable[[str, random.Random], Trial]
 
 
 def makers(name: str) -> Sequence[Maker]:
     """Ways of changing a claim of this row."""
+    if name == "fs5":
+        return (*EVERYWHERE, sliver, sliver, sliver)
     if name.startswith("fs"):
-        return (*EVERYWHERE, perturbed_symmetry_point, sliver, sliver, sliver)
-    return (*THREE_BODY, sliver, sliver, mass_by_one_unit, other_level)
+        return (*EVERYWHERE, perturbed_symmetry_point, *5 * (sliver,), false_symmetry)
+    return (*THREE_BODY, *5 * (sliver,), *3 * (mass_by_one_unit, other_level), false_symmetry)
+
+
+class Record:
+    """Counts and objections of one batch.
+
+    Attributes:
+        false: how many false claims there were.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+        self.counts: Counter[str] = Counter()
+        self.rows: Counter[str] = Counter()
+        self.wrong: list[str] = []
+        self.false = 0
+
+    def add(self, trial: Trial, limits: Limits) -> None:
+        """Certify a claim and judge the verdict."""
+        row, is_true = trial.claim.id, trial.is_true
+        claim = replace(trial.claim, id=f"{self.seed}.{self.counts.total()} {row}")
+        certificate = certify(claim, limits)
+        verdict = "proved" if certificate.proved else "refused"
+        system = claim.system.name
+        self.counts[f"{system}, {trial.change}: {'true' if is_true else 'false'}, {verdict}"] += 1
+        if not is_true:
+            self.false += 1
+            self.rows[row] += 1
+        problem = objection(trial, certificate)
+        if problem is not None:
+            self.wrong.append(f"seed {self.seed}, {claim.id}, {trial.change}: {problem} ({verdict_of(certificate)})")
+
+    def to_json(self) -> dict[str, Any]:
+        """What is kept."""
+        return {"counts": self.counts, "rows": self.rows, "wrong": self.wrong}
 
 
 def claims_batch(seed: int) -> dict[str, Any]:
-    """Counts and objections of one batch of claims."""
-    source = random.Random(seed)
-    counts: Counter[str] = Counter()
-    wrong: list[str] = []
-    for number in range(BATCH):
+    """One batch of false claims, and of true ones that came up among them."""
+    source, record = random.Random(seed), Record(seed)
+    while record.false < BATCH:
         name = source.choice(ROWS)
-        trial = source.choice(makers(name))(name, source)
-        trial = replace(trial, name=name, claim=replace(trial.claim, id=f"{seed}.{number} {trial.claim.id}"))
-        certificate = certify(trial.claim, LIMITS)
-        verdict = "proved" if certificate.proved else "refused"
-        counts[f"{trial.change}: {'true' if trial.is_true else 'false'}, {verdict}"] += 1
-        problem = objection(trial, certificate)
-        if problem is not None:
-            wrong.append(f"seed {seed}, {trial.claim.id}, {trial.change}: {problem} ({verdict_of(certificate)})")
-    return {"counts": counts, "wrong": wrong}
+        trial = replace(source.choice(makers(name))(name, source), name=name)
+        record.add(trial, replace(LIMITS, level=source.choice(("auto", "auto", "integral", "coordinates"))))
+    return record.to_json()
+
+
+def rows_batch(seed: int) -> dict[str, Any]:
+    """False claims from one row of the candidates file."""
+    source, record = random.Random(seed), Record(seed)
+    rows = candidate_rows(_CANDIDATES[0])
+    claim = rows[seed % 1_000_000]
+    near = exchanged(claim, rows)
+    trials = [beside(claim, source), with_mass_by_one_unit(claim, source)] + ([] if near is None else [near])
+    while len(trials) < FALSE_OF_ROW:
+        makers = (other_multiplicity, at_other_level, with_false_symmetry, beside)
+        trials.append(source.choice(makers)(claim, source))
+    for trial in trials:
+        assert not trial.is_true
+        record.add(trial, ROW_LIMITS)
+    return record.to_json()
+
+
+@cache
+def candidate_rows(path: Path) -> list[Candidate]:
+    """The rows of a candidates file that depend on a mass."""
+    return [candidate for candidate in read_candidates(path) if "mu" in candidate.parameters]
+
+
+_CANDIDATES: list[Path] = []
+"""The candidates file of this process."""
+
+
+def _begin(candidates: Path | None) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _CANDIDATES[:] = [] if candidates is None else [candidates]
 
 
 @cache
@@ -151,55 +286,83 @@ def forgeries_batch(seed: int) -> dict[str, Any]:
     """Counts of one batch of forgeries by kind and by what found them, and those that should have been found."""
     source = random.Random(seed)
     counts: Counter[str] = Counter()
+    missed: Counter[str] = Counter()
     wrong: list[str] = []
     for _ in range(BATCH):
         kind = source.choice(CERTIFICATES)
         document, check, possible = material(kind)
         if kind not in ("curve", "family", "surface"):
             _integrated_once(kind)
-        chosen = source.sample(possible, source.choice((1, 1, 2, 3)))
+        consistent = source.random() < 0.3
+        chosen = source.sample(
+            _stored(possible) if consistent else possible, 1 if consistent else source.choice((1, 1, 2, 3))
+        )
 
         def change(entry: Document, chosen: Sequence[Change] = chosen) -> None:
             for each in chosen:
                 each.apply(entry)
 
         try:
-            result = check(forged(document, change))
+            changed = forged(document, change)
+            result = check(derived_again(kind, changed) if consistent else changed)
         except InputError:
             finder = "form"
         else:
             finder = "nothing" if result.stands else Level(result.level + 1).name.lower()
             finder = "nothing (cannot be checked)" if result.obstacle else finder
-        counts[f"{kind}: {finder}"] += 1
+        counts[f"{kind}{', derived again' if consistent else ''}: {finder}"] += 1
+        if finder == "nothing":
+            missed.update({f"{kind}: {each.field}, {each.how}" for each in chosen})
         if finder == "nothing" and not all(_is_harmless(each) for each in chosen):
             wrong.append(f"seed {seed}, {kind}: {'; '.join(f'{each.field}, {each.how}' for each in chosen)}")
-    return {"counts": counts, "wrong": wrong}
+    return {"counts": counts, "missed": missed, "wrong": wrong}
+
+
+def _stored(possible: Sequence[Change]) -> list[Change]:
+    """Changes of what a certificate stores and everything else is derived from."""
+    return [
+        each for each in possible
+        if each.field.startswith(("enclosures.", "results.*.")) and "computation" not in each.field
+    ]  # fmt: skip
+
+
+def derived_again(kind: str, changed: Document) -> Document:
+    """The certificate that follows from what the changed one stores, as far as anything does."""
+    try:
+        if kind in ("curve", "family", "surface"):
+            rests_on = [Certificate.from_json(entry) for entry in changed.get("rests_on", ())]
+            again = atlas_certificate(atlas_of(changed), changed["results"], rests_on)
+            return json.loads(json.dumps(again))  # type: ignore[no-any-return]
+        return rechecking.derived(changed)
+    except (KeyError, ValueError):
+        return changed
 
 
 def _is_harmless(change: Change) -> bool:
     return change.field.startswith(HARMLESS) or (change.how == "larger" and change.field.endswith(WEAKER))
 
 
-WORK = {"claims": claims_batch, "forgeries": forgeries_batch}
+WORK = {"claims": claims_batch, "rows": rows_batch, "forgeries": forgeries_batch}
 
 
-def run(wanted: dict[str, int], seed: int, output: Path, jobs: int, seconds: float) -> dict[str, Any]:
-    """Do what is missing of the wanted numbers; returns and keeps the batches by part and seed."""
+def run(
+    wanted: dict[str, int], seed: int, output: Path, jobs: int, seconds: float, candidates: Path | None
+) -> dict[str, Any]:
+    """Do what is missing of the wanted numbers of batches; returns and keeps the batches by part and seed."""
     state: dict[str, Any] = json.loads(output.read_text()) if output.exists() else {"seed": seed, "batches": {}}
     if state["seed"] != seed:
         raise SystemExit(f"{output}: was begun with seed {state['seed']}; give that, or another --output")
     deadline = time.monotonic() + seconds
     batches = state["batches"]
+    # All parts advance together.
+    every = sorted((number / count, part, number) for part, count in wanted.items() for number in range(count))
     missing = [
         (part, seed * 1_000_000 + number)
-        for part, count in wanted.items()
-        for number in range(-(-count // BATCH))
+        for _, part, number in every
         if f"{part} {seed * 1_000_000 + number}" not in batches
     ]
-    # Both parts advance together.
-    missing.sort(key=lambda item: item[1])
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, context, signal.signal, (signal.SIGINT, signal.SIG_IGN)) as pool:
+    with ProcessPoolExecutor(jobs, context, _begin, (candidates,)) as pool:
         waiting = iter(missing)
         running = {pool.submit(WORK[part], number): f"{part} {number}" for part, number in _first(waiting, 2 * jobs)}
         try:
@@ -208,7 +371,8 @@ def run(wanted: dict[str, int], seed: int, output: Path, jobs: int, seconds: flo
                 name = running.pop(task)
                 batches[name] = task.result()
                 output.write_text(json.dumps(state, indent=1))
-                print(f"{len(batches)} batches, last {name}: {len(batches[name]['wrong'])} wrong", file=sys.stderr)
+                print(f"{len(batches)} of {len(every)} batches, last {name}: {len(batches[name]['wrong'])} wrong",
+                      file=sys.stderr)  # fmt: skip
                 if time.monotonic() < deadline:
                     running |= {pool.submit(WORK[p], n): f"{p} {n}" for p, n in _first(waiting, 1)}
         except KeyboardInterrupt:
@@ -225,13 +389,19 @@ def summary(state: dict[str, Any]) -> str:
     """Counts by class, and everything that is wrong."""
     lines = [f"seed {state['seed']}"]
     wrong: list[str] = []
+    rows: Counter[str] = Counter()
+    missed: Counter[str] = Counter()
     for part in WORK:
         counts: Counter[str] = Counter()
         for name, batch in state["batches"].items():
             if name.startswith(f"{part} "):
                 counts.update(batch["counts"])
+                rows.update(batch.get("rows", {}))
+                missed.update(batch.get("missed", {}))
                 wrong += batch["wrong"]
-        lines += [f"{part}: {counts.total()}", *(f"  {name:50} {count}" for name, count in sorted(counts.items()))]
+        lines += [f"{part}: {counts.total()}", *(f"  {name:58} {count}" for name, count in sorted(counts.items()))]
+    for title, table in (("false claims", rows), ("found by no level", missed)):
+        lines += [f"{title}: {table.total()}", *(f"  {name:58} {count}" for name, count in sorted(table.items()))]
     return "\n".join([*lines, f"wrong: {len(wrong)}", *wrong])
 
 
@@ -240,14 +410,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--claims", type=int, default=10_000, metavar="N")
     parser.add_argument("--forgeries", type=int, default=2_000, metavar="N")
+    parser.add_argument("--candidates", type=Path, metavar="FILE", help="a file whose rows give false claims too")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--output", type=Path, default=Path("campaign.json"))
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=float("inf"), help="begin no further batch after this time")
     options = parser.parse_args(arguments)
-    wanted = {"claims": options.claims, "forgeries": options.forgeries}
+    wanted = {"claims": -(-options.claims // BATCH), "forgeries": -(-options.forgeries // BATCH)}
+    if options.candidates is not None:
+        wanted["rows"] = len(candidate_rows(options.candidates))
     print(f"seed {options.seed}", file=sys.stderr)
-    text = summary(run(wanted, options.seed, options.output, options.jobs, options.seconds))
+    text = summary(run(wanted, options.seed, options.output, options.jobs, options.seconds, options.candidates))
     print(text)
     return 0 if "\nwrong: 0" in text else 1
 

@@ -235,10 +235,13 @@ def _require_inside(
     if not inside and over is not None:
         evidence.suggest(remedies.of_image(position, over, ball, problem.radii))
     evidence.record(name, ball)
+    outside = is_outside(ball, radius)
+    where = "lies outside [-R, R]: there is no such point in the box" if outside else "is not inside (-R, R)"
     evidence.require(
         inside,
-        f"{name} in {show(ball)} is not inside (-R, R), R = {float(radius):.3g}",
-        needs_precision=not is_outside(ball, radius),
+        f"{name} in {show(ball)} {where}, R = {float(radius):.3g}",
+        needs_precision=not outside,
+        excluded=outside,
     )
 
 

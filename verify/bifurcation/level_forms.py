@@ -27,6 +27,7 @@ from orbitproof.verify.evidence import (
     exact_value,
     guarded,
     is_inside,
+    is_outside,
     show,
     symmetric,
 )
@@ -99,7 +100,11 @@ def check_own_box(checklist: Checklist, candidate: Candidate, form: Candidate, p
     ) as evidence:
         for j, (ball, radius) in enumerate(zip(coordinates_in_box(candidate, point), candidate.radii, strict=True)):
             evidence.record(f"p_{j}", ball)
-            evidence.require(is_inside(ball, radius), f"p_{j} in {show(ball)} is not shown to be inside it")
+            outside = is_outside(ball, radius)
+            where = "is not shown to be inside it"
+            if outside:
+                where = f"lies outside [-R, R], R = {float(radius):.3g}, and there is no other in the larger box"
+            evidence.require(is_inside(ball, radius), f"p_{j} in {show(ball)} {where}", excluded=outside)
 
 
 def _first_integral(candidate: Candidate) -> tuple[int, DerivativeTable | None]:

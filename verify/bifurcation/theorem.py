@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from flint import arb
@@ -22,6 +22,7 @@ from orbitproof.verify.bifurcation.conditions import (
 )
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
 from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
+from orbitproof.verify.bifurcation.sharpened import sharpened
 from orbitproof.verify.claim import (
     check_adapted_frames,
     check_frames,
@@ -179,9 +180,16 @@ def prove(
         return NotProved(theorem, tuple(checklist.hypotheses))
     try:
         problem = check_enclosures(checklist, candidate, iterates, first_integral, return_times)
-        results = _check(candidate, checklist, problem)
     except NotEstablishedError as error:
         return NotProved(error.reason, tuple(checklist.hypotheses))
+    try:
+        results = _check(candidate, checklist, problem)
+    except NotEstablishedError as error:
+        reason = error.reason
+        if reason.needs_precision and _fails_sharpened(candidate, problem, reason.condition):
+            message = f"{reason.message}; that is due to the size of the box, which more precision does not change"
+            reason = replace(reason, message=message, needs_precision=False)
+        return NotProved(reason, tuple(checklist.hypotheses))
     except ArithmeticError as error:
         pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
         reason = Reason(pending, f"{pending} could not be evaluated: {error}", "more precision", needs_precision=True)
@@ -202,6 +210,17 @@ def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
     check_symmetries(checklist, candidate.system, candidate.symmetry)
     prepare(candidate, checklist)
+
+
+def _fails_sharpened(candidate: Candidate, problem: Problem, condition: str) -> bool:
+    """Whether a condition stays undecided at whatever precision the derivatives are enclosed."""
+    try:
+        _check(candidate, Checklist(), sharpened(problem))
+    except NotEstablishedError as error:
+        return error.reason.condition == condition and error.reason.needs_precision
+    except ArithmeticError:
+        return False
+    return False
 
 
 def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:

@@ -118,7 +118,10 @@ def _certify(
         best, more = _escalate(candidate, form, limits, start, progress, integrate)
         attempts += more
         tried.append((form, best))
-        if isinstance(best.outcome, Proved) or best.outcome.reason.condition not in _AT_THE_PARAMETER:
+        if isinstance(best.outcome, Proved):
+            break
+        # The box of a level form contains the candidate's: what is excluded there is excluded here.
+        if best.outcome.reason.excluded or best.outcome.reason.condition not in _AT_THE_PARAMETER:
             break
     form, best = tried[-1] if isinstance(tried[-1][1].outcome, Proved) else tried[0]
     computation: dict[str, float | str] = {

@@ -13,7 +13,16 @@ from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
-from orbitproof.verify.evidence import NotProved, Outcome, Proved, count_certain_digits, enclose, is_below, is_outside
+from orbitproof.verify.evidence import (
+    NotProved,
+    Outcome,
+    Proved,
+    Reason,
+    count_certain_digits,
+    enclose,
+    is_below,
+    is_outside,
+)
 
 Verdict = Outcome[BifurcationResults]
 
@@ -30,6 +39,10 @@ _BITS_PER_DIGIT = 3.33
 
 _NARROW_BITS = 4
 """An enclosure that is 2 to the minus this of a box wide, and reaches over its edge, is no longer for want of bits."""
+
+
+_FARTHER = 1.01
+"""More precision is worth while if the integration comes so many times as far."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +117,8 @@ def more_precision(
         return min(max(outcome.reason.enough_precision, precision + 8), limits.max_precision)
     enclosures = _enclosures(outcome)
     if not enclosures:
+        if previous is not None and not _farther(outcome.reason, previous):
+            return None
         # Nothing says how far away success is, so each attempt costs more than all before it.
         return min(2 * precision, limits.max_precision)
     if previous is not None and not _narrower(enclosures, previous, outcome.reason.condition):
@@ -131,6 +146,13 @@ def _narrower(enclosures: dict[str, arb], previous: Verdict, condition: str) -> 
         return True
     before = _enclosures(previous)
     return not before or any(is_below(2 * enclosures[n].rad(), before[n].rad()) for n in before if n in enclosures)
+
+
+def _farther(reason: Reason, previous: Verdict) -> bool:
+    """Whether an integration broke off later than the one before it, or nothing tells."""
+    if isinstance(previous, Proved) or previous.reason.reached is None or reason.reached is None:
+        return True
+    return previous.reason.condition != reason.condition or reason.reached > previous.reason.reached * _FARTHER
 
 
 def _enclosures(outcome: NotProved) -> dict[str, arb]:

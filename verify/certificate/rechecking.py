@@ -145,14 +145,8 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
 
 def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     stated = _read(certificate)
-    precision = certificate["computation"]["precision"]
-    outcome = _conclude(stated.claim, precision if stated.enclosures else LEAST_PRECISION, stated.enclosures)
-    if stated.form is not None:
-        outcome = for_origin(stated.candidate, outcome, precision)
-    again = make_certificate(
-        stated.candidate, outcome, certificate["computation"], stated.enclosures, stated.form
-    ).to_json()
-    examination.hypotheses = len(outcome.hypotheses)
+    again = _derived(certificate, stated)
+    examination.hypotheses = len(again["hypotheses"])
     if stated.candidate.system.name not in SYSTEMS:
         examination.notes += (f"{stated.candidate.system.name}: {UNKNOWN}",)
     if certificate["verdict"] != "proved" and stated.enclosures is None:
@@ -161,6 +155,20 @@ def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Findin
     yield from found
     if found:
         yield from other_software(certificate)
+
+
+def derived(certificate: Entry) -> dict[str, Any]:
+    """The certificate that follows from the claim and the tables of one. Raises as reading them does."""
+    return _derived(certificate, _read(certificate))
+
+
+def _derived(certificate: Entry, stated: _Stated) -> dict[str, Any]:
+    precision = certificate["computation"]["precision"]
+    outcome = _conclude(stated.claim, precision if stated.enclosures else LEAST_PRECISION, stated.enclosures)
+    if stated.form is not None:
+        outcome = for_origin(stated.candidate, outcome, precision)
+    computation = certificate["computation"]
+    return make_certificate(stated.candidate, outcome, computation, stated.enclosures, stated.form).to_json()
 
 
 UNKNOWN = "not known here; checked as the file's own program describes it, its name is a name only"

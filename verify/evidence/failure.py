@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from orbitproof.verify.evidence.outcome import NotEstablishedError, Reason
 
 
@@ -20,6 +22,11 @@ class IntegrationFailure(NotEstablishedError):
         enough_precision: int | None = None,
     ) -> None:
         super().__init__(Reason(condition, message, remedy, needs_precision, enough_precision))
+
+    def at(self, time: float) -> IntegrationFailure:
+        """The same, with the time at which it happened."""
+        self.reason = replace(self.reason, reached=time)
+        return self
 
     def __str__(self) -> str:
         return f"{self.reason.message}; {self.reason.remedy}"

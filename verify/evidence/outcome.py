@@ -54,6 +54,8 @@ class Reason:
         remedy: what to try.
         needs_precision: whether more precision may mend it.
         enough_precision: bits that are expected to be enough, where that is known.
+        excluded: whether enclosures show that there is no such point in the box, whatever the form of the claim.
+        reached: how far an integration came that broke off: its time.
     """
 
     condition: str
@@ -61,6 +63,8 @@ class Reason:
     remedy: str
     needs_precision: bool = False
     enough_precision: int | None = None
+    excluded: bool = False
+    reached: float | None = None
 
     def to_json(self) -> dict[str, str]:
         """The JSON object."""
@@ -115,18 +119,20 @@ class Evidence:
         self.requirements: list[bool] = []
         self.failure: str | None = None
         self.needs_precision = False
+        self.excluded = False
 
     def record(self, name: str, ball: arb) -> arb:
         """Keep an enclosure for the certificate and return it."""
         self.enclosures[name] = ball
         return ball
 
-    def require(self, holds: bool, failure: str, needs_precision: bool = False) -> None:
-        """Add a requirement; `failure` says in words what is wrong if it is not met."""
+    def require(self, holds: bool, failure: str, needs_precision: bool = False, excluded: bool = False) -> None:
+        """Add a requirement; `failure` says in words what is wrong if it is not met, the rest is as in `Reason`."""
         self.requirements.append(holds is True)
         if holds is not True and self.failure is None:
             self.failure = failure
             self.needs_precision = needs_precision
+            self.excluded = excluded
 
     def suggest(self, remedy: str | None) -> None:
         """Put a better remedy in place, if there is one, for the failure that comes next; the first counts."""
@@ -165,7 +171,13 @@ class Checklist:
         if not evidence.holds:
             message = evidence.failure or "nothing was checked"
             raise NotEstablishedError(
-                Reason(name, f"{statement}: {message}", evidence.remedy, evidence.needs_precision)
+                Reason(
+                    name,
+                    f"{statement}: {message}",
+                    evidence.remedy,
+                    evidence.needs_precision,
+                    excluded=evidence.excluded,
+                )
             )
 
 

@@ -126,12 +126,17 @@ class Returns:
         `IntegrationFailure`, also if there is no crossing within `MOST_STEPS` steps.
         """
         for _ in range(MOST_STEPS):
-            arrived = self.step()
+            try:
+                arrived = self.step()
+                if arrived:
+                    self.crossings += 1
+                    found = self.crossing(self.crossings)
+            except IntegrationFailure as failure:
+                raise failure.at(self._clock()) from None
             if progress is not None:
                 progress(self.steps)
             if arrived:
-                self.crossings += 1
-                return self.crossing(self.crossings)
+                return found
         raise IntegrationFailure(
             "steps", f"no crossing number {self.crossings + 1} within {MOST_STEPS} steps", "give another centre"
         )
