@@ -23,6 +23,7 @@ from support.claims import (
 )
 from support.flow_checks import contains, initial_state, kernel_values, orbits
 
+import orbitproof.verify.certificate.certify
 import orbitproof.verify.flow.step
 from orbitproof.shared.formats.candidates import Candidate, InputError, candidate_from_json
 from orbitproof.shared.numbers import round_dyadic
@@ -352,6 +353,45 @@ def test_a_box_smaller_than_the_error_of_its_centre_is_not_proved(name: str) -> 
     rounded = tuple(Fraction(round(value * 10**24), 10**24) for value in claim.centre)
     tiny = replace(claim, centre=rounded, radii=(Fraction(1, 10**40), Fraction(1, 10**30)))
     assert refusal(tiny) == "family"
+
+
+# How often a claim is tried.
+
+
+@pytest.mark.parametrize(
+    "claim, said",
+    [
+        (claimed("fs2", 4, radii="fs4"), "due to the size of the box"),
+        (moved(known("fs3"), 0, 1 + Fraction(1, 10**5)), "due to the size of the box"),
+        (with_radii(known("fs2"), 2**40), "due to the size of the box"),
+        (moved(known("em1"), 0, 1 + Fraction(1, 10**5)), "no other in the larger box"),
+        (replace(known("em1"), parameters=SUN_JUPITER), "there is no such point in the box"),
+    ],
+    ids=["k", "sliver", "wide box", "sliver beside the larger box", "mass"],
+)
+def test_what_more_precision_cannot_change_is_refused_at_once(claim: Candidate, said: str) -> None:
+    certificate = certify(claim)
+    assert certificate.verdict == "not proved"
+    assert said in certificate.reason.message
+    assert certificate.computation.attempts == 1
+
+
+@pytest.mark.parametrize("name", ["fs2", "fs3", "fs4", "em1"])
+@pytest.mark.parametrize("bits", [64, 96, 120])
+def test_what_fails_for_want_of_precision_is_tried_again_until_it_is_proved(
+    name: str, bits: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(orbitproof.verify.certificate.certify, "first_precision", lambda candidate, digits: bits)
+    certificate = certify(known(name), Limits(max_precision=512))
+    assert verdict_of(certificate) == "proved"
+    assert certificate.computation.attempts > 1
+
+
+def test_an_integration_that_comes_no_farther_with_more_precision_is_given_up() -> None:
+    wide = replace(known("fs2"), radii=(Fraction(1), Fraction(1)))
+    certificate = certify(wide, Limits(max_precision=4096))
+    assert certificate.verdict == "not proved"
+    assert certificate.computation.attempts == 2
 
 
 # An integrator that claims to be exact.

@@ -259,7 +259,7 @@ def test_precision_that_does_not_narrow_the_enclosures_is_given_up() -> None:
     def constant(claim: Candidate, settings: IntegratorSettings, progress: Any) -> Enclosures:
         asked.append(settings.precision)
         indices = [(i, j) for i in range(4) for j in range(4 - i)]
-        wide = {index: arb(0, 1) for index in indices}
+        wide = {index: arb(1, 2) for index in indices}
         tables = ((DerivativeTable(wide, wide),),) * 3
         return Enclosures(tables, None, (arb(1),) * 3, 16, settings.precision, 1)
 

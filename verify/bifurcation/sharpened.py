@@ -5,13 +5,12 @@ Nothing here carries proof: it only decides whether a claim that is not proved i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 from flint import arb
 
 from orbitproof.verify.bifurcation.conditions import Problem
-from orbitproof.verify.evidence import DerivativeTable, MultiIndex
+from orbitproof.verify.evidence import DerivativeTable
 from orbitproof.verify.newton import BoxFunction
 
 _SAFETY = 2**10
@@ -29,15 +28,13 @@ def sharpened(problem: Problem) -> Problem:
 
 
 def _function(function: BoxFunction) -> BoxFunction:
-    centre = function.table.centre
-    return BoxFunction(DerivativeTable(_narrower(function.table.box, centre), _narrower(centre, centre)))
+    table = function.table
+    centre = {index: arb(ball.mid()) for index, ball in table.centre.items()}
+    box = {index: _over_the_box(ball, table.centre[index]) for index, ball in table.box.items()}
+    return BoxFunction(DerivativeTable(box, centre))
 
 
-def _narrower(balls: Mapping[MultiIndex, arb], centre: Mapping[MultiIndex, arb]) -> dict[MultiIndex, arb]:
-    """The balls without what rounding may have added, but not without a small part of their width."""
-    result = {}
-    for index, ball in balls.items():
-        width, rounding = arb(ball.rad()), arb(centre[index].rad()) * _SAFETY
-        rest, least = width - rounding, width / _SAFETY
-        result[index] = arb(ball.mid(), (rest if rest > least else least).upper())
-    return result
+def _over_the_box(ball: arb, centre: arb) -> arb:
+    """What the box alone makes of the value at the centre, or that value if rounding may account for the width."""
+    width = arb(ball.rad()) - arb(centre.rad()) * _SAFETY
+    return arb(ball.mid(), width.upper()) if width > 0 else arb(centre.mid())

@@ -213,7 +213,7 @@ def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
 
 
 def _fails_sharpened(candidate: Candidate, problem: Problem, condition: str) -> bool:
-    """Whether a condition stays undecided at whatever precision the derivatives are enclosed."""
+    """Whether a condition stays undecided however precisely the derivatives are enclosed."""
     try:
         _check(candidate, Checklist(), sharpened(problem))
     except NotEstablishedError as error:
