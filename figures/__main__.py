@@ -186,7 +186,7 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
 def draw_stability(arguments: argparse.Namespace) -> list[Path]:
     """Read everything, then write pictures and CSV files; returns their paths. Raises `InputError`."""
     from orbitproof.explore.records import BAND
-    from orbitproof.figures.model import assign, events_csv, mark_candidates, places_on, read_curves, samples_csv
+    from orbitproof.figures.model import assign, mark_candidates, read_curves
 
     if arguments.certificates is not None and arguments.candidates is None:
         raise InputError("--certificates: need their candidates; add --candidates")
@@ -208,12 +208,12 @@ def draw_stability(arguments: argparse.Namespace) -> list[Path]:
     csv_names: set[str] = set()
     with use_style():
         for curve, own in zip(curves, members, strict=True):
-            places = places_on(curve, own)
+            places = curve.places(own)
             name = f"{curve.family.system.name}-{curve.family.name}"
             figure = draw_resonances(curve, places)
             written += save(figure, arguments.output / _name(f"resonances-{name}", names))
             close(figure)
-            for stem, text in (("stability", samples_csv(curve)), ("resonances", events_csv(curve, places))):
+            for stem, text in (("stability", curve.samples_csv()), ("resonances", curve.events_csv(places))):
                 path = arguments.output / f"{_name(f'{stem}-{name}', csv_names)}.csv"
                 write_text(path, text)
                 written.append(path)

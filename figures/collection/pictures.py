@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from orbitproof.figures.collection.data_folder import DataFolder
 from orbitproof.figures.collection.proved import write_curves
-from orbitproof.figures.model import places_on, read_curve
+from orbitproof.figures.model import Curve
 from orbitproof.figures.pictures import (
     draw_bifurcation,
     draw_closed_curves,
@@ -116,7 +116,7 @@ def _stability(data: DataFolder) -> Drawn:
     for curve, marks in zip(curves, data.marks_on(*(curve.family for curve in curves)), strict=True):
         yield (
             f"stability-{curve.family.system.name}-{curve.family.name}",
-            draw_resonances(curve, places_on(curve, marks)),
+            draw_resonances(curve, curve.places(marks)),
         )
 
 
@@ -139,7 +139,7 @@ def _proved_branches(*names: str) -> Callable[[DataFolder, Path], Iterator[Path]
     """The `write` of the pictures of certificates of atlases."""
 
     def write(data: DataFolder, folder: Path) -> Iterator[Path]:
-        curves = [read_curve(data.path(name)) for name in names]
+        curves = [Curve.read(data.path(name)) for name in names]
         with use_style():
             yield from write_curves(curves, folder)
 

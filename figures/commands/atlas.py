@@ -47,12 +47,12 @@ def run(options: argparse.Namespace) -> int:
 
     # Matplotlib takes a second to load: only after the input is known to be good.
     from orbitproof.figures.collection.proved import write_curves, write_surfaces
-    from orbitproof.figures.model import curve_of
+    from orbitproof.figures.model import Curve
     from orbitproof.figures.pictures import surface_of
     from orbitproof.figures.style import use_style
 
     check_folder(options.output)
-    curves = [curve_of(certificate) for certificate in certificates if not certificate.atlas.is_surface]
+    curves = [Curve.of(certificate) for certificate in certificates if not certificate.atlas.is_surface]
     surfaces = [surface_of(certificate) for certificate in certificates if certificate.atlas.is_surface]
     with use_style():
         for path in (*write_curves(curves, options.output), *write_surfaces(surfaces, options.output)):

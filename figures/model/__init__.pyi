@@ -1,10 +1,6 @@
 from .certified_box import CertifiedCurves as CertifiedCurves
-from .certified_box import certified_curves as certified_curves
-from .certified_branch import PHYSICAL as PHYSICAL
 from .certified_branch import Curve as Curve
 from .certified_branch import Stretch as Stretch
-from .certified_branch import curve_of as curve_of
-from .certified_branch import read_curve as read_curve
 from .family import Array as Array
 from .family import MarkedPoint as MarkedPoint
 from .family import Placement as Placement
@@ -12,8 +8,6 @@ from .family import SampledFamily as SampledFamily
 from .family import assign as assign
 from .family import interpolate as interpolate
 from .family import mark_candidates as mark_candidates
-from .family import place as place
-from .family import stability_at as stability_at
 from .family import state_on_fixed_set as state_on_fixed_set
 from .family_file import read_families as read_families
 from .orbit import OrbitNotClosed as OrbitNotClosed
@@ -22,7 +16,4 @@ from .orbit import symmetric_orbit as symmetric_orbit
 from .orbit import symmetric_orbits as symmetric_orbits
 from .stability import Place as Place
 from .stability import SampledStability as SampledStability
-from .stability import events_csv as events_csv
-from .stability import places_on as places_on
 from .stability import read_curves as read_curves
-from .stability import samples_csv as samples_csv

@@ -56,44 +56,46 @@ class CertifiedCurves:
     parameter_name: str
     beta: arb | None
 
+    @classmethod
+    def of(cls, certificate: Mapping[str, Any], where: str, parts: int = 40) -> CertifiedCurves:
+        """The curves of a certificate that says "proved", each in `parts` boxes.
 
-def certified_curves(certificate: Mapping[str, Any], where: str, parts: int = 40) -> CertifiedCurves:
-    """The curves of a certificate that says "proved", each in `parts` boxes.
-
-    Raises `InputError` if the certificate does not carry what it takes, or does not prove what it says.
-    """
-    entry, computation, results = certificate["enclosures"], certificate["computation"], certificate["results"]
-    if certificate["verdict"] != "proved" or entry is None or results is None:
-        raise InputError(f"{where}: not proved, so there are no certified curves; choose another certificate")
-    stated = certificate["statement"]["candidate"]
-    document = {"format": "orbitproof-candidates", "version": 1, "candidates": [stated]}
-    validate_document(document, "candidates", f"{where}.statement.candidate")
-    candidate = candidate_from_json(stated, f"{where}.statement.candidate")
-    claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
-    try:
-        if claim is None:
-            raise ValueError("there is no such level form")
-        stored = tables_from_json(entry, len(claim.radii), computation)
-        with guarded(computation["precision"]):
-            checklist = Checklist()
-            problem = check_enclosures(checklist, claim, stored.iterates, stored.first_integral, stored.return_times)
-            start = check_family(checklist, problem) if claim.k > 1 else None
-            reduction = check_reduction(checklist, problem, start)
-            family: Family = start if start is not None else DoublySymmetricFamily(reduction)
-            point = locate(checklist, problem, family, reduction).where
-            beta = results["normal_form"].get("beta")
-            return CertifiedCurves(
-                claim=claim,
-                radii=(claim.radii[0], claim.radii[1]),
-                family=_family(problem, family, parts),
-                branch=_branch(problem, family, reduction, parts),
-                point=np.array([*_ends(point[0], claim.radii[0]), *_ends(point[1], claim.radii[1])]),
-                side=results["side"],
-                parameter_name=results["parameter_name"],
-                beta=None if beta is None else ball_from_json(beta),
-            )
-    except (ValueError, NotEstablishedError, ArithmeticError) as error:
-        raise InputError(f"{where}.enclosures: {error}; verify the candidate again") from None
+        Raises `InputError` if the certificate does not carry what it takes, or does not prove what it says.
+        """
+        entry, computation, results = certificate["enclosures"], certificate["computation"], certificate["results"]
+        if certificate["verdict"] != "proved" or entry is None or results is None:
+            raise InputError(f"{where}: not proved, so there are no certified curves; choose another certificate")
+        stated = certificate["statement"]["candidate"]
+        document = {"format": "orbitproof-candidates", "version": 1, "candidates": [stated]}
+        validate_document(document, "candidates", f"{where}.statement.candidate")
+        candidate = candidate_from_json(stated, f"{where}.statement.candidate")
+        claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
+        try:
+            if claim is None:
+                raise ValueError("there is no such level form")
+            stored = tables_from_json(entry, len(claim.radii), computation)
+            with guarded(computation["precision"]):
+                checklist = Checklist()
+                problem = check_enclosures(
+                    checklist, claim, stored.iterates, stored.first_integral, stored.return_times
+                )
+                start = check_family(checklist, problem) if claim.k > 1 else None
+                reduction = check_reduction(checklist, problem, start)
+                family: Family = start if start is not None else DoublySymmetricFamily(reduction)
+                point = locate(checklist, problem, family, reduction).where
+                beta = results["normal_form"].get("beta")
+                return cls(
+                    claim=claim,
+                    radii=(claim.radii[0], claim.radii[1]),
+                    family=_family(problem, family, parts),
+                    branch=_branch(problem, family, reduction, parts),
+                    point=np.array([*_ends(point[0], claim.radii[0]), *_ends(point[1], claim.radii[1])]),
+                    side=results["side"],
+                    parameter_name=results["parameter_name"],
+                    beta=None if beta is None else ball_from_json(beta),
+                )
+        except (ValueError, NotEstablishedError, ArithmeticError) as error:
+            raise InputError(f"{where}.enclosures: {error}; verify the candidate again") from None
 
 
 def _family(problem: Problem, family: Family, parts: int) -> Array:

@@ -19,9 +19,9 @@ from orbitproof.shared.formats import Atlas, InputError, Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.atlas import AtlasCertificate, read_atlas_certificate
+from orbitproof.verify.poincare import PHYSICAL
 
 _SAMPLES = 200
-PHYSICAL = "physical"
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,36 @@ class Curve:
     stretches: tuple[Stretch, ...]
     marks: tuple[CertifiedPoint, ...]
 
+    @classmethod
+    def read(cls, path: Path) -> Curve:
+        """Read the certificate of a curve. Raises `InputError` if it is not one."""
+        certificate = read_atlas_certificate(path)
+        if certificate.atlas.is_surface:
+            raise InputError(f"{path}: field statement.atlas.claim.kind: a surface; give certificates of curves")
+        return cls.of(certificate)
+
+    @classmethod
+    def of(cls, certificate: AtlasCertificate) -> Curve:
+        """The curve of a certificate that is about a curve."""
+        atlas = certificate.atlas
+        pieces = atlas.curve_pieces()
+        kind = atlas.claim.kind
+        begin = 0.0 if pieces[0].kind == "symmetric" and kind.startswith("symmetric") else -1.0
+        length = 0.0
+        stretches: list[Stretch] = []
+        for number, piece in enumerate(pieces):
+            following = pieces[number + 1] if number + 1 < len(pieces) else None
+            closes = following is None and kind == "symmetric-loop" and piece.kind == "symmetric"
+            s = np.linspace(begin, 0.0 if closes else 1.0, _SAMPLES)
+            stretch = _stretch(certificate, piece, s, length)
+            stretches.append(stretch)
+            length = float(stretch.arclength[-1])
+            if following is not None:
+                begin = float(_parameter(following, stretch.points[-1]))
+        order = {piece.id: number for number, piece in enumerate(pieces)}
+        marks = sorted(_marks(certificate), key=lambda mark: (order[mark.piece], mark.s))
+        return cls(atlas, certificate.is_proved, tuple(stretches), tuple(marks))
+
     @property
     def system(self) -> ReversibleSystem:
         """The system of the atlas."""
@@ -121,36 +151,6 @@ class Curve:
         if mark.mirrored and self.signs is not None:
             point = point * self.signs
         return stretch.arclength_at(mark.s), point
-
-
-def read_curve(path: Path) -> Curve:
-    """Read the certificate of a curve. Raises `InputError` if it is not one."""
-    certificate = read_atlas_certificate(path)
-    if certificate.atlas.is_surface:
-        raise InputError(f"{path}: field statement.atlas.claim.kind: a surface; give certificates of curves")
-    return curve_of(certificate)
-
-
-def curve_of(certificate: AtlasCertificate) -> Curve:
-    """The curve of a certificate that is about a curve."""
-    atlas = certificate.atlas
-    pieces = atlas.curve_pieces()
-    kind = atlas.claim.kind
-    begin = 0.0 if pieces[0].kind == "symmetric" and kind.startswith("symmetric") else -1.0
-    length = 0.0
-    stretches: list[Stretch] = []
-    for number, piece in enumerate(pieces):
-        following = pieces[number + 1] if number + 1 < len(pieces) else None
-        closes = following is None and kind == "symmetric-loop" and piece.kind == "symmetric"
-        s = np.linspace(begin, 0.0 if closes else 1.0, _SAMPLES)
-        stretch = _stretch(certificate, piece, s, length)
-        stretches.append(stretch)
-        length = float(stretch.arclength[-1])
-        if following is not None:
-            begin = float(_parameter(following, stretch.points[-1]))
-    order = {piece.id: number for number, piece in enumerate(pieces)}
-    marks = sorted(_marks(certificate), key=lambda mark: (order[mark.piece], mark.s))
-    return Curve(atlas, certificate.is_proved, tuple(stretches), tuple(marks))
 
 
 def _stretch(certificate: AtlasCertificate, piece: Piece, s: Array, length: float) -> Stretch:

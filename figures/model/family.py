@@ -71,6 +71,30 @@ class SampledFamily:
             self, arclength=dense, **{name: interpolate(nodes, getattr(self, name), dense) for name in names}
         )
 
+    def place(self, mark: MarkedPoint) -> Placement:
+        """The nearest place of `mark` on either curve of the family, distances per coordinate range."""
+        best: Placement | None = None
+        for second, curve in ((False, self.points), (True, self.second_points)):
+            extent = np.ptp(curve, axis=0)
+            scale = np.where(extent > 0, extent, 1.0)
+            start, step = curve[:-1] / scale, np.diff(curve, axis=0) / scale
+            offset = mark.point / scale - start
+            square = np.maximum((step * step).sum(axis=1), np.finfo(float).tiny)
+            along = np.clip((offset * step).sum(axis=1) / square, 0.0, 1.0)
+            distances = np.linalg.norm(offset - along[:, None] * step, axis=1)
+            i = int(np.argmin(distances))
+            s = self.arclength[i] + along[i] * (self.arclength[i + 1] - self.arclength[i])
+            found = Placement(mark, second, float(s), float(distances[i]))
+            if best is None or found.distance < best.distance:
+                best = found
+        assert best is not None
+        return best
+
+    def stability_at(self, arclength: float) -> Array:
+        """Stability parameters, shape (n,), interpolated linearly at an arclength."""
+        columns = self.stability.T
+        return np.array([np.interp(arclength, self.arclength, column) for column in columns])
+
 
 @dataclass(frozen=True)
 class MarkedPoint:
@@ -187,26 +211,6 @@ def _same_claim(entry: Mapping[str, object], candidate: Candidate, where: str) -
     return replace(stated, provenance={}) == replace(candidate, provenance={})
 
 
-def place(family: SampledFamily, mark: MarkedPoint) -> Placement:
-    """The nearest place of `mark` on either curve of `family`, distances per coordinate range."""
-    best: Placement | None = None
-    for second, curve in ((False, family.points), (True, family.second_points)):
-        extent = np.ptp(curve, axis=0)
-        scale = np.where(extent > 0, extent, 1.0)
-        start, step = curve[:-1] / scale, np.diff(curve, axis=0) / scale
-        offset = mark.point / scale - start
-        square = np.maximum((step * step).sum(axis=1), np.finfo(float).tiny)
-        along = np.clip((offset * step).sum(axis=1) / square, 0.0, 1.0)
-        distances = np.linalg.norm(offset - along[:, None] * step, axis=1)
-        i = int(np.argmin(distances))
-        s = family.arclength[i] + along[i] * (family.arclength[i + 1] - family.arclength[i])
-        found = Placement(mark, second, float(s), float(distances[i]))
-        if best is None or found.distance < best.distance:
-            best = found
-    assert best is not None
-    return best
-
-
 def assign(
     families: Sequence[SampledFamily], marks: Sequence[MarkedPoint], tolerance: float = 1e-2
 ) -> tuple[list[list[MarkedPoint]], list[MarkedPoint]]:
@@ -220,7 +224,7 @@ def assign(
     for mark in marks:
         candidate = mark.candidate
         distances = [
-            place(family, mark).distance
+            family.place(mark).distance
             if family.system.name == candidate.system.name and dict(family.parameters) == dict(candidate.parameters)
             else np.inf
             for family in families
@@ -231,9 +235,3 @@ def assign(
         else:
             alone.append(mark)
     return members, alone
-
-
-def stability_at(family: SampledFamily, arclength: float) -> Array:
-    """Stability parameters, shape (n,), interpolated linearly at an arclength."""
-    columns = family.stability.T
-    return np.array([np.interp(arclength, family.arclength, column) for column in columns])

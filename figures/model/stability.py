@@ -12,10 +12,12 @@ import numpy as np
 
 from orbitproof.explore.records import ExtremumRecord, FamilyRecord, ResonanceRecord
 from orbitproof.explore.records import read_families as read_records
-from orbitproof.figures.model.family import Array, MarkedPoint, SampledFamily, place
+from orbitproof.figures.model.family import Array, MarkedPoint, SampledFamily
 from orbitproof.shared.formats import InputError
 
 _SAME_ORBIT = 1e-3
+_EVENT = ("what", "arclength", "level", "k", "kind", "on_fix_r")
+_EVENT_VALUES = ("stability_parameter", "resonant_value", "distance", "candidate", "certified")
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,66 @@ class SampledStability:
         nearest = sorted(self.extrema, key=lambda item: abs(item.stability_parameter - item.level))[:2]
         turns = [f"{item.stability_parameter:.7g} (1:{item.k} is {item.level:.3g})" for item in nearest]
         return f"{text}; extrema nearest to a resonance: {', '.join(turns)}" if turns else text
+
+    def places(self, marks: Sequence[MarkedPoint]) -> list[Place]:
+        """The resonances of the family file, each with the candidate that refines it, by arclength.
+
+        Candidates that refine none of them, for example of other multiplicities, are placed by their point.
+        """
+        rest = list(marks)
+        result: list[Place] = []
+        for resonance in self.resonances:
+            known = [
+                mark for mark in rest if mark.k == resonance.k and np.allclose(mark.point, resonance.point, atol=1e-6)
+            ]
+            for mark in known[:1]:
+                rest.remove(mark)
+            level = resonance.point[0] if resonance.first_integral is None else resonance.first_integral
+            mark = known[0] if known else None
+            where = (resonance.side, resonance.arclength, float(level), resonance.stability_parameter)
+            result.append(Place(resonance.k, resonance.kind, *where, mark))
+        for mark in rest:
+            found = self.family.place(mark)
+            # The other point on Fix(R) of an orbit in resonance: at the arclength of that orbit.
+            near = [
+                item
+                for item in self.resonances
+                if item.k == mark.k and abs(item.arclength - found.arclength) < _SAME_ORBIT * (1 + found.arclength)
+            ]
+            value = near[0].stability_parameter if near else mark.candidate.provenance.get("resonant_value")
+            value = float(value) if isinstance(value, float) else np.nan
+            arclength = near[0].arclength if near else found.arclength
+            where = ("second" if found.second else "first", arclength, mark.level, value)
+            result.append(Place(mark.k, mark.candidate.kind, *where, mark))
+        return sorted(result, key=lambda item: item.arclength)
+
+    def samples_csv(self) -> str:
+        """One line for each sample: place, both points on Fix(R), half period, level, stability parameters."""
+        system = self.family.system
+        names = system.centre_coordinates
+        level = (system.first_integral_name or system.family_parameter or "level").replace(" ", "_").lower()
+        numbers = range(1, self.parameters.shape[1] + 1)
+        header = ["arclength", *names, *(f"{name}_half_period_later" for name in names), "half_period", level]
+        header += [f"stability_{i}_{part}" for i in numbers for part in ("real", "imaginary")]
+        family = self.family
+        rows = np.column_stack(
+            [family.arclength, family.points, family.second_points, self.half_periods, family.levels]
+            + [part for column in self.parameters.T for part in (column.real, column.imag)]
+        )
+        return _csv(header, rows.tolist())
+
+    def events_csv(self, places: Sequence[Place]) -> str:
+        """One line for each resonance and for each extremum of a stability parameter, by arclength."""
+        rows: list[tuple[object, ...]] = []
+        for item in places:
+            where = ("resonance", item.arclength, item.level, item.k, item.kind, item.side)
+            candidate = (item.mark.candidate.id, item.mark.certified) if item.mark else ("", "")
+            rows.append((*where, item.resonant_value, item.resonant_value, 0.0, *candidate))
+        for turn in self.extrema:
+            where = ("extremum", turn.arclength, turn.first_integral, turn.k, "", "")
+            distance = abs(turn.stability_parameter - turn.level)
+            rows.append((*where, turn.stability_parameter, turn.level, distance, "", ""))
+        return _csv((*_EVENT, *_EVENT_VALUES), sorted(rows, key=lambda row: row[1]))
 
 
 @dataclass(frozen=True)
@@ -89,71 +151,6 @@ def _curve(record: FamilyRecord, source: str) -> SampledStability:
     )
     roots = np.array([np.sort_complex(np.roots(row)) for row in curve.coefficients])
     return SampledStability(family, curve.half_periods, roots, record.resonances, record.extrema)
-
-
-def places_on(curve: SampledStability, marks: Sequence[MarkedPoint]) -> list[Place]:
-    """The resonances of the family file, each with the candidate that refines it, by arclength.
-
-    Candidates that refine none of them, for example of other multiplicities, are placed by their point.
-    """
-    family, rest = curve.family, list(marks)
-    result: list[Place] = []
-    for resonance in curve.resonances:
-        known = [mark for mark in rest if mark.k == resonance.k and np.allclose(mark.point, resonance.point, atol=1e-6)]
-        for mark in known[:1]:
-            rest.remove(mark)
-        level = resonance.point[0] if resonance.first_integral is None else resonance.first_integral
-        mark = known[0] if known else None
-        where = (resonance.side, resonance.arclength, float(level), resonance.stability_parameter)
-        result.append(Place(resonance.k, resonance.kind, *where, mark))
-    for mark in rest:
-        found = place(family, mark)
-        # The other point on Fix(R) of an orbit in resonance: at the arclength of that orbit.
-        near = [
-            item
-            for item in curve.resonances
-            if item.k == mark.k and abs(item.arclength - found.arclength) < _SAME_ORBIT * (1 + found.arclength)
-        ]
-        value = near[0].stability_parameter if near else mark.candidate.provenance.get("resonant_value")
-        value = float(value) if isinstance(value, float) else np.nan
-        arclength = near[0].arclength if near else found.arclength
-        where = ("second" if found.second else "first", arclength, mark.level, value)
-        result.append(Place(mark.k, mark.candidate.kind, *where, mark))
-    return sorted(result, key=lambda item: item.arclength)
-
-
-def samples_csv(curve: SampledStability) -> str:
-    """One line for each sample: place, both points on Fix(R), half period, level, stability parameters."""
-    system = curve.family.system
-    names = system.centre_coordinates
-    level = (system.first_integral_name or system.family_parameter or "level").replace(" ", "_").lower()
-    numbers = range(1, curve.parameters.shape[1] + 1)
-    header = ["arclength", *names, *(f"{name}_half_period_later" for name in names), "half_period", level]
-    header += [f"stability_{i}_{part}" for i in numbers for part in ("real", "imaginary")]
-    family = curve.family
-    rows = np.column_stack(
-        [family.arclength, family.points, family.second_points, curve.half_periods, family.levels]
-        + [part for column in curve.parameters.T for part in (column.real, column.imag)]
-    )
-    return _csv(header, rows.tolist())
-
-
-_EVENT = ("what", "arclength", "level", "k", "kind", "on_fix_r")
-_EVENT_VALUES = ("stability_parameter", "resonant_value", "distance", "candidate", "certified")
-
-
-def events_csv(curve: SampledStability, places: Sequence[Place]) -> str:
-    """One line for each resonance and for each extremum of a stability parameter, by arclength."""
-    rows: list[tuple[object, ...]] = []
-    for item in places:
-        where = ("resonance", item.arclength, item.level, item.k, item.kind, item.side)
-        candidate = (item.mark.candidate.id, item.mark.certified) if item.mark else ("", "")
-        rows.append((*where, item.resonant_value, item.resonant_value, 0.0, *candidate))
-    for turn in curve.extrema:
-        where = ("extremum", turn.arclength, turn.first_integral, turn.k, "", "")
-        distance = abs(turn.stability_parameter - turn.level)
-        rows.append((*where, turn.stability_parameter, turn.level, distance, "", ""))
-    return _csv((*_EVENT, *_EVENT_VALUES), sorted(rows, key=lambda row: row[1]))
 
 
 def _csv(header: Sequence[str], rows: Sequence[Sequence[object]]) -> str:

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from orbitproof.explore.branches import BranchRecord, read_branches
-from orbitproof.figures.model import Array, CertifiedCurves, certified_curves
+from orbitproof.figures.model import Array, CertifiedCurves
 from orbitproof.figures.style import (
     CURVE,
     INK,
@@ -47,7 +47,9 @@ def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Pa
     if not entries:
         raise InputError(f'{certificates}: no certificate says "proved"; there is nothing certified to draw')
     records = {record.id: record for path in branches for record in read_branches(path)}
-    drawn = {name: certified_curves(entry, f"{certificates}: certificate {name!r}") for name, entry in entries.items()}
+    drawn = {
+        name: CertifiedCurves.of(entry, f"{certificates}: certificate {name!r}") for name, entry in entries.items()
+    }
     check_folder(folder)
     written: list[Path] = []
     with use_style():

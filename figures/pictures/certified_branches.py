@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.figures.model import PHYSICAL, Array, Curve, Stretch
+from orbitproof.figures.model import Array, Curve, Stretch
 from orbitproof.figures.style import (
     CURVE,
     INK,
@@ -27,6 +27,7 @@ from orbitproof.figures.style import (
     show_around,
 )
 from orbitproof.shared.systems import MASS_PARAMETERS
+from orbitproof.verify.poincare import PHYSICAL
 
 _WIDTH = 7.2
 _REGULARISED = "#d8b070"

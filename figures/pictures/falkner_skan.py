@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from orbitproof.figures.model import Array, MarkedPoint, SampledFamily, place, symmetric_orbit
+from orbitproof.figures.model import Array, MarkedPoint, SampledFamily, symmetric_orbit
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, draw_mark, label_of, legend_below, level_label, marker_of
 
 _WIDTH = 7.2
@@ -28,7 +28,7 @@ def draw_crossings(family: SampledFamily, marks: Sequence[MarkedPoint]) -> Figur
     periods.plot(family.levels, family.periods, color=CURVE)
     periods.set_yscale("log")
     for mark in marks:
-        found = place(family, mark)
+        found = family.place(mark)
         draw_mark(crossings, (mark.level, mark.point[-1]), mark)
         period = float(np.interp(found.arclength, family.arclength, family.periods))
         draw_mark(periods, (mark.level, period), mark)

@@ -18,8 +18,6 @@ from orbitproof.figures.model import (
     OrbitNotClosed,
     Placement,
     SampledFamily,
-    place,
-    stability_at,
     state_on_fixed_set,
     symmetric_orbit,
 )
@@ -51,7 +49,7 @@ def draw_family(family: SampledFamily, marks: Sequence[MarkedPoint]) -> Figure:
     Fix(R), the bifurcation parameter, the stability parameters with the resonances, and orbits. The
     layout depends on whether energy (first integral) or a parameter varies along the family.
     """
-    placements = [place(family, mark) for mark in marks]
+    placements = [family.place(mark) for mark in marks]
     if family.system.family_parameter is None:
         return _energy_figure(family, placements)
     return _parameter_figure(family, placements)
@@ -214,7 +212,7 @@ def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Pl
         for value in values:
             draw_resonance(axes, k, value)
     for placement in placements:
-        found = stability_at(family, placement.arclength)
+        found = family.stability_at(placement.arclength)
         miss = [float(np.nanmin(np.abs(found - value), initial=np.inf)) for value in levels[placement.mark.k]]
         value = levels[placement.mark.k][int(np.argmin(miss))]
         x = float(np.interp(placement.arclength, family.arclength, abscissa))

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.figures.model import Array, MarkedPoint, SampledFamily, place
+from orbitproof.figures.model import Array, MarkedPoint, SampledFamily
 from orbitproof.figures.style import (
     CURVE,
     INK,
@@ -54,7 +54,7 @@ class Spot:
 def spots_on(family: SampledFamily, marks: Sequence[MarkedPoint]) -> list[Spot]:
     """One spot for each orbit and multiplicity; of two candidates at one orbit the one at the starting point."""
     found: list[Spot] = []
-    for placement in sorted((place(family, mark) for mark in marks), key=lambda item: item.second):
+    for placement in sorted((family.place(mark) for mark in marks), key=lambda item: item.second):
         k, s = placement.mark.k, placement.arclength
         if any(spot.mark.k == k and abs(spot.arclength - s) < _SAME_ORBIT for spot in found):
             continue

@@ -36,7 +36,7 @@ _MOST_PANELS = 3
 
 
 def draw_resonances(curve: SampledStability, places: Sequence[Place]) -> Figure:
-    """The figure of one family; `places` as from `figures.model.stability.places_on`."""
+    """The figure of one family; `places` as from `SampledStability.places`."""
     crowds = _crowds(places)
     close = _close_turns(curve)
     claims, certified = {(item.k, item.kind) for item in places}, [_is_certified(item) for item in places]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from matplotlib.figure import Figure
 
-from orbitproof.figures.model import certified_curves, curve_of
+from orbitproof.figures.model import CertifiedCurves, Curve
 from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, surface_of
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
@@ -30,7 +30,7 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     if entry.candidate.system.name not in SYSTEMS:
         return ()
     name = entry.certificate.id
-    figure = draw_certified(certified_curves(entry.certificate.to_json(), f"certificate {name!r}"), None)
+    figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
     caption = (
         f"{name}: (a) the family and the branch in the box of the certificate, both enclosed; (b) the parameter along "
         "the branch from the enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
@@ -48,7 +48,7 @@ def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:
     if atlas.is_surface:
         caption = f"{atlas.id}: how far the proved orbits reach over the parameter, and where the symmetry breaks"
         return (_picture(f"surface-{stem}", caption, draw_surface(surface_of(certificate))),)
-    curve = curve_of(certificate)
+    curve = Curve.of(certificate)
     return (
         _picture(f"curve-{stem}", f"{atlas.id}: the curve, {_FROM_POLYNOMIALS}", draw_curves([curve])),
         _picture(

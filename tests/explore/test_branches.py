@@ -20,7 +20,7 @@ from orbitproof.explore.flow.flow import flow_of
 from orbitproof.explore.orbits.multiple_shooting import MultipleShooting, SegmentedOrbit
 from orbitproof.explore.orbits.shooting import ShootingProblem
 from orbitproof.explore.refinement.newton import refine
-from orbitproof.figures.model.certified_box import certified_curves
+from orbitproof.figures.model.certified_box import CertifiedCurves
 from orbitproof.figures.pictures.branches import write as write_pictures
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.pictures.certified_boxes import write as write_certified
@@ -272,7 +272,7 @@ def test_bad_branch_files_name_the_field(
 
 
 def test_certified_curves_contain_the_leading_parabola_and_the_family_is_thin(certificate: Certificate) -> None:
-    curves = certified_curves(certificate.to_json(), "certificate")
+    curves = CertifiedCurves.of(certificate.to_json(), "certificate")
     assert curves.beta is not None
     first, second = (float(radius) for radius in curves.radii)
     # In the units of the picture the next term of the parabola is smaller than the boxes by far.
@@ -293,4 +293,4 @@ def test_certified_curves_contain_the_leading_parabola_and_the_family_is_thin(ce
 
 def test_nothing_certified_is_drawn_without_a_proof(certificate: Certificate) -> None:
     with pytest.raises(InputError, match="not proved"):
-        certified_curves({**certificate.to_json(), "verdict": "not proved"}, "certificate")
+        CertifiedCurves.of({**certificate.to_json(), "verdict": "not proved"}, "certificate")

@@ -17,7 +17,7 @@ from matplotlib.patches import Rectangle
 from support.chain_cases import Case, certificate, circle_point, concluded, parabola, parabola_piece, symmetric_loop
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.model.certified_branch import Curve, curve_of
+from orbitproof.figures.model.certified_branch import Curve
 from orbitproof.figures.pictures.certified_branches import draw_curves, draw_pieces
 from orbitproof.figures.pictures.certified_surfaces import draw_surface, surface_of
 from orbitproof.figures.style.style import close, use_style
@@ -42,7 +42,7 @@ def document_of(case: Case, *bifurcations: Certificate, regularised: Sequence[st
 
 
 def curve(case: Case, *bifurcations: Certificate, regularised: Sequence[str] = ()) -> Curve:
-    return curve_of(AtlasCertificate(case[0], document_of(case, *bifurcations, regularised=regularised)))
+    return Curve.of(AtlasCertificate(case[0], document_of(case, *bifurcations, regularised=regularised)))
 
 
 @pytest.fixture(autouse=True)

@@ -22,7 +22,7 @@ from orbitproof.figures.__main__ import main
 from orbitproof.figures.collection.data_folder import DataFolder, MissingData
 from orbitproof.figures.collection.manifest import STEPS, Step, step_of
 from orbitproof.figures.collection.pictures import PICTURES
-from orbitproof.figures.model.family import MarkedPoint, SampledFamily, assign, mark_candidates, place
+from orbitproof.figures.model.family import MarkedPoint, SampledFamily, assign, mark_candidates
 from orbitproof.figures.model.family_file import read_families
 from orbitproof.figures.model.orbit import OrbitNotClosed, symmetric_orbit, symmetric_orbits
 from orbitproof.figures.pictures.falkner_skan import draw_crossings, draw_resonant_orbits
@@ -311,8 +311,8 @@ def test_halo_plane_pictures_mark_each_orbit_once_and_fill_it_if_certified(
 
 def test_two_candidates_of_one_orbit_share_a_spot(halo: SampledFamily, halo_marks: list[MarkedPoint]) -> None:
     family = halo.refined()
-    mark = next(mark for mark in halo_marks if mark.k > 1 and not place(family, mark).second)
-    s = place(family, mark).arclength
+    mark = next(mark for mark in halo_marks if mark.k > 1 and not family.place(mark).second)
+    s = family.place(mark).arclength
     other = np.array([np.interp(s, family.arclength, column) for column in family.second_points.T])
     twin = replace(mark, point=other, certified=not mark.certified)
     (both,) = spots_on(family, [twin, mark])

@@ -22,7 +22,6 @@ from orbitproof.figures.model.family import (
     assign,
     level_of,
     mark_candidates,
-    place,
     state_on_fixed_set,
 )
 from orbitproof.figures.model.family_file import read_families
@@ -161,7 +160,7 @@ def test_points_lie_on_the_curve_of_their_crossing(families: list[SampledFamily]
     assert halo.points.shape[0] > 100
     for second, curve in ((False, halo.points), (True, halo.second_points)):
         point = 0.5 * (curve[4] + curve[5])
-        placement = place(halo, replace(marks[0], point=point))
+        placement = halo.place(replace(marks[0], point=point))
         assert placement.second == second
         assert placement.distance < 1e-12
         assert halo.arclength[4] < placement.arclength < halo.arclength[5]
