@@ -18,7 +18,7 @@ import mpmath
 
 from orbitproof.explore.refinement.crossing import Crossing, section_crossings
 from orbitproof.explore.refinement.jets import Jet, JetBasis
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import Regularisation, ReversibleSystem
 
 
 @dataclass(frozen=True)
@@ -68,14 +68,21 @@ def section_jets(system: ReversibleSystem, crossing: Crossing, parameter: Jet | 
 
 
 def half_return(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[Fraction], context: mpmath.MPContext
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Sequence[Fraction],
+    context: mpmath.MPContext,
+    regularisation: Regularisation | None = None,
 ) -> HalfReturn:
-    """P and DP at `point`. Raises `IntegrationFailure` if the orbit does not return to the section."""
+    """P and DP at `point`, the orbit followed in regularised coordinates if there are any.
+
+    Raises `IntegrationFailure` if the orbit does not return to the section.
+    """
     n = len(system.kernel_coordinates)
     size = 1 + 2 * n
     basis = JetBasis.graded((1,) * size, 1)
     unit = [[int(i == j) for j in range(size)] for i in range(size)]
-    image, time = _image(system, parameters, point, unit, basis, context)
+    image, time = _image(system, parameters, point, unit, basis, context, regularisation)
     derivative = context.matrix([[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in image])
     return HalfReturn([jet.coefficients[0] for jet in image[1 + n :]], derivative, time)
 
@@ -87,6 +94,7 @@ def second_derivatives(
     directions: Sequence[Sequence[Any]],
     others: Sequence[Sequence[Any]],
     context: mpmath.MPContext,
+    regularisation: Regularisation | None = None,
 ) -> list[list[list[Any]]]:
     """D^2 P(v, w), 1 + 2n numbers, for each v of `directions` (outer list) and w of `others` (inner list).
 
@@ -101,7 +109,7 @@ def second_derivatives(
 
     linear = JetBasis.graded((1,) * size, 1).monomials
     basis = JetBasis.of([*linear, *(square(i, j) for i in range(len(directions)) for j in numbers)])
-    image, _ = _image(system, parameters, point, vectors, basis, context)
+    image, _ = _image(system, parameters, point, vectors, basis, context, regularisation)
     return [
         [[jet.coefficients[basis.index[square(i, j)]] * (1 + (i == j)) for jet in image] for j in numbers]
         for i in range(len(directions))
@@ -115,10 +123,11 @@ def _image(
     directions: Sequence[Sequence[Any]],
     basis: JetBasis,
     context: mpmath.MPContext,
+    regularisation: Regularisation | None,
 ) -> tuple[list[Jet], float]:
     values = [context.mpf(u.numerator) / u.denominator for u in point]
     start, parameter = start_jets(system, values, directions, basis)
-    crossing = next(section_crossings(system, parameters, start, parameter, context))
+    crossing = next(section_crossings(system, parameters, start, parameter, context, regularisation=regularisation))
     return section_jets(system, crossing, parameter), crossing.time
 
 

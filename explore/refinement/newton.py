@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from orbitproof.explore.refinement.crossing import shorter_coordinates
 from orbitproof.explore.refinement.frames import Frame, Parity, RefinementFailure, parity_of
 from orbitproof.explore.refinement.half_return import LinearIterates
 from orbitproof.explore.refinement.reduction import BranchGeometry, box_radii, branch_geometry, digits_for, half_width
@@ -145,8 +146,9 @@ def refine(
     """
     report = progress if progress is not None else (lambda _message, _fraction: None)
     parity, symmetry = _checked(system, kind, k, guess, symmetry)
-    problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity)
     try:
+        regularisation = shorter_coordinates(system, parameters, guess)
+        problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity, regularisation)
         solution = _solve(problem, guess, digits, report)
         margins = _checked_iterates(problem, solution.frame, solution.at.iterates)
         report("curvatures", 0.85)
@@ -158,6 +160,7 @@ def refine(
             k,
             problem.tangential,
             working_context(GEOMETRY_BITS),
+            problem.regularisation,
         )
         width = half_width(geometry, digits, k, solution.lost_bits, system.family_parameter is None)
         if digits_for(width) > digits + MARGIN_DIGITS:

@@ -14,11 +14,11 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.refinement.crossing import section_crossings
+from orbitproof.explore.refinement.crossing import level_jet, section_crossings
 from orbitproof.explore.refinement.frames import Frame, RefinementFailure
 from orbitproof.explore.refinement.half_return import section_jets, start_jets
 from orbitproof.explore.refinement.jets import Jet, JetBasis
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import Regularisation, ReversibleSystem
 
 SAFETY = 8
 """Factor by which a radius exceeds what the curvature of the branch asks for."""
@@ -65,8 +65,11 @@ def branch_geometry(
     k: int,
     tangential: bool,
     context: mpmath.MPContext,
+    regularisation: Regularisation | None = None,
 ) -> BranchGeometry:
     """Slopes and curvatures of the branches, from jets of P^k integrated along all k half returns.
+
+    With a `regularisation` of the system the orbits are followed in its coordinates.
 
     Raises `IntegrationFailure`, or `RefinementFailure` if a nondegeneracy condition fails.
     """
@@ -78,7 +81,7 @@ def branch_geometry(
     point = [context.mpf(u.numerator) / u.denominator for u in centre]
     start, parameter = start_jets(system, point, directions, basis)
     iterates = []
-    for crossing in section_crossings(system, parameters, start, parameter, context):
+    for crossing in section_crossings(system, parameters, start, parameter, context, regularisation=regularisation):
         kernel = section_jets(system, crossing, parameter)[n + 1 :]
         iterates.append([sum((kernel[j] * frame.rows[i, j] for j in range(n)), basis.constant(0)) for i in range(n)])
         if len(iterates) == k:
@@ -135,32 +138,6 @@ def branch_geometry(
         float(h0),
         float(h0 * p0_slope + h1),
     )
-
-
-def level_jet(
-    system: ReversibleSystem,
-    parameters: Mapping[str, Fraction],
-    start: Sequence[Jet],
-    parameter: Jet | None,
-    context: mpmath.MPContext,
-) -> Jet:
-    """The bifurcation parameter (first integral, or family parameter) as a jet at the start."""
-    program = system.first_integral_program
-    if program is None:
-        assert parameter is not None
-        return parameter
-
-    def number(value: Fraction) -> Any:
-        return context.mpf(value.numerator) / value.denominator
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        if isinstance(base, Jet):
-            return base.power(exponent, power)
-        return context.mpf(base) ** number(exponent)
-
-    fixed = [number(parameters[name]) for name in system.parameters]
-    value = program.evaluate([*start, *fixed], number, power)[0]
-    return value if isinstance(value, Jet) else start[0].basis.constant(value)
 
 
 def _without_constant(jet: Jet) -> Jet:

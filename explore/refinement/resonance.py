@@ -20,6 +20,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from orbitproof.explore.refinement.crossing import level_jet
 from orbitproof.explore.refinement.frames import Frame, Parity, RefinementFailure, bifurcation_frame
 from orbitproof.explore.refinement.half_return import (
     HalfReturn,
@@ -31,8 +32,7 @@ from orbitproof.explore.refinement.half_return import (
     start_jets,
 )
 from orbitproof.explore.refinement.jets import Jet, JetBasis
-from orbitproof.explore.refinement.reduction import level_jet
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import Regularisation, ReversibleSystem
 
 
 def working_context(bits: int) -> mpmath.MPContext:
@@ -47,6 +47,7 @@ class Resonance:
 
     `tangential`: the new branch is tangent to a level set of the bifurcation parameter; see
     `explore.refinement.frames.bifurcation_frame`. `parity` is set for symmetry breaking (k = 1) only.
+    `regularisation`: the coordinates in which the orbits are followed, if not the system's own.
     """
 
     system: ReversibleSystem
@@ -54,6 +55,7 @@ class Resonance:
     k: int
     tangential: bool
     parity: Parity | None
+    regularisation: Regularisation | None = None
 
     @property
     def unknowns(self) -> tuple[int, ...]:
@@ -105,7 +107,7 @@ def linearise(problem: Resonance, point: Sequence[Fraction], bits: int) -> Linea
     Raises `IntegrationFailure`, or `RefinementFailure` if the kernel is not simple.
     """
     context = working_context(bits)
-    half = half_return(problem.system, problem.parameters, point, context)
+    half = half_return(problem.system, problem.parameters, point, context, problem.regularisation)
     try:
         iterates = linear_iterates(half, problem.k, context)
         # p_1 tangent to the level set lies in the resonant plane of DP^2, which keeps few second derivatives.
@@ -144,7 +146,9 @@ def resonance_slope(problem: Resonance, point: Sequence[Fraction], at: Linearise
     chosen, combinations = _spanning(coarse, context)
     unit = [[context.mpf(int(i == j)) for i in range(1 + 2 * n)] for j in problem.unknowns]
     # Each chosen vector lies in Fix(R), where it is a combination of the unknowns' directions, or not.
-    second = second_derivatives(problem.system, problem.parameters, point, unit, chosen, context)
+    second = second_derivatives(
+        problem.system, problem.parameters, point, unit, chosen, context, problem.regularisation
+    )
     slope = []
     for values in second:
         total = context.mpf(0)

@@ -32,8 +32,8 @@ class Regularisation:
         state: names of the coordinates; one of them is the system's section coordinate, one the system's time.
         time: the coordinate that is the system's time; its derivative is positive as long as v describes an orbit.
         vector_field: dv/ds, called with (v, parameters, level of the first integral).
-        embedding: v of a point of Fix(R), called with (state, parameters, branch). `branch` = 1 or -1 chooses one
-            of two formulas, each valid on a part of Fix(R).
+        embedding: v of a point of the section, called with (state, parameters, branch). `branch` = 1 or -1 chooses
+            one of two formulas, each valid on a part of the section.
         branch: which of them suits a point, called with float values (state, parameters).
         projection: the system's state, called with (v, parameters).
     """
@@ -63,7 +63,7 @@ class Regularisation:
         return record(self.vector_field, self.state, tuple(self.system.parameters), ("level",))
 
     def embedding_program(self, branch: int) -> Program:
-        """v of a point of Fix(R); inputs: the system's state, parameters."""
+        """v of a point of the section; inputs: the system's state, parameters."""
 
         def embed(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
             return self.embedding(state, parameters, branch)
@@ -120,7 +120,7 @@ def _kustaanheimo_stiefel(v: Sequence[Any], parameters: Sequence[Any], level: Se
 
 
 def _onto_spinors(state: Sequence[Any], parameters: Sequence[Any], branch: int) -> Sequence[Any]:
-    x, y, z, _, vy, _ = state
+    x, y, z, vx, vy, vz = state
     (mu,) = parameters
     rho1 = x - (1 - mu)
     distance = (_square(rho1) + _square(z)) ** _HALF
@@ -130,8 +130,9 @@ def _onto_spinors(state: Sequence[Any], parameters: Sequence[Any], branch: int) 
     else:
         c = (_HALF * (distance - rho1)) ** _HALF
         a = _HALF * (z / c)
-    speed = _HALF * vy
-    return (a, 0, c, 0, 0, speed * a, 0, -(speed * c), y, 0)
+    # w = L(u)^T v / 2, from rho' = 2 L(u) w and L(u) L(u)^T = r_2.
+    half_x, half_y, half_z = _HALF * vx, _HALF * vy, _HALF * vz
+    return (a, 0, c, 0, half_x * a + half_z * c, half_y * a, half_z * a - half_x * c, -(half_y * c), y, 0)
 
 
 def _branch(state: Sequence[float], parameters: Sequence[float]) -> int:

@@ -10,13 +10,14 @@ import mpmath
 import pytest
 from support.independent_flow import CONSTANTS, EARTH_MOON, crossings, extrapolated_crossings
 
-from orbitproof.explore.refinement.crossing import section_crossings
+from orbitproof.explore.refinement.crossing import Crossing, section_crossings, shorter_coordinates
 from orbitproof.explore.refinement.half_return import section_jets, start_jets
 from orbitproof.explore.refinement.jets import Jet, JetBasis
 from orbitproof.explore.refinement.resonance import working_context
 from orbitproof.explore.refinement.tape import Tape
 from orbitproof.explore.refinement.taylor import IntegrationFailure, JetStepper
 from orbitproof.shared.systems.program import record
+from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL, Regularisation
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 
 
@@ -159,3 +160,31 @@ def test_jets_of_iterates_agree_with_finite_differences(system: ReversibleSystem
             assert abs(slope - coefficients[index[(1, 0)]]) < 1e-10 * scale
             assert abs(mixed - coefficients[index[(1, 1)]]) < 1e-8 * scale
             assert abs(third - 6 * coefficients[index[(3, 0)]]) < 1e-6 * scale
+
+
+@pytest.mark.parametrize(
+    "point", [("0.98783", "0.000478", "7.1"), ("0.9898", "-0.04075", "-0.7396")], ids=["near", "far"]
+)
+def test_regularised_coordinates_give_the_same_jets_of_two_returns(point: tuple[str, ...]) -> None:
+    """Directions off Fix(R) as well: the embedding holds on the whole section."""
+    context, numbers = working_context(200), [Fraction(x) for x in point]
+    basis = JetBasis.graded((1, 1, 1), 3)
+    directions = [[1, 0.5, -0.25, 0, 0], [0, 0, 0, 1, 0.5], [0, 1, 0, -0.5, 1]]
+    values = [context.mpf(x.numerator) / x.denominator for x in numbers]
+    start, _ = start_jets(CR3BP, values, directions, basis)
+
+    def images(regularisation: Regularisation | None) -> list[Crossing]:
+        crossings = section_crossings(CR3BP, EARTH_MOON, start, None, context, regularisation=regularisation)
+        return [next(crossings), next(crossings)]
+
+    for own, other in zip(images(None), images(KUSTAANHEIMO_STIEFEL), strict=True):
+        assert own.time == pytest.approx(other.time, abs=1e-12)
+        for left, right in zip(own.jets, other.jets, strict=True):
+            scale = max(1, *(abs(c) for c in left.coefficients))
+            assert max(abs(a - b) for a, b in zip(left.coefficients, right.coefficients, strict=True)) < 1e-30 * scale
+
+
+def test_regularised_coordinates_are_chosen_close_to_the_smaller_primary_only() -> None:
+    assert shorter_coordinates(CR3BP, EARTH_MOON, [0.9878404796, 0.0005064485814, 6.915437421]) is not None
+    assert shorter_coordinates(CR3BP, EARTH_MOON, [0.842, 0.16, 0.26]) is None
+    assert shorter_coordinates(FALKNER_SKAN, {}, [340, 0.9398]) is None
