@@ -20,7 +20,7 @@ from orbitproof.verify.atlas.certificate import (
     reusable,
     write_atlas_certificate,
 )
-from orbitproof.verify.atlas.recheck import Means, recheck_atlas
+from orbitproof.verify.atlas.recheck import Means, order_of, recheck_atlas
 from orbitproof.verify.atlas.report import conclusion_text, piece_table
 from orbitproof.verify.atlas.run import AtlasRun
 from orbitproof.verify.atlas.splitting import Settings
@@ -38,6 +38,7 @@ from orbitproof.verify.engines import (
     positive_integer,
     positive_seconds,
 )
+from orbitproof.verify.stability import with_complete_list
 from orbitproof.verify.surface import conclude_surface
 
 _EXAMPLES = """\
@@ -48,6 +49,8 @@ examples:
       the same on two cores, with a certificate; if interrupted, the same command goes on
   orbitproof verify atlas atlas.json -o curve.json --bifurcations certificates.json --only "earth-moon-L1-*"
       also which of the certified bifurcations lie on the curve
+  orbitproof verify atlas atlas.json -o curve.json --complete 12
+      also all resonances 1:1 to 1:12 on the curve, and where its orbits are linearly stable
   orbitproof verify atlas atlas.json -o curve.json --scheduler tcp://192.0.2.1:8786
       hand the pieces to a cluster (dask.distributed)
   orbitproof verify atlas --recheck curve.json
@@ -56,7 +59,8 @@ examples:
       and prove every interval, and the bifurcations on the curve, again in another way
 
 A piece that fails is tried with more precision, then split in two; what was proved is kept.
-exit codes: 0 the theorem is proved, and every bifurcation asked about lies on the curve; 1 not, or interrupted;
+exit codes: 0 the theorem is proved, every bifurcation asked about lies on the curve, and the list leaves out
+nothing; 1 not, or interrupted;
 2 bad input. "not proved" never means "shown to be false"
 """
 
@@ -101,6 +105,10 @@ def _parser() -> argparse.ArgumentParser:
             metavar="N",
             help=f"{what}, for the first attempt (default: as it suits)",
         )
+    parser.add_argument(
+        "--complete", type=_order, metavar="K",
+        help="also list all resonances 1:1 to 1:K on the curve, and where its orbits are linearly stable",
+    )  # fmt: skip
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
     parser.add_argument("--recheck", action="store_true", help="check a certificate again")
     parser.add_argument("--integrate", action="store_true", help="with --recheck: prove all again, in another way")
@@ -117,6 +125,15 @@ def _splits(text: str) -> int:
 _MOST_SPLITS = 20
 
 
+def _order(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text[:3]) <= _LARGEST_ORDER:
+        raise argparse.ArgumentTypeError(f"{text!r}: give a number from 1 to {_LARGEST_ORDER}")
+    return int(text)
+
+
+_LARGEST_ORDER = 99
+
+
 def main(arguments: Sequence[str] | None = None, work: Work = prove_task) -> int:
     """Run the command line; returns the exit code. `work` is what a process does for each interval."""
     options = _parser().parse_args(arguments)
@@ -131,6 +148,8 @@ def _run(options: argparse.Namespace, work: Work) -> int:
     if options.integrate:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     atlas = read_atlas(options.file)
+    if options.complete is not None and atlas.is_surface:
+        raise InputError("--complete: lists what is on a curve, and this atlas is about a surface; leave it out")
     limits = _limits(options, atlas)
     bifurcations = _bifurcations(options, atlas.is_surface)
     earlier = _earlier(options, atlas, attempts_of(atlas, limits))
@@ -161,14 +180,16 @@ def _run(options: argparse.Namespace, work: Work) -> int:
     if interrupted:
         return _interrupted(options, run)
     try:
-        conclusion = _conclude(atlas, run.results, bifurcations, options)
+        conclusion = _conclude(atlas, run.results, bifurcations, options, options.complete)
     except KeyboardInterrupt:
         return _interrupted(options, run)
     certificate = make_atlas_certificate(atlas, run.results, conclusion, bifurcations)
     print(f"\n{conclusion_text(certificate)}", flush=True)
     if options.output is not None:
         write_atlas_certificate(options.output, certificate)
-    return 0 if certificate["verdict"] == "proved" and not _off_curve(conclusion) else 1
+    return (
+        0 if certificate["verdict"] == "proved" and not _off_curve(conclusion) and not _not_covered(conclusion) else 1
+    )
 
 
 def _interrupted(options: argparse.Namespace, run: AtlasRun) -> int:
@@ -183,11 +204,18 @@ def _off_curve(conclusion: Mapping[str, Any]) -> list[str]:
     return [entry["id"] for entry in conclusion.get("bifurcations", []) if not entry["on_curve"]]
 
 
+def _not_covered(conclusion: Mapping[str, Any]) -> bool:
+    """Whether a list that was asked for leaves something out."""
+    listed = conclusion.get("complete", {})
+    return bool(listed.get("gaps") or listed.get("undecided"))
+
+
 def _limits(options: argparse.Namespace, atlas: Atlas) -> RunLimits:
     given = {name: getattr(options, name) for name in ("precision", "order", "width")}
     limits = RunLimits(
-        {name: value for name, value in given.items() if value is not None}, options.timeout, options.max_splits
-    )
+        {name: value for name, value in given.items() if value is not None}, options.timeout, options.max_splits,
+        options.complete is not None,
+    )  # fmt: skip
     try:
         attempts_of(atlas, limits)
     except ValueError as error:
@@ -212,7 +240,7 @@ def _earlier(options: argparse.Namespace, atlas: Atlas, attempts: Sequence[Setti
             f"{path}: holds the certificate of another atlas ({before.atlas.id!r}); "
             "choose another output, or replace the file with --fresh"
         )
-    return reusable(before, atlas, attempts)
+    return reusable(before, atlas, attempts, options.complete is not None)
 
 
 def _bifurcations(options: argparse.Namespace, is_surface: bool) -> list[Certificate]:
@@ -237,9 +265,16 @@ def _bifurcations(options: argparse.Namespace, is_surface: bool) -> list[Certifi
 
 
 def _conclude(
-    atlas: Atlas, results: Sequence[Result], bifurcations: Sequence[Certificate], options: argparse.Namespace
+    atlas: Atlas,
+    results: Sequence[Result],
+    bifurcations: Sequence[Certificate],
+    options: argparse.Namespace,
+    order: int | None,
 ) -> dict[str, Any]:
-    """What the results give together; the certificates of bifurcations are checked again, side by side."""
+    """What the results give together; the certificates of bifurcations are checked again, side by side.
+
+    With an `order`, all resonances up to it as well.
+    """
     if atlas.is_surface:
         return conclude_surface(atlas, results).to_json()
     checks = {check.id: check for check in _checked(bifurcations, False, options)}
@@ -257,12 +292,12 @@ def _conclude(
         conclusion = conclude(atlas, results, bifurcations, examine)
         for name in placed[-1:]:
             placing.finish(name, "looked for on the curve")
-    return conclusion.to_json()
+    return conclusion.to_json() if order is None else with_complete_list(atlas, results, conclusion, order)
 
 
 def _recheck(options: argparse.Namespace, work: Work) -> int:
     """Whether the certificate stands: its form, its conclusion, and with --integrate what it was made from."""
-    for name in ("output", "fresh"):
+    for name in ("output", "fresh", "complete"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
     document = read_document(options.file, SCHEMA)
@@ -270,7 +305,7 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
     given = _bifurcations(options, is_surface)
 
     def conclude_again(atlas: Atlas, results: Sequence[Result], entries: Sequence[Certificate]) -> Mapping[str, Any]:
-        return _conclude(atlas, results, entries, options)
+        return _conclude(atlas, results, entries, options, order_of(document))
 
     def prove_again(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
         display = Display(dict.fromkeys([task.name for task in tasks], 1.0), options.quiet)

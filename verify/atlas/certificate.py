@@ -161,11 +161,13 @@ def _filled(text: str, empty: str, lines: Sequence[str], indent: str, outer: str
     return text.replace(empty, f"{empty[:-1]}\n{content}\n{outer}]", 1)
 
 
-def reusable(certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Settings]) -> list[Result]:
+def reusable(
+    certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Settings], stability: bool = False
+) -> list[Result]:
     """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
 
-    They must come from this software, and be about a piece that has not changed. What failed for want of time or
-    memory, or with other settings, is tried again.
+    They must come from this software, and be about a piece that has not changed; if `stability` is asked for, they
+    must have looked at it. What failed for want of time or memory, or with other settings, is tried again.
     """
     before = certificate.atlas
     same_claim = (
@@ -179,7 +181,8 @@ def reusable(certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Set
     return [
         result
         for result in certificate.results
-        if result["piece"] in unchanged and (result["verdict"] == "proved" or _is_final(result, attempts))
+        if result["piece"] in unchanged
+        and ("stability" in result or not stability if result["verdict"] == "proved" else _is_final(result, attempts))
     ]
 
 

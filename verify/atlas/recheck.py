@@ -40,6 +40,7 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.curve import PieceLimits, curve_hypotheses
 from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.evidence import ball_from_json
+from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.surface import SurfaceLimits, surface_hypotheses, unshown
 
 _MORE_BITS = 32
@@ -47,6 +48,7 @@ _MORE_ORDER = 4
 _MORE_WIDTH = 8
 """What the second integration has more: it has to find bounds that are no larger than the stored ones."""
 
+_LARGEST_ORDER = 99
 _LARGEST = 4096
 """No setting of the integrator is larger."""
 
@@ -79,6 +81,17 @@ def recheck_atlas(document: Document, given: Sequence[Certificate], integrate: b
     if integrate:
         steps.append(partial(_integration, document, given, means))
     return climb(str(document["id"]), str(document["verdict"]), steps)
+
+
+def order_of(document: Document) -> int | None:
+    """Up to which order the certificate lists all resonances, if it does. Raises `ValueError` if it is no order."""
+    listed = (document["conclusion"] or {}).get("complete")
+    if listed is None:
+        return None
+    order = listed["order"]
+    if not isinstance(order, int) or not 1 <= order <= _LARGEST_ORDER:
+        raise ValueError("the order of the complete list is no number from 1 to 99")
+    return order
 
 
 def atlas_of(document: Document) -> Atlas:
@@ -213,7 +226,14 @@ def _tasks(document: Document, atlas: Atlas, timeout: float | None) -> tuple[lis
         made = result["computation"]
         settings = {name: int(made.get(name, value)) + more.get(name, 0) for name, value in names.items()}
         steps = max(1, int(made.get("steps", 1)))
-        task = task_of(atlas, pieces[result["piece"]], interval_of(result), settings, RunLimits({}, timeout), steps)
+        task = task_of(
+            atlas,
+            pieces[result["piece"]],
+            interval_of(result),
+            settings,
+            RunLimits({}, timeout, stability="stability" in result),
+            steps,
+        )
         argument = dict(task.argument)
         if atlas.system.name not in BRANCH_SYSTEMS:
             argument["stated"] = _stated(document)
@@ -252,6 +272,9 @@ def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
                     f"stored is {float(parse_exact(old)):.6g}, the new integration finds {float(parse_exact(new)):.6g}"
                 )
                 yield Finding(f"{place}, {key} {j}", sizes)
+    if "stability" in stored:
+        found = unconfirmed(stored["stability"], fresh.get("stability", {"reason": {"message": "it is missing"}}))
+        yield from (Finding(f"{place}, stability", text) for text in found)
     for part in stored.get("parts", ()):
         inside = [entry for entry in fresh["parts"] if covers([interval_of(part)], interval_of(entry))]
         where = f"{place}, part [{', '.join(part['interval'])}]"

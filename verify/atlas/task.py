@@ -14,6 +14,8 @@ from orbitproof.verify.atlas.splitting import Interval, Settings
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.engines import Answer, Failure, Report, Task
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.stability import stability_to_json
 from orbitproof.verify.surface import SurfaceLimits, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -28,11 +30,13 @@ class RunLimits:
         integrator: settings of `PieceLimits` or `SurfaceLimits` for the first attempt, by name, if not the default.
         timeout: seconds for an interval, or `None`.
         max_splits: how often an interval is halved at most.
+        stability: whether the stability of the orbits on proved intervals is enclosed as well.
     """
 
     integrator: Mapping[str, int]
     timeout: float | None = None
     max_splits: int = 6
+    stability: bool = False
 
 
 def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
@@ -63,6 +67,7 @@ def task_of(
             "piece": piece.to_json(),
             "interval": [format_exact(end) for end in interval],
             "integrator": dict(settings),
+            "stability": limits.stability,
             "timeout": limits.timeout,
             "expected_steps": steps,
         },
@@ -88,16 +93,23 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
 
     try:
         if isinstance(piece, SurfacePiece):
-            limits = SurfaceLimits(**argument["integrator"])
+            surface_limits = SurfaceLimits(**argument["integrator"])
             parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
             return prove_surface_piece(
-                system, piece, (start, end), limits, stepped, argument["symmetry"], parts
+                system, piece, (start, end), surface_limits, stepped, argument["symmetry"], parts
             ).to_json()
         parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
-        return prove_piece(
-            system, parameters, piece, (start, end), PieceLimits(**argument["integrator"]), stepped,
-            argument["symmetry"],
-        ).to_json()  # fmt: skip
+        limits = PieceLimits(**argument["integrator"])
+        found = prove_piece(system, parameters, piece, (start, end), limits, stepped, argument["symmetry"])
+        result = found.to_json()
+        if argument.get("stability") and isinstance(found.outcome, Proved):
+            known = found.outcome.results
+            result["stability"] = stability_to_json(
+                system, parameters, piece, (known.start, known.end), limits, str(found.computation["coordinates"]),
+                argument["symmetry"], stepped,
+            )  # fmt: skip
+            result["computation"]["seconds"] = round(time.monotonic() - began, 3)
+        return result
     except _OutOfTimeError:
         condition, message = "time", f"the time limit of {timeout:g} s has passed"
     except Exception as error:

@@ -1,21 +1,37 @@
 """Curves of symmetric orbits in pieces: tubes, gluing, bifurcations on the curve (sections 15 and 16)."""
 
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import hypotheses_of as curve_hypotheses
+from orbitproof.verify.curve.equation import BEYOND, divided_by_wide, tube_points
+from orbitproof.verify.curve.gluing import Chain, Stretch
+from orbitproof.verify.curve.libration_point import parameter_series
+from orbitproof.verify.curve.lyapunov_family import point_name
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import Account, Interval, PieceResult, attempt, interval_to_json
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_intervals import ProvedInterval
+from orbitproof.verify.curve.theorem import ProvedCurve, conclude
 
 __all__ = [
+    "BEYOND",
     "Account",
+    "Bifurcation",
+    "Chain",
     "Conclusion",
     "Ends",
     "Interval",
     "PieceLimits",
     "PieceResult",
+    "ProvedCurve",
+    "ProvedInterval",
+    "Stretch",
     "attempt",
     "conclude",
     "curve_hypotheses",
+    "divided_by_wide",
     "interval_to_json",
+    "parameter_series",
+    "point_name",
     "prove_piece",
+    "tube_points",
 ]

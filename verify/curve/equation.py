@@ -11,11 +11,43 @@ from fractions import Fraction
 
 from flint import arb, arb_poly
 
-from orbitproof.verify.algebra import Series, values_around
+from orbitproof.shared.formats import Piece
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Series, recentred, values_around
 from orbitproof.verify.evidence import enclose
 
 BEYOND = Fraction(17, 16)
 TUBE = Fraction(1, 2)
+
+
+def tube_points(
+    arithmetic: Arithmetic,
+    system: ReversibleSystem,
+    piece: Piece,
+    interval: tuple[Fraction, Fraction],
+    widths: Sequence[Fraction],
+) -> dict[str, Series]:
+    """The points of a tube about a piece's polynomial, by the names of the coordinates, as elements in (sigma, omega).
+
+    Args:
+        interval: middle and ds/dsigma.
+        widths: dp_j/domega_j.
+    """
+    count, (middle, radius) = len(widths), interval
+    along = [piece.half_width * middle, piece.half_width * radius]
+    curves = [along, *(recentred(row, middle, radius) for row in piece.polynomial)]
+    result = {}
+    for name, origin, row in zip(system.centre_coordinates, piece.centre, piece.frame, strict=True):
+        wide = [Fraction(0)] * max(len(curve) for curve in curves)
+        wide[0] += origin
+        for factor, curve in zip(row, curves, strict=True):
+            for power, value in enumerate(curve):
+                wide[power] += factor * value
+        terms: dict[tuple[int, ...], Fraction | Sequence[Fraction]] = {(0,) * count: wide}
+        for j in range(count):
+            terms[tuple(int(i == j) for i in range(count))] = row[j + 1] * widths[j]
+        result[name] = arithmetic.polynomial(terms)
+    return result
 
 
 class Equation:

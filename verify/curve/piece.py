@@ -16,7 +16,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import REGULARISATIONS, ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, recentred
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
 from orbitproof.verify.curve.equation import (
     BEYOND,
     TUBE,
@@ -24,6 +24,7 @@ from orbitproof.verify.curve.equation import (
     divided_by_wide,
     halves,
     parts_of_interval,
+    tube_points,
 )
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.curve.piece_claim import require_piece
@@ -207,29 +208,11 @@ class _Proof:
             )
             require_piece(evidence, self.system, self.piece, self.symmetry)
 
-    def _initial(self) -> dict[str, Series]:
-        """The points of the tube, by the names of the coordinates, as elements in (sigma, omega)."""
-        piece, tube = self.piece, self.tube
-        count = len(tube)
-        along = [piece.half_width * self.middle, piece.half_width * self.radius]
-        curves = [along, *(recentred(row, self.middle, self.radius) for row in piece.polynomial)]
-        result = {}
-        for name, middle, row in zip(self.system.centre_coordinates, piece.centre, piece.frame, strict=True):
-            wide = [Fraction(0)] * max(len(curve) for curve in curves)
-            wide[0] += middle
-            for factor, curve in zip(row, curves, strict=True):
-                for power, value in enumerate(curve):
-                    wide[power] += factor * value
-            terms: dict[tuple[int, ...], Fraction | Sequence[Fraction]] = {(0,) * count: wide}
-            for j in range(count):
-                terms[tuple(int(i == j) for i in range(count))] = row[j + 1] * tube[j]
-            result[name] = self.arithmetic.polynomial(terms)
-        return result
-
     def _half_return(self, computation: Account, progress: Progress | None) -> tuple[list[Series], arb]:
         """The kernel coordinates at the first return, and the half periods."""
         system, arithmetic = self.system, self.arithmetic
-        point = {**parameter_series(arithmetic, system, self.parameters), **self._initial()}
+        tube = tube_points(arithmetic, system, self.piece, (self.middle, self.radius), self.tube)
+        point = {**parameter_series(arithmetic, system, self.parameters), **tube}
         returns = Returns(system, arithmetic, point, self.piece.coordinates)
         computation["coordinates"] = returns.coordinates.name
 

@@ -16,7 +16,7 @@ from flint import arb
 
 from orbitproof.shared.systems import Program, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, WideArithmetic, evaluate, prepare
-from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
+from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, is_positive
 from orbitproof.verify.flow import FlowStep, advance, dyadic_below, expand, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, choose, physical, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive, wide_parts
@@ -44,6 +44,7 @@ class Returns:
         coordinates: which coordinates these are.
         steps: number of integration steps so far.
         crossings: number of crossings that `next_crossing` has found.
+        return_time: the system's time at the last of them, for all orbits.
     """
 
     def __init__(
@@ -80,6 +81,7 @@ class Returns:
         self.crossings = 0
         self.share = 1.0
         self.at_section = True
+        self.return_time = arithmetic.constant(Fraction(0))
 
     def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
         bits, degree = self.arithmetic.bits, self.arithmetic.degree
@@ -206,9 +208,17 @@ class Returns:
         if coordinates.regularisation is None:
             rate = arb(1) if self.rate is None else range_of(self.rate)
             time = rate * self.time + range_of(elapsed)
+            self.return_time = self._constant_time() + elapsed
         else:
+            self.return_time = image[coordinates.regularisation.time_index]
             time = range_of(image[coordinates.regularisation.time_index])
         return self._leave(image), time
+
+    def _constant_time(self) -> Series:
+        """The time of the system that the integration has taken, without that onto the section."""
+        time = self.arithmetic.constant(Fraction(1)) if self.rate is None else self.rate
+        middle, radius = exact_value(self.time.mid()), exact_value(self.time.rad())
+        return time * self.arithmetic.constant(middle).widened(radius)
 
     def _check_time(self, flow: FlowStep) -> None:
         """Regularised coordinates describe an orbit as long as their time runs forwards (section 14)."""

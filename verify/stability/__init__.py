@@ -1,0 +1,11 @@
+"""Stability along a proved curve: complete lists of resonances, intervals of linear stability (section 18)."""
+
+from orbitproof.verify.stability.confirmation import unconfirmed
+from orbitproof.verify.stability.matrix import stability_to_json
+from orbitproof.verify.stability.theorem import with_complete_list
+
+__all__ = [
+    "stability_to_json",
+    "unconfirmed",
+    "with_complete_list",
+]

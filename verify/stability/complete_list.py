@@ -1,0 +1,397 @@
+"""All resonances up to an order on a proved curve, and what could not be covered (section 18.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from math import gcd
+from typing import Any
+
+from flint import arb, fmpq
+
+from orbitproof.shared.formats import Atlas, Piece
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify.algebra import ball_polynomial
+from orbitproof.verify.curve import Bifurcation, Chain, Stretch
+from orbitproof.verify.evidence import (
+    EmptyIntersectionError,
+    ball_to_json,
+    dot,
+    enclose,
+    excludes_zero,
+    is_below,
+    sign,
+    symmetric,
+)
+from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
+from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
+
+FOLD, LOSS, SYMMETRIC = "fold", "loss of R", "symmetric point"
+HERE, THERE, RESONANCE, UNKNOWN = "doubling at this point", "doubling at the other point", "resonance", "undecided"
+COLLISION = "Krein collision"
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A part of the curve on one piece, with the functions that are known on it.
+
+    Attributes:
+        stretch: number of the stretch.
+        start, end: of s; the curve runs through it from `start` to `end`.
+        entered: the curve runs through all of it from here on; it begins between `start` and this.
+        middle, radius: s = middle + radius tau.
+        characteristic, level, half_period, first_factor: functions of tau, as in `matrix.OrbitFunctions`.
+    """
+
+    stretch: int
+    start: Fraction
+    entered: Fraction
+    end: Fraction
+    middle: Fraction
+    radius: Fraction
+    characteristic: tuple[BoundedFunction, ...]
+    level: BoundedFunction
+    half_period: BoundedFunction
+    first_factor: BoundedFunction
+
+    def tau(self, s: Fraction) -> Fraction:
+        """The variable of the functions."""
+        return (s - self.middle) / self.radius
+
+    def tau_of(self, s: arb) -> arb:
+        """The same of a ball."""
+        return (s - enclose(self.middle)) / enclose(self.radius)
+
+    def s_of(self, tau: arb) -> arb:
+        """s of a ball of tau."""
+        return enclose(self.middle) + enclose(self.radius) * tau
+
+    def at(self, c: arb) -> BoundedFunction:
+        """det(c - Sigma)."""
+        result = BoundedFunction(ball_polynomial([Fraction(1)]), arb(0))
+        for number, coefficient in enumerate(self.characteristic, start=1):
+            result = result.scaled(c) + coefficient.scaled(arb(-1 if number % 2 else 1))
+        return result
+
+    @cached_property
+    def discriminant(self) -> BoundedFunction | None:
+        """That of the characteristic polynomial for n = 2; `None` for n = 1, where it is 1."""
+        if len(self.characteristic) == 1:
+            return None
+        trace, determinant = self.characteristic
+        return trace * trace - determinant.scaled(arb(4))
+
+    @property
+    def meets_symmetric_point(self) -> int:
+        """-1 or 1 if the segment begins or ends at tau = 0 of a symmetric piece, as the caller knows; else 0."""
+        return -1 if self.start == 0 else 1 if self.end == 0 else 0
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A part of the curve, or a place on it, of which something is not shown.
+
+    Attributes:
+        stretch: number of the stretch.
+        start, end: of s.
+        about: what is not known there: k and j of a resonance, or in words.
+        reason: why.
+    """
+
+    stretch: int
+    piece: str
+    start: Fraction
+    end: Fraction
+    about: str
+    reason: str
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object."""
+        ends = [format_exact(shortened(self.start, -1)), format_exact(shortened(self.end, 1))]
+        return {"piece": self.piece, "interval": ends, "about": self.about, "reason": self.reason}
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of the curve at which an eigenvalue of Sigma, or the discriminant, has a certain value.
+
+    Attributes:
+        stretch, piece: where on the curve.
+        k, j: the eigenvalue is cos(2 pi j/k); 0 for a Krein collision.
+        kind: what happens there.
+        s: a ball that contains it.
+        level, half_period: enclosures.
+        point: enclosures of the coordinates.
+        certificate: ids of the certificates of bifurcations at this point.
+    """
+
+    stretch: int
+    piece: str
+    k: int
+    j: int
+    kind: str
+    s: arb
+    level: arb
+    half_period: arb
+    point: Mapping[str, arb]
+    certificates: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact balls with decimals beside them."""
+        return {
+            "piece": self.piece,
+            "k": self.k,
+            "j": self.j,
+            "kind": self.kind,
+            "s": ball_to_json(self.s),
+            "level": ball_to_json(self.level),
+            "half_period": ball_to_json(self.half_period),
+            "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
+            "certificates": list(self.certificates),
+        }
+
+
+@dataclass(frozen=True)
+class CompleteList:
+    """What is proved of the resonances on a curve.
+
+    Attributes:
+        order: the largest k.
+        points: in order along the curve, those of Krein collisions included.
+        gaps: what is not covered; the list is complete on the rest.
+    """
+
+    order: int
+    points: tuple[Point, ...]
+    gaps: tuple[Gap, ...]
+    segments: tuple[Segment, ...]
+
+
+def orders(order: int) -> list[tuple[int, int]]:
+    """All (k, j) with k <= order, gcd(j, k) = 1 and 0 <= 2 j <= k: the values cos(2 pi j/k), each once."""
+    pairs = [(k, j) for k in range(1, order + 1) for j in range(k // 2 + 1)]
+    return [(k, j) for k, j in pairs if gcd(j, k) == 1]
+
+
+def resonant_value(k: int, j: int) -> arb:
+    """cos(2 pi j/k), exactly where it is 0 or an integer."""
+    return arb.cos_pi_fmpq(fmpq(2 * j, k))
+
+
+def complete_list(
+    atlas: Atlas,
+    chain: Chain,
+    results: Sequence[Mapping[str, Any]],
+    order: int,
+    bifurcations: Sequence[Bifurcation] = (),
+) -> CompleteList:
+    """All zeros of det(c - Sigma) on the curve for c = cos(2 pi j/k), k <= order, and of the discriminant.
+
+    Args:
+        results: of the pieces, as JSON, with what `matrix` knows of them.
+        bifurcations: certified ones, with their places on the curve.
+
+    Raises `EmptyIntersectionError` if a certified bifurcation on the curve is not in the list.
+    """
+    points: list[Point] = []
+    gaps: list[Gap] = []
+    segments: list[Segment] = []
+    for number, stretch in enumerate(chain.stretches):
+        found, missing = segments_of(number, stretch, results)
+        segments += found
+        gaps += missing
+        for segment in found:
+            finder = _Finder(atlas, stretch, segment)
+            for k, j in orders(order):
+                finder.resonances(k, j)
+            finder.collisions()
+            points += finder.points
+            gaps += finder.gaps
+    listed = tuple(sorted(points, key=lambda entry: (entry.stretch, ends_of(entry.s)[0])))
+    gaps.sort(key=lambda gap: (gap.stretch, gap.start))
+    return CompleteList(order, _with_certificates(listed, gaps, bifurcations), tuple(gaps), tuple(segments))
+
+
+def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, Any]]) -> tuple[list[Segment], list[Gap]]:
+    """The parts of a stretch on which functions are known, from its beginning to its end, and the rest."""
+    piece = stretch.tube.piece
+    known: list[tuple[Fraction, Fraction, Mapping[str, Any], bool]] = []
+    reasons: list[tuple[Fraction, Fraction, str]] = []
+    for result in results:
+        if result.get("piece") != piece.id or result.get("verdict") != "proved":
+            continue
+        start, end = (parse_exact(text) for text in result["interval"])
+        entry = result.get("stability", {"reason": {"message": "the stability of its orbits was not looked at"}})
+        for low, high, mirrored in ((start, end, False), (-end, -start, True)):
+            if mirrored and not stretch.tube.is_symmetric:
+                continue
+            if "reason" in entry:
+                reasons.append((low, high, str(entry["reason"]["message"])))
+            elif _is_proved(stretch, low, high):
+                known.append((low, high, entry, mirrored))
+    segments: list[Segment] = []
+    gaps: list[Gap] = []
+    reached, first = stretch.enters, True
+    while reached < stretch.leaves:
+        here = [item for item in known if item[0] <= reached < item[1]]
+        if not here:
+            end = min([item[0] for item in known if item[0] > reached] + [stretch.leaves])
+            why = next((text for low, high, text in reasons if low <= reached <= high), "nothing is known there")
+            gaps.append(Gap(number, piece.id, reached, end, "everything", why))
+        else:
+            low, high, entry, mirrored = max(here, key=lambda item: item[1])
+            end = min(high, stretch.leaves)
+            entered = min(max(reached, stretch.entered), end) if first else reached
+            segments.append(_segment(number, (reached, entered, end), (low, high), entry, mirrored))
+        reached, first = end, False
+    return segments, gaps
+
+
+def _is_proved(stretch: Stretch, low: Fraction, high: Fraction) -> bool:
+    """Whether the interval is one of those that the curve's proof counts."""
+    return any((part.start, part.end) == (low, high) for part in stretch.run.intervals)
+
+
+def _segment(
+    number: int,
+    places: tuple[Fraction, Fraction, Fraction],
+    interval: tuple[Fraction, Fraction],
+    entry: Mapping[str, Any],
+    mirrored: bool,
+) -> Segment:
+    low, high = interval
+    names = ("level", "half_period", "first_factor")
+    functions = [function_from_json(part) for part in (*entry["characteristic"], *(entry[name] for name in names))]
+    if mirrored:
+        functions = [function.mirrored() for function in functions]
+    *characteristic, level, half_period, first_factor = functions
+    return Segment(
+        number, *places, (low + high) / 2, (high - low) / 2 * REACH, tuple(characteristic), level, half_period,
+        first_factor,
+    )  # fmt: skip
+
+
+class _Finder:
+    """The zeros of the functions of one segment."""
+
+    def __init__(self, atlas: Atlas, stretch: Stretch, segment: Segment) -> None:
+        self.atlas = atlas
+        self.stretch = stretch
+        self.segment = segment
+        self.points: list[Point] = []
+        self.gaps: list[Gap] = []
+
+    def resonances(self, k: int, j: int) -> None:
+        """The zeros of det(cos(2 pi j/k) - Sigma)."""
+        function = self.segment.at(resonant_value(k, j))
+        at_end = self.segment.meets_symmetric_point if self.stretch.tube.is_symmetric and k == 1 else 0
+        for zero in self._zeros(function, at_end, f"k = {k}, j = {j}"):
+            self.points.append(self._point(k, j, self._kind(k, zero), zero.place))
+        if at_end:
+            self.points.append(self._point(k, j, SYMMETRIC, arb(0)))
+
+    def collisions(self) -> None:
+        """The zeros of the discriminant."""
+        function = self.segment.discriminant
+        if function is not None:
+            for zero in self._zeros(function, 0, COLLISION):
+                self.points.append(self._point(0, 0, COLLISION, zero.place))
+
+    def _zeros(self, function: BoundedFunction, at_end: int, about: str) -> Sequence[Zero]:
+        segment = self.segment
+        start, entered, end = (segment.tau(s) for s in (segment.start, segment.entered, segment.end))
+        if start < entered and not excludes_zero(function.value(between(start, entered))):
+            self._gap(start, entered, about, "a zero may lie at the joint of two pieces, and which side of it")
+        if at_end:
+            far = end if at_end < 0 else entered
+            _, found = zeros_beside_double_one(function, far)
+        else:
+            found = zeros_on(function, entered, end)
+        for low, high in found.undecided:
+            self._gap(low, high, about, "zeros are neither excluded nor separated: a double zero, or bounds too wide")
+        return found.zeros
+
+    def _gap(self, low: Fraction, high: Fraction, about: str, reason: str) -> None:
+        segment = self.segment
+        start, end = (segment.middle + segment.radius * tau for tau in (low, high))
+        self.gaps.append(Gap(segment.stretch, self.stretch.tube.piece.id, start, end, about, reason))
+
+    def _kind(self, k: int, zero: Zero) -> str:
+        if k > 2:
+            return RESONANCE
+        if k == 2:
+            return _factor(self.segment.first_factor.value, zero, HERE, THERE)
+        return _factor(self.segment.level.slope, zero, FOLD, LOSS)
+
+    def _point(self, k: int, j: int, kind: str, tau: arb) -> Point:
+        segment = self.segment
+        s = segment.s_of(tau)
+        return Point(
+            segment.stretch, self.stretch.tube.piece.id, k, j, kind, s, segment.level.value(tau),
+            segment.half_period.value(tau), self._coordinates(s),
+        )  # fmt: skip
+
+    def _coordinates(self, s: arb) -> dict[str, arb]:
+        return dict(zip(self.atlas.system.centre_coordinates, _point_over(self.stretch, s), strict=True))
+
+
+def _factor(function: Any, zero: Zero, changes: str, keeps: str) -> str:
+    """Which factor of the function vanishes at a simple zero: the one given, if it changes sign there (Lemma 18.3)."""
+    if excludes_zero(function(between(zero.lower, zero.upper))):
+        return keeps
+    signs = [sign(function(enclose(end))) for end in (zero.lower, zero.upper)]
+    if signs[0] * signs[1] == -1:
+        return changes
+    return keeps if excludes_zero(function(zero.place)) else UNKNOWN
+
+
+def _point_over(stretch: Stretch, s: arb) -> list[arb]:
+    """Enclosures of the coordinates of the curve over a ball of s in a stretch."""
+    piece: Piece = stretch.tube.piece
+    low, high = ends_of(s)
+    parts = stretch.run.between(max(low, stretch.enters), min(high, stretch.leaves))
+    spreads = [max(part.deviation[j] for part, _, _ in parts) for j in range(len(piece.tube))]
+    p = [enclose(piece.half_width) * s]
+    for row, spread in zip(piece.polynomial, spreads, strict=True):
+        p.append(ball_polynomial(row)(s) + symmetric(spread))
+    return [
+        enclose(origin) + dot([enclose(value) for value in row], p)
+        for origin, row in zip(piece.centre, piece.frame, strict=True)
+    ]
+
+
+def _with_certificates(
+    points: Sequence[Point], gaps: Sequence[Gap], bifurcations: Sequence[Bifurcation]
+) -> tuple[Point, ...]:
+    """The points with the certificates that are about them (section 18.5)."""
+    result = list(points)
+    for entry in bifurcations:
+        place = entry.place
+        if place is None:
+            continue
+        here = [
+            index
+            for index, point in enumerate(result)
+            if point.k == entry.k and point.piece == place.piece and point.s.overlaps(place.s)
+        ]
+        if len(here) == 1:
+            found = result[here[0]]
+            result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))
+        elif not here and not _in_gap(place.piece, place.s, gaps):
+            raise EmptyIntersectionError(f"{entry.id} is certified on the curve, but is no zero of its characteristic")
+    return tuple(result)
+
+
+def _in_gap(piece: str, s: arb, gaps: Sequence[Gap]) -> bool:
+    return any(
+        gap.piece == piece and not is_below(s, enclose(gap.start)) and not is_below(enclose(gap.end), s) for gap in gaps
+    )
+
+
+def shortened(value: Fraction, side: int) -> Fraction:
+    """A dyadic number next to an end of an interval, beyond it."""
+    scaled = value * 2**60
+    whole = scaled.numerator // scaled.denominator
+    return Fraction(whole + (1 if side > 0 and whole != scaled else 0), 2**60)

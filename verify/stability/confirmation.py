@@ -1,0 +1,39 @@
+"""Whether a new integration confirms stored functions (section 18.8)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from flint import ctx
+
+from orbitproof.verify.stability.functions import function_from_json
+
+_BITS = 192
+_FUNCTIONS = ("level", "half_period", "first_factor")
+
+
+def unconfirmed(stored: Mapping[str, Any], fresh: Mapping[str, Any]) -> Iterator[str]:
+    """What is stored of the stability on an interval, and is not contained in what a new integration finds, in words.
+
+    A function is confirmed if every function that the new one encloses is one that the stored one encloses.
+    """
+    if "reason" in stored:
+        return
+    if "reason" in fresh:
+        yield f"stability is not enclosed again: {fresh['reason']['message']}"
+        return
+    if len(stored["characteristic"]) != len(fresh["characteristic"]):
+        yield "has another number of coefficients of the characteristic polynomial"
+        return
+    pairs = [
+        (f"coefficient {number} of the characteristic polynomial", old, new)
+        for number, (old, new) in enumerate(
+            zip(stored["characteristic"], fresh["characteristic"], strict=True), start=1
+        )
+    ]
+    pairs += [(name.replace("_", " "), stored[name], fresh[name]) for name in _FUNCTIONS]
+    with ctx.workprec(_BITS):
+        for name, old, new in pairs:
+            if not function_from_json(old).contains(function_from_json(new)):
+                yield f"the stored bounds of the {name} are not confirmed"

@@ -1,0 +1,154 @@
+"""Where on a proved curve the orbits are linearly stable (section 18.6)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.curve import Chain
+from orbitproof.verify.evidence import ball_to_json, enclose, is_positive
+from orbitproof.verify.stability.complete_list import SYMMETRIC, CompleteList, Point, Segment, shortened
+from orbitproof.verify.stability.zeros import ends_of
+
+BEGINNING, END = "the beginning of the curve", "the end of the curve"
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Where an interval of the curve ends: a point at which stability changes, an end of the curve, or a gap.
+
+    Attributes:
+        stretch, lower, upper: where on the curve; s of the two sides of it.
+        what: in words.
+        point: if it is one of the list.
+        is_one_point: whether all orbits but one between `lower` and `upper` are as those on the same side of it.
+    """
+
+    stretch: int
+    lower: Fraction
+    upper: Fraction
+    what: str
+    point: Point | None = None
+    is_one_point: bool = True
+
+    def to_json(self, piece: str) -> dict[str, Any]:
+        """The JSON object; with level and half period if it is a point of the list."""
+        ends = [format_exact(shortened(self.lower, -1)), format_exact(shortened(self.upper, 1))]
+        known = {} if self.point is None else {"level": self.point.level, "half_period": self.point.half_period}
+        balls = {name: ball_to_json(ball) for name, ball in known.items()}
+        return {"what": self.what, "piece": piece, "interval": ends, **balls}
+
+
+@dataclass(frozen=True)
+class StableInterval:
+    """Between two places of the curve all orbits are linearly stable: multipliers on the unit circle, distinct.
+
+    Attributes:
+        begin, end: the two places, themselves not included.
+        pieces: ids of the pieces at the two places.
+    """
+
+    begin: Bound
+    end: Bound
+    pieces: tuple[str, str]
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: what is at both ends, and where on their pieces."""
+        return {"from": self.begin.to_json(self.pieces[0]), "to": self.end.to_json(self.pieces[1])}
+
+
+def stable_intervals(
+    chain: Chain, found: CompleteList, closed: bool
+) -> tuple[list[StableInterval], list[StableInterval]]:
+    """The intervals between which the orbits are linearly stable, and those of which nothing is known.
+
+    All in order along the curve; on the rest of it no orbit is stable.
+
+    Args:
+        closed: whether the curve is a loop, which has no ends where it begins and ends.
+    """
+    bounds = list(_bounds(chain, found))
+    result: list[StableInterval] = []
+    unknown: list[StableInterval] = []
+    for before, after in pairwise(bounds):
+        if not before.is_one_point:
+            name = chain.stretches[before.stretch].tube.piece.id
+            unknown.append(StableInterval(before, before, (name, name)))
+        stable = _are_stable_between(chain, found.segments, before, after)
+        if stable is not False:
+            ids = [chain.stretches[bound.stretch].tube.piece.id for bound in (before, after)]
+            (result if stable else unknown).append(StableInterval(before, after, (ids[0], ids[1])))
+    if not bounds[-1].is_one_point:
+        name = chain.stretches[bounds[-1].stretch].tube.piece.id
+        unknown.append(StableInterval(bounds[-1], bounds[-1], (name, name)))
+    if closed and len(result) > 1 and result[0].begin.what == BEGINNING and result[-1].end.what == END:
+        first, last = result[0], result.pop()
+        result[0] = StableInterval(last.begin, first.end, (last.pieces[0], first.pieces[1]))
+    return result, unknown
+
+
+def _bounds(chain: Chain, found: CompleteList) -> Iterator[Bound]:
+    """All places at which stability may change, disjoint, in order."""
+    places = []
+    for point in found.points:
+        if point.k <= 2:
+            low, high = ends_of(point.s)
+            places.append(Bound(point.stretch, low, high, point.kind, point))
+    for gap in found.gaps:
+        if gap.about in ("everything", "Krein collision", "k = 1, j = 0", "k = 2, j = 1"):
+            places.append(Bound(gap.stretch, gap.start, gap.end, f"not covered: {gap.about}", None, False))
+    first, last = chain.stretches[0], chain.stretches[-1]
+    places.append(Bound(0, first.enters, first.entered, BEGINNING))
+    places.append(Bound(len(chain.stretches) - 1, last.leaves, last.leaves, END))
+    places.sort(key=lambda bound: (bound.stretch, bound.lower, bound.upper))
+    held = places[0]
+    for bound in places[1:]:
+        if bound.stretch == held.stretch and bound.lower <= held.upper:
+            held = _together(held, bound)
+        else:
+            yield held
+            held = bound
+    yield held
+
+
+def _together(first: Bound, second: Bound) -> Bound:
+    """Two places that are not separated."""
+    names = {first.what, second.what}
+    if SYMMETRIC in names and names & {BEGINNING, END} and first.lower == second.upper:
+        return first if first.what == SYMMETRIC else second
+    what = first.what if len(names) == 1 else f"{first.what}, {second.what}"
+    upper = max(first.upper, second.upper)
+    return Bound(first.stretch, first.lower, upper, what, first.point or second.point, False)
+
+
+def _are_stable_between(chain: Chain, segments: Sequence[Segment], before: Bound, after: Bound) -> bool | None:
+    """Whether the orbits between two neighbouring places are stable: as one of them is (Lemma 18.4)."""
+    for number in range(before.stretch, after.stretch + 1):
+        stretch = chain.stretches[number]
+        low = before.upper if number == before.stretch else stretch.entered
+        high = after.lower if number == after.stretch else stretch.leaves
+        if low < high:
+            s = (low + high) / 2
+            here = [part for part in segments if part.stretch == number and part.entered <= s <= part.end]
+            return is_stable(here[0], enclose(here[0].tau(s))) if here else None
+    return None
+
+
+def is_stable(segment: Segment, tau: arb) -> bool | None:
+    """Whether all eigenvalues of Sigma lie in (-1, 1) and differ; `None` if that is not known."""
+    above, below = (segment.at(arb(c)).value(tau) for c in (1, -1))
+    discriminant = segment.discriminant
+    if discriminant is None:
+        inside = [above, -below]
+    else:
+        trace = segment.characteristic[0].value(tau)
+        inside = [above, below, 2 - trace, 2 + trace, discriminant.value(tau)]
+    if all(is_positive(value) for value in inside):
+        return True
+    return False if any(is_positive(-value) for value in inside) else None

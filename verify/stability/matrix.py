@@ -1,0 +1,314 @@
+"""The stability matrix along a proved interval of a piece (section 18.3).
+
+The flow of the tube is followed to its second return: its derivative across the curve, modulo the direction of the
+curve, is the stability matrix Sigma(s) of the orbits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
+from math import floor, log2
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+from orbitproof.shared.formats import Piece
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic, recentred
+from orbitproof.verify.curve import BEYOND, Interval, PieceLimits, divided_by_wide, parameter_series, tube_points
+from orbitproof.verify.evidence import IntegrationFailure, guarded
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral
+from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
+from orbitproof.verify.stability.functions import (
+    REACH,
+    determinant,
+    error_of,
+    function,
+    function_to_json,
+    inverse,
+    known_part,
+    restricted,
+    slope,
+)
+
+SHARE = 1 / BEYOND * REACH
+"""sigma = SHARE tau."""
+
+_SLOPE_BITS = 64
+"""Significant bits of the derivatives across the curve."""
+_SPARE_BITS = 48
+"""The algebra of functions of sigma has so many bits more than the flow."""
+_MORE_BITS, _MORE_WIDTH = 16, 8
+"""What is added to the settings with which a piece is proved."""
+_FRAME = 2**16
+"""Denominator of the frame at the other point."""
+
+
+@dataclass(frozen=True)
+class OrbitFunctions:
+    """Functions of tau on an interval of a piece, as elements of the algebra (section 18.3).
+
+    Attributes:
+        characteristic: a_1, .., a_n with det(c - Sigma) = c^n - a_1 c^(n-1) + a_2 c^(n-2) - ..
+        level: the family parameter, or the first integral.
+        half_period: the time of the first return.
+        first_factor: the determinant of D(pi_p P) on Fix(R), up to a constant factor.
+    """
+
+    characteristic: tuple[Series, ...]
+    level: Series
+    half_period: Series
+    first_factor: Series
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object; all numbers are exact."""
+        return {
+            "characteristic": [function_to_json(element) for element in self.characteristic],
+            "level": function_to_json(self.level),
+            "half_period": function_to_json(self.half_period),
+            "first_factor": function_to_json(self.first_factor),
+        }
+
+
+def stability_to_json(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    piece: Piece,
+    interval: Interval,
+    limits: PieceLimits,
+    coordinates: str,
+    symmetry: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> dict[str, Any]:
+    """The functions of section 18.3 as JSON, or the reason why there are none; arguments as `orbit_functions`.
+
+    `limits` and `coordinates` are those with which the piece is proved. More digits are wanted here: of n parameters of
+    stability one may be small and the others large.
+    """
+    more = PieceLimits(limits.precision + _MORE_BITS, limits.order, limits.width + _MORE_WIDTH)
+    followed = PHYSICAL if coordinates == PHYSICAL else REGULARISED
+    try:
+        return orbit_functions(system, parameters, piece, interval, more, followed, symmetry, progress).to_json()
+    except IntegrationFailure as error:
+        return {"reason": error.reason.to_json()}
+    except (ArithmeticError, ValueError) as error:
+        message = " ".join(f"broke off: {type(error).__name__}: {error}".split())
+        return {"reason": {"condition": "stability", "message": message, "remedy": "give a narrower piece"}}
+
+
+def orbit_functions(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    piece: Piece,
+    interval: Interval,
+    limits: PieceLimits,
+    coordinates: str,
+    symmetry: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> OrbitFunctions:
+    """The functions of section 18.3 on an interval of a piece that is proved there.
+
+    Args:
+        interval: that of the proof; on a symmetric piece with 0 inside it is [-c, c].
+        limits, coordinates: how to integrate.
+        symmetry: name of the symmetry of a symmetric piece.
+        progress: called after every step with the number of steps; what it raises passes through.
+
+    Raises `IntegrationFailure`.
+    """
+    if system.normalised:
+        message = f"points of {system.name} are measured in units of the orbit, which differ at its other point"
+        raise IntegrationFailure("stability", message, "ask for the list of a curve of the system itself")
+    with guarded(limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
+        return _Integration(system, parameters, piece, interval, limits, coordinates, symmetry).functions(progress)
+
+
+@dataclass(frozen=True)
+class _Integration:
+    """A tube about a proved interval of a piece, followed to its second return."""
+
+    system: ReversibleSystem
+    parameters: Mapping[str, Fraction]
+    piece: Piece
+    interval: Interval
+    limits: PieceLimits
+    coordinates: str
+    symmetry: str | None
+
+    @property
+    def divided(self) -> bool:
+        """Whether the equations are divided by sigma."""
+        return self.piece.kind == "symmetric" and self.interval[0] <= 0 <= self.interval[1]
+
+    @property
+    def middle(self) -> Fraction:
+        return sum(self.interval, Fraction(0)) / 2
+
+    @property
+    def radius(self) -> Fraction:
+        """ds/dsigma."""
+        return (self.interval[1] - self.interval[0]) / 2 * BEYOND
+
+    @property
+    def widths(self) -> list[Fraction]:
+        """dp_j/domega_j."""
+        return [Fraction(2) ** floor(log2(width)) for width in self.piece.tube]
+
+    @cached_property
+    def flow_arithmetic(self) -> WideArithmetic:
+        """The algebra in (sigma, omega)."""
+        limits, widths = self.limits, self.widths
+        bits = floor(-log2(max(widths))) - max(0, limits.precision - _SLOPE_BITS)
+        grading = Grading((1,) * len(widths), 1)
+        return WideArithmetic(grading, limits.precision, bits, limits.order, width=limits.width)
+
+    @cached_property
+    def arithmetic(self) -> WideArithmetic:
+        """The algebra in sigma, or tau."""
+        return WideArithmetic(Grading((1,), 0), self.limits.precision + _SPARE_BITS, 0, 0, width=self.limits.width)
+
+    def functions(self, progress: Callable[[float], None] | None) -> OrbitFunctions:
+        """All functions, from the two half orbits."""
+        system, flow, widths = self.system, self.flow_arithmetic, self.widths
+        tube = tube_points(flow, system, self.piece, (self.middle, self.radius), widths)
+        parameters = parameter_series(flow, system, self.parameters)
+        integral = first_integral(system, flow, {**parameters, **tube})
+        level = tube[str(system.family_parameter)] if integral is None else integral
+        returns = Returns(system, flow, {**parameters, **tube}, self.coordinates)
+        first, _ = returns.next_crossing(progress)
+        curve = self._curve(first)
+        there = self._named(tube, first)
+        other = OtherPoint.of([curve.value(element) for element in there])
+        out = other.modulo(
+            [[curve.across(element, j).scaled(1 / width) for element in there] for j, width in enumerate(widths)]
+        )
+        begun = other.tube(flow, system.centre_coordinates, widths)
+        steps = returns.steps
+
+        def after_step(number: float) -> None:
+            if progress is not None:
+                progress(steps + number)
+
+        second, _ = Returns(system, flow, {**parameters, **begun}, self.coordinates).next_crossing(after_step)
+        back = self._back(curve, self._named(begun, second))
+        sigma = _stability_matrix(out, back)
+        return OrbitFunctions(
+            tuple(_minors(sigma, order) for order in range(1, len(widths) + 1)),
+            restricted(curve.value(level), SHARE),
+            restricted(curve.value(returns.return_time), SHARE),
+            determinant(out),
+        )
+
+    def _curve(self, first: Sequence[Series]) -> CurveInTube:
+        """omega on the curve, from the state at the first return."""
+        system = self.system
+        equations = [first[index] for index in system.kernel_coordinates]
+        if self.divided:
+            signs = system.symmetries[str(self.symmetry)]
+            equations = [
+                divided_by_wide(equation) if signs[index] < 0 else equation
+                for index, equation in zip(system.kernel_coordinates, equations, strict=True)
+            ]
+        return solve(self.arithmetic, equations)
+
+    def _named(self, tube: Mapping[str, Series], state: Sequence[Series]) -> list[Series]:
+        """The coordinates of a return in the order of the system's `centre_coordinates`."""
+        named = {**tube, **dict(zip(self.system.state, state, strict=True))}
+        return [named[name] for name in self.system.centre_coordinates]
+
+    def _back(self, curve: CurveInTube, second: Sequence[Series]) -> list[list[Series]]:
+        """The columns of A': vectors at x modulo the direction of the curve, p_1, .., p_n (section 18.3)."""
+        piece, scale = self.piece, 1 / self.piece.half_width
+        turns = []
+        for polynomial, width, omega in zip(piece.polynomial, self.widths, curve.omega, strict=True):
+            slopes = [n * value for n, value in enumerate(polynomial)][1:] or [Fraction(0)]
+            along = function(self.arithmetic, recentred(slopes, self.middle, self.radius * SHARE), Fraction(0))
+            turns.append(along.scaled(scale) + slope(omega, SHARE).scaled(scale * width / self.radius))
+        columns = []
+        for j, width in enumerate(self.widths):
+            image = [restricted(at_origin(element, j, self.arithmetic), SHARE).scaled(1 / width) for element in second]
+            p = [_combined(row, image) for row in inverse_of(piece.frame)]
+            columns.append([value - turn * p[0] for value, turn in zip(p[1:], turns, strict=True)])
+        return columns
+
+
+@dataclass(frozen=True)
+class OtherPoint:
+    """The other point y(s) of the orbits on Fix(R), and coordinates for directions there.
+
+    Attributes:
+        point: its coordinates, as functions of sigma.
+        frame: rows, exact; column 0 is about along the curve of these points.
+    """
+
+    point: tuple[Series, ...]
+    frame: tuple[tuple[Fraction, ...], ...]
+
+    @classmethod
+    def of(cls, point: Sequence[Series]) -> OtherPoint:
+        """With a frame of rounded numbers, so that other settings of the integrator give the same one."""
+        direction = np.array([float((known_part(slope(element, SHARE), 0) or [Fraction(0)])[0]) for element in point])
+        if not (np.all(np.isfinite(direction)) and np.any(direction)):
+            raise IntegrationFailure("stability", "the other point of the orbit does not move", "give a narrower piece")
+        start = np.column_stack([direction / np.linalg.norm(direction), np.eye(len(point))])
+        columns = np.linalg.qr(start)[0]
+        return cls(
+            tuple(point),
+            tuple(tuple(Fraction(round(float(value) * _FRAME), _FRAME) for value in row) for row in columns),
+        )
+
+    def tube(self, arithmetic: WideArithmetic, names: Sequence[str], widths: Sequence[Fraction]) -> dict[str, Series]:
+        """The points y(s) + frame (0, widths * omega), by name."""
+        result = {}
+        count = len(widths)
+        for name, element, row in zip(names, self.point, self.frame, strict=True):
+            terms: dict[tuple[int, ...], Fraction | Sequence[Fraction]] = {(0,) * count: known_part(element, 0)}
+            for j, width in enumerate(widths):
+                terms[tuple(int(i == j) for i in range(count))] = row[j + 1] * width
+            result[name] = arithmetic.polynomial(terms).widened(error_of(element))
+        return result
+
+    def modulo(self, vectors: Sequence[Sequence[Series]]) -> list[list[Series]]:
+        """Vectors at y(s), functions of sigma, modulo y'(s): functions of tau, n for each vector(section 18.3)."""
+        rows = inverse_of(self.frame)
+        along = [_combined(row, [slope(element, SHARE) for element in self.point]) for row in rows]
+        share = inverse(along[0])
+        turns = [element * share for element in along[1:]]
+        result = []
+        for vector in vectors:
+            local = [_combined(row, [restricted(element, SHARE) for element in vector]) for row in rows]
+            result.append([value - turn * local[0] for value, turn in zip(local[1:], turns, strict=True)])
+        return result
+
+
+def _stability_matrix(out: Sequence[Sequence[Series]], back: Sequence[Sequence[Series]]) -> list[list[Series]]:
+    """Sigma = 2 A' A - 1, from the columns of A and A' (18.1)."""
+    size = range(len(out))
+    one = out[0][0].arithmetic.constant(Fraction(1))
+    products = [
+        [_combined([Fraction(2)] * len(out), [back[i][k] * out[j][i] for i in size]) for j in size] for k in size
+    ]
+    return [[products[k][j] - one if k == j else products[k][j] for j in size] for k in size]
+
+
+def inverse_of(frame: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
+    """The exact inverse of a regular matrix."""
+    rows = fmpq_mat([[fmpq(value.numerator, value.denominator) for value in row] for row in frame])
+    return [[Fraction(int(value.p), int(value.q)) for value in row] for row in rows.inv().tolist()]
+
+
+def _combined(factors: Sequence[Fraction], elements: Sequence[Series]) -> Series:
+    terms = [element.scaled(factor) for factor, element in zip(factors, elements, strict=True)]
+    return sum(terms[1:], terms[0])
+
+
+def _minors(matrix: Sequence[Sequence[Series]], order: int) -> Series:
+    """The sum of the principal minors of an order."""
+    chosen = combinations(range(len(matrix)), order)
+    minors = [determinant([[matrix[i][j] for j in places] for i in places]) for places in chosen]
+    return sum(minors[1:], minors[0])

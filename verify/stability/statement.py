@@ -1,0 +1,112 @@
+"""The complete list and the intervals of linear stability in words (section 18.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.evidence import decimal_interval, interval_text
+from orbitproof.verify.stability.complete_list import (
+    COLLISION,
+    FOLD,
+    HERE,
+    LOSS,
+    RESONANCE,
+    SYMMETRIC,
+    THERE,
+    CompleteList,
+    Gap,
+    Point,
+)
+from orbitproof.verify.stability.linear_stability import Bound, StableInterval
+
+_DIGITS = 14
+
+_WORDS = {
+    FOLD: "extremum of {level} along the curve",
+    LOSS: "1:1, branches of orbits without the symmetry R may be born here",
+    HERE: "1:2, orbits of twice the period at this point of the orbit on Fix(R)",
+    THERE: "1:2, orbits of twice the period at the other point of the orbit on Fix(R)",
+    COLLISION: "Krein collision: two stability parameters are equal",
+    SYMMETRIC: "symmetric point of the curve, 1:1",
+}
+
+
+def statement(
+    atlas: Atlas, found: CompleteList, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]
+) -> str:
+    """What is proved of resonances and stability along the curve."""
+    everywhere = not found.gaps
+    where = "Along the curve" if everywhere else "Along the curve, but for the places named below,"
+    listed = [point for point in found.points if point.k]
+    lines = [
+        f"Let Sigma(u) be the stability matrix of the orbit of u on the section, {_held(atlas)}: its eigenvalues are "
+        f"the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} the points with an eigenvalue "
+        f"cos(2 pi j/k), k at most {found.order}, are exactly "
+        f"{'these, in order along the curve:' if listed else 'none.'}",
+    ]
+    lines += [f"- {_point(atlas, point)}" for point in listed]
+    collisions = [point for point in found.points if not point.k]
+    if collisions:
+        lines.append("Two stability parameters are equal at exactly these points:")
+        lines += [f"- {_point(atlas, point)}" for point in collisions]
+    lines += _stability(atlas, stable, unknown)
+    if found.gaps:
+        lines.append("Not covered, so that nothing is said of it:")
+        lines += [f"- {_gap(gap)}" for gap in found.gaps]
+    return "\n".join(lines)
+
+
+def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]) -> list[str]:
+    lines = []
+    rest = "No other orbit of the curve is, but for the places named below" if unknown else "No other orbit is"
+    if stable:
+        lines.append(
+            "The orbits are linearly stable (the multipliers that Sigma is about are on the unit circle, distinct and "
+            f"not 1 or -1) between these points, themselves not included. {rest}:"
+        )
+        lines += [f"- {_interval(atlas, entry)}" for entry in stable]
+    elif not unknown:
+        lines.append("No orbit of the curve is linearly stable with distinct multipliers.")
+    if unknown:
+        lines.append("It is not decided whether the orbits are linearly stable at and between these places:")
+        lines += [f"- {_interval(atlas, entry)}" for entry in unknown]
+    return lines
+
+
+def _held(atlas: Atlas) -> str:
+    if atlas.system.family_parameter is not None:
+        return f"{level_name(atlas)} held fixed"
+    return f"on its level of the {level_name(atlas)}"
+
+
+def level_name(atlas: Atlas) -> str:
+    """What the level along the curve is called."""
+    return str(atlas.system.family_parameter or atlas.system.first_integral_name or "first integral")
+
+
+def _point(atlas: Atlas, point: Point) -> str:
+    level = level_name(atlas)
+    what = f"1:{point.k}" if point.kind == RESONANCE else _WORDS.get(point.kind, f"1:{point.k}, kind not decided")
+    turns = f" (j = {point.j})" if point.j > 1 else ""
+    place = (
+        f"{level} in {interval_text(point.level, _DIGITS)}, half period in {decimal_interval(point.half_period, 10)}"
+    )
+    known = f"; certified: {', '.join(point.certificates)}" if point.certificates else ""
+    return f"{what.format(level=level)}{turns}: {place}, in piece {point.piece}{known}"
+
+
+def _interval(atlas: Atlas, entry: StableInterval) -> str:
+    return f"from {_bound(atlas, entry, 0)} to {_bound(atlas, entry, 1)}"
+
+
+def _bound(atlas: Atlas, entry: StableInterval, which: int) -> str:
+    bound: Bound = (entry.begin, entry.end)[which]
+    if bound.point is None:
+        return f"{bound.what} (piece {entry.pieces[which]})"
+    words = _WORDS.get(bound.what, bound.what).format(level=level_name(atlas))
+    return f"{level_name(atlas)} in {interval_text(bound.point.level, _DIGITS)} (piece {entry.pieces[which]}: {words})"
+
+
+def _gap(gap: Gap) -> str:
+    return f"piece {gap.piece}, s in [{float(gap.start):.9g}, {float(gap.end):.9g}], {gap.about}: {gap.reason}"

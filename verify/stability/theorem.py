@@ -1,0 +1,53 @@
+"""The complete list as part of the theorem about a curve (section 18.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flint import ctx
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.curve import Conclusion, ProvedCurve
+from orbitproof.verify.evidence import EmptyIntersectionError, Proved, Reason
+from orbitproof.verify.stability.complete_list import complete_list
+from orbitproof.verify.stability.linear_stability import stable_intervals
+from orbitproof.verify.stability.statement import statement
+
+PRECISION = 192
+"""Bits of the ball arithmetic."""
+
+
+def with_complete_list(
+    atlas: Atlas, results: Sequence[Mapping[str, Any]], conclusion: Conclusion[ProvedCurve], order: int
+) -> dict[str, Any]:
+    """The JSON object of a conclusion with all resonances up to an order, and the theorem about them.
+
+    Args:
+        results: of the pieces, as JSON, with what is known of the stability of their orbits.
+    """
+    document = conclusion.to_json()
+    if not isinstance(conclusion.outcome, Proved):
+        return {**document, "complete": {"order": order, "points": [], "stable": [], "undecided": [], "gaps": []}}
+    chain = conclusion.outcome.results.chain
+    with ctx.workprec(PRECISION):
+        try:
+            found = complete_list(atlas, chain, results, order, conclusion.bifurcations)
+        except EmptyIntersectionError as error:
+            reason = Reason(
+                "complete", f"the complete list and the certificates contradict each other: {error}", "report this"
+            )
+            return {**document, "verdict": "not proved", "reason": reason.to_json(), "statement": ""}
+        stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
+        words = statement(atlas, found, stable, unknown)
+    return {
+        **document,
+        "statement": f"{document['statement']}\n{words}",
+        "complete": {
+            "order": order,
+            "points": [point.to_json() for point in found.points],
+            "stable": [entry.to_json() for entry in stable],
+            "undecided": [entry.to_json() for entry in unknown],
+            "gaps": [gap.to_json() for gap in found.gaps],
+        },
+    }
