@@ -227,7 +227,8 @@ def test_halo_and_lyapunov_orbits_are_not_one_piece() -> None:
     limits, part = PieceLimits(60, 24, 10), (Fraction(-1, 16), Fraction(1, 16))
     for tube in (piece.tube, (Fraction(1, 10**6),) * 2):
         regular = replace(piece, kind="regular", tube=tube)
-        assert "derivative across the curve" in refused(prove_piece(system, parameters, regular, part, limits))
+        reason = refused(prove_piece(system, parameters, regular, part, limits))
+        assert "derivative across the curve" in reason or "not well inside" in reason
     # The tangent of the planar orbits at the symmetry breaking, along x.
     for bend in (ZERO, Fraction(1, 1000)):
         planar = Piece(
