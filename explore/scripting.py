@@ -11,6 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 from html import escape
 from importlib import import_module
+from math import inf
 from typing import Any, overload
 
 import numpy as np
@@ -24,7 +25,7 @@ from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
 
 @dataclass(frozen=True, repr=False)
@@ -227,8 +228,8 @@ L3-lyapunov, L1-vertical, L2-vertical, L3-vertical, L2-butterfly, dro
             raise ValueError(f"{option}: {system.name} has no such limit; give beta=(smallest, largest)")
     if beta is not None and system.family_parameter is None:
         raise ValueError(f"beta: {system.name} has no such parameter; there are z_max, vy_max and jacobi_min")
-    smallest, largest = (Limits.parameter_min, Limits.parameter_max) if beta is None else beta
-    if not 1 < smallest < largest:
+    smallest, largest = (-inf, inf) if beta is None else beta
+    if beta is not None and not 1 < smallest < largest:
         raise ValueError(f"beta: ({smallest:g}, {largest:g}) is no interval above 1")
     bounds = {coordinate: bound for coordinate, bound in (("z", z_max), ("vy", vy_max)) if bound is not None}
     limits = Limits(
@@ -324,7 +325,7 @@ def _parameters(system: ReversibleSystem, mu: Fraction | float | str | None) -> 
 def _orbit(problem: ShootingProblem, orbit: SymmetricOrbit) -> Orbit:
     values = problem.parameter_values(orbit.unknowns)
     return Orbit(
-        system=SYSTEMS[problem.system.name],
+        system=problem.system,
         parameters=dict(zip(problem.system.parameters, values.tolist(), strict=True)),
         point=problem.initial_state(orbit.unknowns),
         period=orbit.period,

@@ -1,8 +1,8 @@
 """The statement that search and proof agree on: systems, exact numbers, claims and their files.
 
-`CR3BP` and `FALKNER_SKAN` are the systems, `EARTH_MOON` and `SUN_JUPITER` exact mass parameters of the CR3BP, a
-`Candidate` is a claim about a box. All units are nondimensional: in the CR3BP the primaries are 1 apart, their masses
-add up to 1 and they turn once in the time 2 pi.
+`CR3BP` and `FALKNER_SKAN` are systems, `load_system` reads your own, `EARTH_MOON` and `SUN_JUPITER` are exact mass
+parameters of the CR3BP, a `Candidate` is a claim about a box. All units are nondimensional: in the CR3BP the
+primaries are 1 apart, their masses add up to 1 and they turn once in the time 2 pi.
 
 >>> from orbitproof.shared import CR3BP, EARTH_MOON
 >>> CR3BP.centre_coordinates
@@ -11,7 +11,7 @@ add up to 1 and they turn once in the time 2 pi.
 '0.0121505845'
 """
 
-from orbitproof.shared.formats import KINDS, Candidate, InputError, read_candidates, write_candidates
+from orbitproof.shared.formats import KINDS, Candidate, InputError, load_system, read_candidates, write_candidates
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL, MASS_PARAMETERS, SYSTEMS, ReversibleSystem
 
@@ -31,6 +31,7 @@ __all__ = [
     "InputError",
     "ReversibleSystem",
     "format_exact",
+    "load_system",
     "parse_exact",
     "read_candidates",
     "write_candidates",

@@ -11,7 +11,7 @@ from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.request import Source, check_names
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Family, FamilyFailure, Limits, family_of, trace_family
-from orbitproof.explore.names import fixed_parameters
+from orbitproof.explore.names import given_parameters, label_of
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.records import read_families
 from orbitproof.shared.formats import Atlas, InputError, Piece, write_atlas
@@ -68,14 +68,14 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
     family = trace_family(
         source.system,
         source.family,
-        fixed_parameters(source.system, source.mass),
+        given_parameters(source.system, source.mass, options.parameter),
         _limits(source, options),
         progress=report.update,
     )
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
     report.message(f"{source.family}: {len(family.orbits)} orbits, {family.reason}")
-    return family, source.family, source.mass or ""
+    return family, source.family, label_of(source.system, source.mass, options.parameter)
 
 
 def _limits(source: Source, options: argparse.Namespace) -> Limits:
@@ -104,7 +104,7 @@ def _read(source: Source) -> tuple[Family, str, str]:
         record
         for record in records
         if source.family in (None, record.name)
-        and (source.mass is None or record.parameters == fixed_parameters(record.system, source.mass))
+        and (source.mass is None or record.parameters == given_parameters(record.system, source.mass, None))
     ]
     if len(found) != 1:
         names = ", ".join(" ".join(part for part in (record.label, record.name) if part) for record in records)

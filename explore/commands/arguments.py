@@ -13,12 +13,14 @@ from orbitproof.explore.commands import (
     branches,
     common,
     mass_curve,
+    orbit,
     portraits,
+    refine,
     trajectory,
 )
 from orbitproof.explore.families import CONTROL
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS
-from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS
+from orbitproof.shared.systems import MASS_PARAMETERS
 
 _EXAMPLES = """\
 examples:
@@ -31,6 +33,7 @@ examples:
   orbitproof explore family --system cr3bp --mass 0.1 --family L1-lyapunov L1-vertical --branches -o families.json
   orbitproof explore family --system cr3bp --mass earth-moon --family L2-halo -o f.json --csv f.csv
   orbitproof explore family --from-catalogue halo.json --catalogue-orbit 700 -o family.json
+  orbitproof explore candidates --system mine.py --start c=0.1 y=0.2 --parameter-max c 1.3 -k 2 3 4 -o c.json
   orbitproof explore family --system falkner-skan --beta-min 1.001 --beta-max 100000 -o family.json
 """
 
@@ -108,6 +111,8 @@ def parser() -> Parser:
         "--catalogue", type=Path, metavar="FILE", help="the same as JSON, like a response of the catalogue's interface"
     )
     for command in (
+        orbit,
+        refine,
         branches,
         mass_curve,
         portraits,
@@ -122,7 +127,7 @@ def parser() -> Parser:
 
 def _family_options(target: argparse.ArgumentParser) -> None:
     families = "; ".join(f"{system}: {', '.join(names)}" for system, names in FAMILY_NAMES.items())
-    target.add_argument("--system", metavar="NAME", help=f"one of {', '.join(SYSTEMS)}")
+    common.add_start(target)
     target.add_argument("--mass", nargs="+", metavar="MU", help=_MASS_HELP)
     meanings = "; ".join(f"{name}: {preset.meaning}" for name, preset in PRESETS.items())
     target.add_argument(
@@ -132,8 +137,8 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         "--family",
         nargs="+",
         metavar="NAME",
-        help=f"families to trace ({families}); L1-halo-2, L1-halo-3, .. branch off at the next symmetry breakings of "
-        "L1-lyapunov, the same for L2 and L3",
+        help=f"families to trace ({families}), or what to call the one of --start; L1-halo-2, L1-halo-3, .. branch "
+        "off at the next symmetry breakings of L1-lyapunov, the same for L2 and L3",
     )
     target.add_argument(
         "--from-family",
@@ -165,6 +170,14 @@ def _family_options(target: argparse.ArgumentParser) -> None:
     )
     limits = target.add_argument_group("limits, each optional; a family ends with the first orbit beyond one")
     limits.add_argument("--max-orbits", type=common.count, default=1000, metavar="N", help="default: %(default)s")
+    for end, meaning in (("min", "smallest"), ("max", "largest")):
+        limits.add_argument(
+            f"--parameter-{end}",
+            nargs=2,
+            action="append",
+            metavar=("NAME", "VALUE"),
+            help=f"{meaning} value of the family parameter, a coordinate on Fix(R), half-period or integral",
+        )
     limits.add_argument("--z-max", type=common.positive, metavar="Z", help="CR3BP: largest |z| of the first point")
     limits.add_argument(
         "--vy-max",

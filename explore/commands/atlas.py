@@ -9,7 +9,7 @@ from typing import Any
 
 from orbitproof.explore.atlases import Source, check_names
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import FAMILY_NAMES, exact_number, fixed_parameters, is_family_name
+from orbitproof.explore.names import FAMILY_NAMES, exact_number, given_parameters, is_family_name, system_named
 from orbitproof.shared.formats import Covers, InputError, check_writable
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 
@@ -92,7 +92,7 @@ def add_parser(commands: Any) -> None:
     )
     presets = "; ".join(f"{name}: {preset.title}" for name, preset in ATLAS_PRESETS.items())
     parser.add_argument("--preset", choices=tuple(ATLAS_PRESETS), help=f"in place of the next options: {presets}")
-    parser.add_argument("--system", metavar="NAME", help=f"one of {', '.join(FAMILY_NAMES)}")
+    common.add_system(parser)
     parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly")
     parser.add_argument("--family", metavar="NAME", help="the family, as for explore family")
     parser.add_argument(
@@ -211,16 +211,17 @@ def _source(options: argparse.Namespace) -> Source:
         return Source(None, options.family, options.mass, options.from_family, covers, increasing, None)
     if options.system is None:
         raise InputError("--system: missing; give one, or --preset, or --from-family")
-    if options.system not in FAMILY_NAMES:
-        raise InputError(f"--system {options.system}: unknown; give one of {', '.join(FAMILY_NAMES)}")
-    system, names = SYSTEMS[options.system], FAMILY_NAMES[options.system]
+    system = system_named(options.system)
+    names = FAMILY_NAMES.get(system.name)
+    if names is None:
+        raise InputError(f"--from-family: missing; trace a family of {system.name} first, with explore family")
     family = options.family or (names[0] if len(names) == 1 else None)
     if family is None or not is_family_name(system.name, family):
         wrong = "missing" if family is None else f"{family}: unknown for {system.name}"
         raise InputError(
             f"--family {wrong}; give one of {', '.join(names)}".replace("--family missing", "--family: missing")
         )
-    fixed_parameters(system, options.mass)
+    given_parameters(system, options.mass, options.parameter)
     covers = None if options.covers is None else _covers(options.covers, system)
     check_names(system, covers, tuple(options.increasing))
     if system.family_parameter is not None and covers is None:

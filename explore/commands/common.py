@@ -12,6 +12,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from orbitproof.explore.names import FAMILY_NAMES
+
 MAX_MULTIPLICITY = 1000
 DIGITS = (15, 400)
 
@@ -23,6 +25,34 @@ def add_command(commands: Any, name: str, meaning: str, examples: str) -> argpar
         name, help=meaning, epilog=examples, formatter_class=raw, allow_abbrev=False
     )
     return parser
+
+
+def add_system(parser: Any) -> None:
+    """``--system`` and ``--parameter``."""
+    parser.add_argument(
+        "--system", metavar="NAME|FILE", help=f"{', '.join(FAMILY_NAMES)}, or a file of your own, .py or .json"
+    )
+    parser.add_argument(
+        "--parameter", nargs="+", metavar="NAME=VALUE", help="the system's fixed parameters, taken exactly as written"
+    )
+
+
+def add_start(parser: Any) -> None:
+    """``--system``, ``--parameter``, ``--start`` and ``--half-period``."""
+    add_system(parser)
+    parser.add_argument(
+        "--start",
+        nargs="+",
+        metavar="NAME=VALUE",
+        help="where a family of any system starts: an approximate orbit, by its coordinates on Fix(R) and the family "
+        "parameter; or the word equilibrium (and coordinates near it): the families of its elliptic pairs",
+    )
+    parser.add_argument(
+        "--half-period",
+        type=positive,
+        metavar="T",
+        help="time from that point of the orbit to its other one on Fix(R) (default: found)",
+    )
 
 
 def add_output(parser: Any, kind: str, *, required: bool = True) -> None:

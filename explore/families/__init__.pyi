@@ -6,8 +6,11 @@ from .conversion import family_of as family_of
 from .conversion import family_record as family_record
 from .detection import LocatedResonance as LocatedResonance
 from .detection import detect as detect
+from .detection import kind_of as kind_of
 from .detection import symmetry_breakings as symmetry_breakings
+from .first_orbits import first_family as first_family
 from .limits import Limits as Limits
+from .limits import limited_names as limited_names
 from .named import FamilyFailure as FamilyFailure
 from .named import trace_family as trace_family
 from .stability_curve import largest_changes as largest_changes

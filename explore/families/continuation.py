@@ -25,6 +25,12 @@ Outcome = Literal["limit", "closed", "failed", "interrupted"]
 ON_SECTION = 1e-12
 """Distance from the section, relative to the largest of the orbit, below which a sample has no side."""
 
+RETRACES = "the family goes back over its own orbits, each from its other point on Fix(R)"
+"""Where both points on Fix(R) fall together: there the half orbit is a whole one, or the orbit an equilibrium."""
+
+_ASIDE = 0.05
+_ALONG = 0.97
+
 Stop = Callable[[SymmetricOrbit, Matrix], str | None]
 """Called with each new orbit and samples of its states; a reason ends the family after this orbit."""
 
@@ -184,6 +190,8 @@ def extend(family: Family, course: Course) -> Family:
                 course.progress(orbit)
             if touches and control.until_tangency:
                 return ended("limit", tangency(problem, orbits[-2], orbit))
+            if _retraces(problem, orbits):
+                return ended("limit", f"{RETRACES} ({describe(problem, orbit)})")
             if _closes(problem, orbits):
                 return ended("closed", f"the family closes ({describe(problem, orbit)})")
             reason = course.stop(orbit, states)
@@ -265,6 +273,22 @@ def _closes(problem: ShootingProblem, orbits: Sequence[SymmetricOrbit]) -> bool:
     fraction = float((start - left) @ chord) / float(chord @ chord)
     distance = float(np.linalg.norm(start - left - fraction * chord))
     return 0.0 <= fraction <= 1.0 and distance < 0.1 * float(np.linalg.norm(chord))
+
+
+def _retraces(problem: ShootingProblem, orbits: Sequence[SymmetricOrbit]) -> bool:
+    """Whether the last step leads to an earlier orbit at its other point on Fix(R), and back along these."""
+    if len(orbits) < 3:
+        return False
+    others = np.array([np.append(orbit.centre("second"), orbit.half_period) for orbit in orbits[:-1]]) / problem.scales
+    chords = np.diff(others, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    last, before = (orbit.unknowns / problem.scales for orbit in (orbits[-1], orbits[-2]))
+    step = last - before
+    offsets = last - others[:-1]
+    along = np.sum(offsets * chords, axis=1)
+    aside = np.linalg.norm(offsets - (along / lengths**2)[:, None] * chords, axis=1)
+    on_chord = (along >= 0) & (along <= lengths**2) & (aside < _ASIDE * lengths)
+    return bool(np.any(on_chord & (chords @ step < -_ALONG * lengths * np.linalg.norm(step))))
 
 
 def describe(problem: ShootingProblem, orbit: SymmetricOrbit) -> str:

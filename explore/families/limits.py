@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf, isfinite
 
 from orbitproof.explore.flow import Matrix
 from orbitproof.explore.orbits import ShootingProblem, SymmetricOrbit
 from orbitproof.explore.seeds import distance_to_primaries
-from orbitproof.shared.systems import THREE_BODY
-
-BETA_START = 100.0
+from orbitproof.shared.systems import THREE_BODY, ReversibleSystem
 
 SMALLEST_DISTANCE = 1e-5
 SMALLEST_RELATIVE_DISTANCE = 1e-4
@@ -28,14 +27,17 @@ class Limits:
         max_orbits: number of orbits.
         coordinate_max: largest magnitude of a Fix(R) coordinate of the first point, by name.
         parameter_min, parameter_max: range of the family parameter, if the system has one.
+        bounds: smallest and largest value of a coordinate of the first point, of the family parameter, of the
+            first integral or of the half period, by name (see `limited_names`).
         integral_min: smallest value of the first integral (the Jacobi constant).
         min_distance: smallest distance to a primary; by default 1e-5, less for small mass parameters.
     """
 
     max_orbits: int = 1000
     coordinate_max: Mapping[str, float] = field(default_factory=dict)
-    parameter_min: float = BETA_START
-    parameter_max: float = 1000.0
+    parameter_min: float = -inf
+    parameter_max: float = inf
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     integral_min: float | None = None
     min_distance: float | None = None
 
@@ -49,6 +51,10 @@ class Limits:
         if system.family_parameter is not None and not self.parameter_min <= orbit.unknowns[0] <= self.parameter_max:
             bound = self.parameter_max if orbit.unknowns[0] > self.parameter_max else self.parameter_min
             return f"limit {system.family_parameter} = {bound:g}"
+        for name, value in zip(limited_names(system), _limited_values(orbit), strict=True):
+            low, high = self.bounds.get(name, (-inf, inf))
+            if not low <= value <= high:
+                return f"limit {name} = {low if value < low else high:g}"
         integral = orbit.first_integral
         if self.integral_min is not None and integral is not None and integral <= self.integral_min:
             return f"limit {system.first_integral_name} = {self.integral_min:g}"
@@ -73,5 +79,17 @@ class Limits:
         parts = [max(count / self.max_orbits, count / (count + TYPICAL_ORBITS))]
         parts += [abs(orbit.unknowns[names.index(name)]) / bound for name, bound in self.coordinate_max.items()]
         if system.family_parameter is not None:
-            parts.append((orbit.unknowns[0] - self.parameter_min) / (self.parameter_max - self.parameter_min))
+            span = self.parameter_max - self.parameter_min
+            parts += [(orbit.unknowns[0] - self.parameter_min) / span] if isfinite(span) else []
         return min(1.0, max(parts))
+
+
+def limited_names(system: ReversibleSystem) -> tuple[str, ...]:
+    """What of an orbit can be limited by name: centre coordinates, ``half-period``, ``integral`` if there is one."""
+    names = (*system.centre_coordinates, "half-period")
+    return names if system.first_integral is None else (*names, "integral")
+
+
+def _limited_values(orbit: SymmetricOrbit) -> tuple[float, ...]:
+    values = tuple(float(value) for value in orbit.unknowns)
+    return values if orbit.first_integral is None else (*values, orbit.first_integral)

@@ -24,6 +24,7 @@ import numpy as np
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed, doubling_seed
 from orbitproof.explore.families.continuation import (
+    RETRACES,
     Course,
     Family,
     Start,
@@ -34,7 +35,7 @@ from orbitproof.explore.families.continuation import (
     trace,
 )
 from orbitproof.explore.families.detection import detect, symmetry_breaking_near, symmetry_breakings
-from orbitproof.explore.families.limits import BETA_START, Limits
+from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.step_control import CONTROL, StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix
 from orbitproof.explore.names import branch_number, is_family_name
@@ -44,6 +45,9 @@ from orbitproof.explore.seeds import LinearOrbit, detuning, libration_point, lim
 from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
 
 AMPLITUDE = 1e-3
+BETA = (100.0, 1000.0)
+"""Range of the parameter of the Falkner-Skan family unless told otherwise; it starts at the lower end."""
+
 PLANAR_ORBITS = 2000
 
 RETROGRADE_RADIUS = 0.1
@@ -102,7 +106,11 @@ def continue_family(
         states = problem.samples(last.unknowns)
     except FlowFailure as error:
         raise FamilyFailure(f"the last orbit cannot be integrated: {error}") from None
-    if family.outcome == "closed" or limits.reached(problem, last, states) is not None:
+    if (
+        family.outcome == "closed"
+        or family.reason.startswith(RETRACES)
+        or limits.reached(problem, last, states) is not None
+    ):
         return family
     if len(family.orbits) > 1 and in_fixed_space(problem, last):
         return family
@@ -238,7 +246,13 @@ class _Tracer:
         """Starts at beta = 100, or where the range begins above it, goes down to its lower end and then up."""
         problem = self.problem((1000.0, 1.0, 1.0), None)
         limits, limit = self.limits, limit_orbit()
-        beta = max(BETA_START, limits.parameter_min)
+        low, high = limits.parameter_min, limits.parameter_max
+        limits = replace(
+            limits,
+            parameter_min=low if np.isfinite(low) else BETA[0],
+            parameter_max=high if np.isfinite(high) else BETA[1],
+        )
+        beta = max(BETA[0], limits.parameter_min)
         start = Start(np.array([beta, limit.upper, limit.half_period / np.sqrt(beta)]), np.array([1.0, 0.0, 0.0]))
         upwards = replace(limits, parameter_min=-np.inf)
         if limits.parameter_min >= beta:

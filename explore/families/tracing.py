@@ -10,12 +10,14 @@ from fractions import Fraction
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.families.detection import Detection, detect
+from orbitproof.explore.families.first_orbits import first_family
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import FamilyFailure, continue_both_ways, continue_family, trace_family
 from orbitproof.explore.families.step_control import CONTROL, StepControl
 from orbitproof.explore.names import mirrored_name
 from orbitproof.explore.orbits import CorrectionFailure
-from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
+from orbitproof.explore.seeds import FirstOrbit
+from orbitproof.shared.systems import ReversibleSystem
 
 TRACING_SHARE = 0.6
 """Part of the time for a family that goes into tracing it; the rest finds its resonances."""
@@ -26,16 +28,16 @@ class TraceTask:
     """A family to trace, or to continue, and to search.
 
     Attributes:
-        system: a key of `shared.systems.system.SYSTEMS`.
-        name, parameters, mirrored: as for `explore.families.named.trace_family`.
+        name, system, parameters, mirrored: as for `explore.families.named.trace_family`.
         label: the parameters as the user named them, or "".
         multiplicities: the k to look for.
         start: a part that is traced already.
         both_ways: whether that part is continued at both of its ends.
+        first: an approximate first orbit, in place of `start`, for a family that has no name of its own.
         control: steps and tolerances.
     """
 
-    system: str
+    system: ReversibleSystem
     name: str
     label: str
     parameters: Mapping[str, Fraction]
@@ -44,6 +46,7 @@ class TraceTask:
     mirrored: bool = False
     start: Family | None = None
     both_ways: bool = False
+    first: FirstOrbit | None = None
     control: StepControl = CONTROL
 
     @property
@@ -101,9 +104,13 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
         progress(message, TRACING_SHARE * fraction)
 
     try:
-        if task.start is None:
+        start, both_ways = task.start, task.both_ways
+        if start is None and task.first is not None:
+            start = first_family(task.system, task.parameters, task.first, task.control)
+            both_ways = task.first.direction is None
+        if start is None:
             family = trace_family(
-                SYSTEMS[task.system],
+                task.system,
                 task.name,
                 task.parameters,
                 task.limits,
@@ -112,8 +119,8 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
                 progress=tracing,
             )
         else:
-            go_on = continue_both_ways if task.both_ways else continue_family
-            family = go_on(_with_own_system(task.start), task.limits, control=task.control, progress=tracing)
+            go_on = continue_both_ways if both_ways else continue_family
+            family = go_on(start, task.limits, control=task.control, progress=tracing)
         name = mirrored_name(task.name) if task.mirrored else task.name
         item = TracedFamily(name, task.label, family)
         if family.outcome == "interrupted":
@@ -148,12 +155,5 @@ def trace_tasks(tasks: Sequence[TraceTask], jobs: int, progress: Progress) -> It
     for index, result in run_all(Job(trace_task, _title, _interrupted), tasks, jobs, progress):
         if isinstance(result, Lost):
             yield index, Traced(tasks[index], None, result.reason, False, 0.0)
-        elif result.item is not None:
-            yield index, replace(result, item=replace(result.item, family=_with_own_system(result.item.family)))
         else:
             yield index, result
-
-
-def _with_own_system(family: Family) -> Family:
-    """A system that came through a pipe is a copy: put this process's own in its place."""
-    return replace(family, problem=replace(family.problem, system=SYSTEMS[family.problem.system.name]))

@@ -1,5 +1,4 @@
 from .exact_numbers import exact_number as exact_number
-from .exact_numbers import fixed_parameters as fixed_parameters
 from .exact_numbers import mass_parameter as mass_parameter
 from .family_names import FAMILY_NAMES as FAMILY_NAMES
 from .family_names import POINTS as POINTS
@@ -9,4 +8,9 @@ from .family_names import branch_name as branch_name
 from .family_names import branch_number as branch_number
 from .family_names import is_family_name as is_family_name
 from .family_names import mirrored_name as mirrored_name
+from .own_systems import bounds_of as bounds_of
+from .own_systems import given_parameters as given_parameters
+from .own_systems import label_of as label_of
+from .own_systems import place_of as place_of
+from .own_systems import system_named as system_named
 from .resonances import resonant_values as resonant_values

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
+from orbitproof.shared.systems import MASS_PARAMETERS, FormulaError, evaluate_formula
 
 
 def exact_number(option: str, text: str, wrong: str = "no number; write a decimal or hexadecimal number") -> Fraction:
@@ -14,6 +14,10 @@ def exact_number(option: str, text: str, wrong: str = "no number; write a decima
     try:
         return parse_exact(text)
     except ValueError:
+        pass
+    try:
+        return Fraction(evaluate_formula(text, {}))
+    except FormulaError:
         raise InputError(f"{option} {text}: {wrong}") from None
 
 
@@ -29,14 +33,3 @@ def mass_parameter(option: str, text: str, *, or_zero: bool = False) -> Fraction
         interval = "[0, 1)" if or_zero else "(0, 1)"
         raise InputError(f"{option} {text}: outside {interval}; give the smaller mass over the total mass")
     return value
-
-
-def fixed_parameters(system: ReversibleSystem, mass: str | None) -> dict[str, Fraction]:
-    """The exact fixed parameters that belong to ``--mass``. Raises `InputError`."""
-    if not system.fixed_parameters:
-        if mass is not None:
-            raise InputError(f"--mass {mass}: {system.name} has no mass parameter; leave it out")
-        return {}
-    if mass is None:
-        raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
-    return {"mu": mass_parameter("--mass", mass)}

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, describe
 
 Array = NDArray[np.float64]
 
 
 def to_json(value: Any) -> Any:
-    """A record as an object: arrays as lists, complex numbers as pairs, exact numbers as text, systems by name."""
+    """A record as an object: arrays as lists, complex numbers as pairs, exact numbers as text, systems described."""
     if isinstance(value, ReversibleSystem):
-        return value.name
+        return describe(value)
     if is_dataclass(value):
         return {field.name: to_json(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, np.ndarray):

@@ -7,5 +7,6 @@ from .jets import JetBasis as JetBasis
 from .reduction import branch_geometry as branch_geometry
 from .resonance import working_context as working_context
 from .tasks import Task as Task
+from .tasks import refine_task as refine_task
 from .tasks import refine_tasks as refine_tasks
 from .taylor import IntegrationFailure as IntegrationFailure

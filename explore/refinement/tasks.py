@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.refinement.newton import RefinementFailure, refine
 from orbitproof.shared.formats import Candidate
-from orbitproof.shared.systems import SYSTEMS
+from orbitproof.shared.systems import ReversibleSystem
 
 
 @dataclass(frozen=True)
@@ -20,13 +20,12 @@ class Task:
 
     Attributes:
         id: of the candidate.
-        system: a key of `shared.systems.system.SYSTEMS`.
         guess: float64 point, in the order of `ReversibleSystem.centre_coordinates`.
         provenance: free-form, for the candidate.
     """
 
     id: str
-    system: str
+    system: ReversibleSystem
     parameters: Mapping[str, Fraction]
     kind: str
     k: int
@@ -52,7 +51,7 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
     started = time.monotonic()
     try:
         point = refine(
-            SYSTEMS[task.system],
+            task.system,
             task.parameters,
             task.kind,
             task.k,
@@ -92,11 +91,4 @@ def refine_tasks(tasks: Sequence[Task], jobs: int, progress: Progress) -> Iterat
         if isinstance(result, Lost):
             yield index, Refined(tasks[index], None, None, result.reason, 0.0)
         else:
-            yield index, _with_own_system(result)
-
-
-def _with_own_system(result: Refined) -> Refined:
-    """The system of a candidate that came through a pipe is a copy: put this process's own in its place."""
-    if result.candidate is None:
-        return result
-    return replace(result, candidate=replace(result.candidate, system=SYSTEMS[result.task.system]))
+            yield index, result

@@ -13,12 +13,25 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.explore.families import StepControl
-from orbitproof.explore.names import FAMILY_NAMES, PRESETS, Preset, fixed_parameters, is_family_name
+from orbitproof.explore.names import (
+    FAMILY_NAMES,
+    PRESETS,
+    Preset,
+    given_parameters,
+    is_family_name,
+    label_of,
+    place_of,
+    system_named,
+)
+from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.formats import InputError, check_writable
-from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import CR3BP, SYSTEMS, ReversibleSystem
 
 LARGEST_TURNING = 1.0
 TOLERANCES = (1e-14, 1e-6)
+
+EQUILIBRIUM = "equilibrium"
+"""What ``--start`` begins with if an equilibrium is meant."""
 
 
 @dataclass(frozen=True)
@@ -26,10 +39,11 @@ class FamilyRequest:
     """A family to trace.
 
     Attributes:
-        name: one of `FAMILY_NAMES`.
+        name: one of `FAMILY_NAMES`, or what a family that starts from an orbit is to be called.
         parameters: exact fixed parameters of the system.
         label: the mass as the user gave it, or "".
         velocity_max: largest |vy| of the first point, or `None`.
+        first: an approximate first orbit, for a family without a name of its own.
     """
 
     system: ReversibleSystem
@@ -37,6 +51,7 @@ class FamilyRequest:
     parameters: Mapping[str, Fraction]
     label: str
     velocity_max: float | None = None
+    first: FirstOrbit | None = None
 
 
 @dataclass(frozen=True)
@@ -83,6 +98,7 @@ def check(options: argparse.Namespace) -> Request:
             ("--preset", options.preset),
             ("--from-family", options.from_family),
             ("--mirror", options.mirror or None),
+            ("--start", options.start),
         ):
             if value is not None:
                 raise InputError(f"{option}: --from-catalogue says which family; leave it out")
@@ -95,6 +111,7 @@ def check(options: argparse.Namespace) -> Request:
             ("--mass", options.mass),
             ("--family", options.family),
             ("--vy-max", options.vy_max),
+            ("--start", options.start),
         ):
             if value is not None:
                 raise InputError(f"{option}: given by --preset {options.preset}; leave out one of the two")
@@ -103,13 +120,14 @@ def check(options: argparse.Namespace) -> Request:
         multiplicities = preset.multiplicities if preset else ((2, 3, 4) if options.command == "candidates" else ())
     points = getattr(options, "points", None) or (preset.points if preset else "one")
     families = _families(options, preset)
-    system = families[0].system if families else None if options.system is None else _system(options.system)
+    system = families[0].system if families else None if options.system is None else system_named(options.system)
     if system is not None and 1 in multiplicities and not system.symmetries:
         raise InputError(f"-k 1: {system.name} has no symmetry that could break; leave it out")
-    if system is not None and system.family_parameter is not None:
-        for option, value in (("--z-max", options.z_max), ("--vy-max", options.vy_max)):
-            if value is not None:
+    if system is not None:
+        for option, name, value in (("--z-max", "z", options.z_max), ("--vy-max", "vy", options.vy_max)):
+            if value is not None and name not in system.centre_coordinates:
                 raise InputError(f"{option}: {system.name} has no such coordinate on Fix(R); leave it out")
+    if system is not None and system is not CR3BP:
         for name in ("csv", "catalogue"):
             if getattr(options, name, None) is not None:
                 raise InputError(f"--{name}: the catalogue's columns are those of the CR3BP; leave it out")
@@ -153,7 +171,7 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
     """The families asked for: each mass with each family name."""
     if preset is not None:
         names, masses, speeds = preset.families, preset.masses, preset.velocity_max
-        system = _system(preset.system)
+        system = SYSTEMS[preset.system]
     elif options.from_catalogue is not None:
         return ()
     else:
@@ -166,8 +184,13 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
         if options.system is None:
             beside = " beside --from-family with --family or --mass" if options.from_family is not None else ""
             raise InputError(f"--system: missing{beside}; give one of {', '.join(SYSTEMS)}")
-        system = _system(options.system)
-        known: tuple[str, ...] = FAMILY_NAMES[system.name]
+        system = system_named(options.system)
+        if options.start is not None:
+            return started(options, system)
+        known: tuple[str, ...] = FAMILY_NAMES.get(system.name, ())
+        if not known:
+            wanted = " ".join(f"{name}=.." for name in system.centre_coordinates)
+            raise InputError(f"--start: missing; give an approximate orbit, --start {wanted}, or --start {EQUILIBRIUM}")
         names = tuple(dict.fromkeys(options.family or (known if len(known) == 1 else ())))
         if not names:
             raise InputError(f"--family: missing; give one or more of {', '.join(known)}")
@@ -180,13 +203,43 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
             raise InputError(f"--vy-max: {len(speeds)} values for {len(masses)} masses; give one, or one for each mass")
     result: list[FamilyRequest] = []
     for index, mass in enumerate(masses):
-        parameters = fixed_parameters(system, mass)
+        parameters = given_parameters(system, mass, options.parameter)
+        label = label_of(system, mass, options.parameter)
         speed = speeds[index if len(speeds) > 1 else 0]
-        result += [FamilyRequest(system, name, parameters, mass or "", speed) for name in names]
+        result += [FamilyRequest(system, name, parameters, label, speed) for name in names]
     return tuple(result)
 
 
-def _system(name: str) -> ReversibleSystem:
-    if name not in SYSTEMS or name not in FAMILY_NAMES:
-        raise InputError(f"--system {name}: unknown; give one of {', '.join(FAMILY_NAMES)}")
-    return SYSTEMS[name]
+def started(options: argparse.Namespace, system: ReversibleSystem) -> tuple[FamilyRequest, ...]:
+    """The family of ``--start``, or the families of the elliptic pairs of an equilibrium. Raises `InputError`."""
+    masses, names, speeds = options.mass or [None], options.family or ["family"], options.vy_max or [None]
+    for option, values in (("--mass", masses), ("--family", names), ("--vy-max", speeds)):
+        if len(values) > 1:
+            raise InputError(f"{option}: --start is one orbit; give one value")
+    if options.mirror:
+        raise InputError("--mirror: --start says which orbit; leave it out")
+    name, words = names[0], list(options.start)
+    if not name.isprintable() or not 0 < len(name) <= 100:
+        raise InputError(f"--family {name!r}: no name; use letters, digits and signs")
+    parameters = given_parameters(system, masses[0], options.parameter)
+    label = label_of(system, masses[0], options.parameter)
+    if words[0] != EQUILIBRIUM:
+        place = place_of(system, "--start", words, complete=True)
+        first = FirstOrbit(tuple(place[each] for each in system.centre_coordinates), options.half_period)
+        return (FamilyRequest(system, name, parameters, label, speeds[0], first),)
+    if options.half_period is not None:
+        raise InputError("--half-period: follows from the frequencies of the equilibrium; leave it out")
+    guess = place_of(system, f"--start {EQUILIBRIUM}", words[1:], complete=False)
+
+    # Only now: numpy takes a moment to load.
+    from orbitproof.explore.seeds import EquilibriumFailure, small_orbits
+
+    try:
+        firsts = small_orbits(system, {key: float(value) for key, value in parameters.items()}, guess)
+    except EquilibriumFailure as error:
+        raise InputError(f"--start {EQUILIBRIUM}: {error}") from None
+    called = [name] if len(firsts) == 1 else [f"{name}-{number}" for number in range(1, len(firsts) + 1)]
+    return tuple(
+        FamilyRequest(system, each, parameters, label, speeds[0], first)
+        for each, first in zip(called, firsts, strict=True)
+    )

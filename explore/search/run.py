@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,18 @@ import numpy as np
 
 from orbitproof.explore.catalogue import CatalogueStart, catalogue_start
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import Limits, Traced, TracedFamily, TraceTask, family_of, largest_changes, trace_tasks
+from orbitproof.explore.families import (
+    Limits,
+    Traced,
+    TracedFamily,
+    TraceTask,
+    family_of,
+    largest_changes,
+    limited_names,
+    trace_tasks,
+)
 from orbitproof.explore.flow import Vector
-from orbitproof.explore.names import mirrored_name
+from orbitproof.explore.names import bounds_of, mirrored_name
 from orbitproof.explore.records import BAND, FamilyRecord, read_families
 from orbitproof.explore.refinement import refine_tasks
 from orbitproof.explore.search.branches import branches_of, shared_branches
@@ -21,6 +31,7 @@ from orbitproof.explore.search.outputs import write_catalogue, write_outputs, wr
 from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
+from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
 
 
 @dataclass(frozen=True)
@@ -98,7 +109,7 @@ def _catalogue_tasks(request: Request, start: CatalogueStart) -> list[TraceTask]
         return []
     options, problem = request.options, start.seed.problem
     asked = FamilyRequest(problem.system, start.name, problem.parameters, start.label)
-    limits = _limits(options, options.vy_max[0] if options.vy_max else None)
+    limits = _limits(options, problem.system, options.vy_max[0] if options.vy_max else None)
     return [_trace_task(request, asked, limits, start=start.seed, both_ways=True)]
 
 
@@ -113,24 +124,33 @@ def _trace_tasks(request: Request) -> list[TraceTask]:
             "leave the option out"
         )
     if not request.families:
-        limits = _limits(options, options.vy_max[0] if options.vy_max else None)
-        return [_trace_task(request, record, limits, start=family_of(record)) for record in records]
+        speed = options.vy_max[0] if options.vy_max else None
+        return [
+            _trace_task(
+                request,
+                record,
+                _limits(options, record.system, speed),
+                start=family_of(record),
+                both_ways=len(record.orbits) == 1 and record.beginning is None,
+            )
+            for record in records
+        ]
     return [_task(request, family, records) for family in request.families]
 
 
 def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) -> TraceTask:
     mirrored = request.options.mirror
     name = mirrored_name(family.name) if mirrored else family.name
-    limits = _limits(request.options, family.velocity_max)
+    limits = _limits(request.options, family.system, family.velocity_max)
     for record in records:
         if record.name == name and dict(record.parameters) == dict(family.parameters):
             return _trace_task(request, record, limits, start=family_of(record))
-    return _trace_task(request, family, limits, mirrored=mirrored)
+    return _trace_task(request, family, limits, mirrored=mirrored, first=family.first)
 
 
 def _trace_task(request: Request, family: FamilyRequest | FamilyRecord, limits: Limits, **more: Any) -> TraceTask:
     return TraceTask(
-        system=family.system.name,
+        system=family.system,
         name=family.name,
         label=family.label,
         parameters=dict(family.parameters),
@@ -141,13 +161,15 @@ def _trace_task(request: Request, family: FamilyRequest | FamilyRecord, limits: 
     )
 
 
-def _limits(options: Any, velocity_max: float | None) -> Limits:
+def _limits(options: Any, system: ReversibleSystem, velocity_max: float | None) -> Limits:
     bounds = {"z": options.z_max, "vy": velocity_max}
+    beta = (options.beta_min, options.beta_max) if system is FALKNER_SKAN else (-inf, inf)
     return Limits(
         max_orbits=options.max_orbits,
         coordinate_max={name: bound for name, bound in bounds.items() if bound is not None},
-        parameter_min=options.beta_min,
-        parameter_max=options.beta_max,
+        parameter_min=beta[0],
+        parameter_max=beta[1],
+        bounds=bounds_of(limited_names(system), options.parameter_min, options.parameter_max),
         integral_min=options.jacobi_min,
         min_distance=options.min_distance,
     )

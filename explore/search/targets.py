@@ -36,7 +36,7 @@ class Target:
         resonance, problem = self.resonance, self.item.family.problem
         return Task(
             id=self.id,
-            system=self.item.system.name,
+            system=self.item.system,
             parameters=dict(problem.parameters),
             kind=resonance.kind,
             k=resonance.k,
@@ -84,7 +84,7 @@ def targets_of(item: TracedFamily, points: str) -> list[Target]:
 
 def is_refined(task: Task, candidate: Candidate) -> bool:
     """Whether a candidate of the task's id is what the task would find."""
-    if (candidate.system.name, candidate.kind, candidate.k) != (task.system, task.kind, task.k):
+    if (candidate.system, candidate.kind, candidate.k) != (task.system, task.kind, task.k):
         return False
     digits = candidate.provenance.get("digits")
     if dict(candidate.parameters) != dict(task.parameters) or not isinstance(digits, int) or digits < task.digits:

@@ -1,4 +1,7 @@
+from .equilibria import EquilibriumFailure as EquilibriumFailure
+from .equilibria import small_orbits as small_orbits
 from .falkner_skan import limit_orbit as limit_orbit
+from .first_orbit import FirstOrbit as FirstOrbit
 from .libration_points import LIBRATION_POINTS as LIBRATION_POINTS
 from .libration_points import LibrationPoint as LibrationPoint
 from .libration_points import LinearOrbit as LinearOrbit

@@ -16,6 +16,7 @@ from orbitproof.shared.formats.candidates import (
     write_text,
 )
 from orbitproof.shared.formats.pieces import Piece, SurfacePiece, evaluate, is_regular, piece_from_json
+from orbitproof.shared.formats.systems import load_system
 
 __all__ = [
     "KINDS",
@@ -32,6 +33,7 @@ __all__ = [
     "check_writable",
     "evaluate",
     "is_regular",
+    "load_system",
     "piece_from_json",
     "read_atlas",
     "read_candidates",

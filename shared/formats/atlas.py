@@ -13,10 +13,17 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
-from orbitproof.shared.formats.candidates import InputError, read_document, read_system, validate_document, write_text
+from orbitproof.shared.formats.candidates import (
+    InputError,
+    find_system,
+    read_document,
+    read_system,
+    validate_document,
+    write_text,
+)
 from orbitproof.shared.formats.pieces import COORDINATES, Piece, SurfacePiece, check_length, evaluate, piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe
 
 __all__ = [
     "CLAIMS", "COORDINATES", "SURFACE", "Atlas", "Claim", "Covers", "Piece", "SurfacePiece", "atlas_from_json",
@@ -108,7 +115,7 @@ class Atlas:
             "version": 1,
             "id": self.id,
             "title": self.title,
-            "system": self.system.name,
+            "system": describe(self.system),
         }
         if not self.is_surface:
             result["parameters"] = {name: format_exact(value) for name, value in self.parameters.items()}
@@ -153,10 +160,8 @@ def atlas_from_json(
         why = "a surface has its parameters in its pieces" if surface else "missing"
         refuse("parameters", why, "leave it out here" if surface else "give all but the family parameter")
     if surface:
-        found = systems.get(entry["system"])
-        if found is None:
-            refuse("system", f"unknown system {entry['system']!r}", f"known: {', '.join(systems)}")
-        system, parameters = found, dict[str, Fraction]()
+        system = find_system(entry["system"], f"{source}: field system", systems)
+        parameters = dict[str, Fraction]()
     else:
         system, parameters = read_system(entry, f"{source}: field atlas", systems)
         for name, value in parameters.items():

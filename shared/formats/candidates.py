@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, DescriptionError, ReversibleSystem, describe, described
 
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
@@ -125,7 +125,7 @@ class Candidate:
         """The JSON object of the candidate. All numbers must be dyadic or decimal fractions."""
         result: dict[str, Any] = {
             "id": self.id,
-            "system": self.system.name,
+            "system": describe(self.system),
             "parameters": {name: format_exact(value) for name, value in self.parameters.items()},
             "kind": self.kind,
             "k": self.k,
@@ -199,6 +199,7 @@ _FORMATS = {
     "portraits": "portraits",
     "mass-curve": "curves over the mass",
     "published": "published values",
+    "system": "a system, to search with: orbitproof explore family --system {}",
 }
 """What a file of each format holds, and the command for it."""
 
@@ -286,13 +287,11 @@ def read_candidates(path: Path) -> list[Candidate]:
 def read_system(
     entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
 ) -> tuple[ReversibleSystem, dict[str, Fraction]]:
-    """The system that a JSON object names, one of `systems`, and its fixed parameters.
+    """The system of a JSON object, one of `systems` by name or one that it describes, and its fixed parameters.
 
     Raises `InputError` that names the field.
     """
-    system = systems.get(entry["system"])
-    if system is None:
-        raise InputError(f"{source}.system: unknown system {entry['system']!r}; known: {', '.join(systems)}")
+    system = find_system(entry["system"], f"{source}.system", systems)
     parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
     if set(parameters) != set(system.fixed_parameters):
         wanted = ", ".join(system.fixed_parameters) or "none"
@@ -303,6 +302,20 @@ def read_system(
             text = _short(entry["parameters"][name])
             raise InputError(f"{source}.parameters.{name}: {text} lies outside {interval}; choose a value inside")
     return system, parameters
+
+
+def find_system(
+    entry: str | Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem]
+) -> ReversibleSystem:
+    """One of `systems` by its name, or the system that a JSON object describes. Raises `InputError`."""
+    if isinstance(entry, str):
+        if entry not in systems:
+            raise InputError(f"{source}: unknown system {entry!r}; known: {', '.join(systems)}")
+        return systems[entry]
+    try:
+        return described(entry)
+    except DescriptionError as error:
+        raise InputError(f"{source}.{error}") from None
 
 
 def candidate_from_json(

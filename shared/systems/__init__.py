@@ -1,5 +1,14 @@
 """Systems: vector field, symmetries, section, parameters, as values and as straight-line programs."""
 
+from orbitproof.shared.systems.description import (
+    KEYS,
+    DescriptionError,
+    describe,
+    described,
+    program_function,
+)
+from orbitproof.shared.systems.examination import fault
+from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
@@ -23,15 +32,23 @@ __all__ = [
     "CR3BP_AXIAL",
     "FALKNER_SKAN",
     "HILL",
+    "KEYS",
     "MASS_PARAMETERS",
     "REGULARISATIONS",
     "SYSTEMS",
     "THREE_BODY",
     "DerivedParameter",
+    "DescriptionError",
+    "FormulaError",
     "ParameterRange",
     "Program",
     "Regularisation",
     "ReversibleSystem",
     "Variable",
+    "describe",
+    "described",
+    "evaluate_formula",
+    "fault",
+    "program_function",
     "record",
 ]

@@ -1,7 +1,7 @@
 """Reversible systems: vector field, symmetries, section, first integral, parameters.
 
 A system is one `ReversibleSystem` value. Neither the integrator nor the theorems know any system by
-name: a further one needs a description here, an entry in `SYSTEMS`, and nothing else.
+name: a further one is a file of its own (`description`).
 
 All symmetries are diagonal sign matrices in the state coordinates, the section is the vanishing of
 one state coordinate, and Fix(R) lies in the section. Coordinates on the section are split into
@@ -117,7 +117,12 @@ class ReversibleSystem:
                 raise ValueError(f"{self.name}: the derived {name!r} is no fixed parameter")
         dimension = len(self.kernel_coordinates)
         if len(self.fixed_coordinates) != dimension + (self.family_parameter is None):
-            raise ValueError(f"{self.name}: Fix(R) has the wrong dimension in the section")
+            wanted = dimension + (self.family_parameter is None)
+            kind = "a first integral" if self.family_parameter is None else "a family parameter"
+            raise ValueError(
+                f"{self.name}: Fix(R) has the wrong dimension: R fixes {len(self.fixed_coordinates)} coordinates; with "
+                f"{kind} it has to fix {wanted}, as R negates {dimension} besides the section"
+            )
 
     @cached_property
     def section_index(self) -> int:

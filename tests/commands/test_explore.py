@@ -229,7 +229,7 @@ def test_family_file_of_another_system_is_refused(family_path: Path, tmp_path: P
 def test_refinement_in_processes_gives_the_same_candidates_as_in_this_one(family_path: Path) -> None:
     (record,) = read_families(family_path)
     (resonance,) = record.resonances
-    task = Task("a", "falkner-skan", {}, "period_tupling", 2, None, tuple(resonance.point.tolist()), 20, {"n": 1})
+    task = Task("a", FALKNER_SKAN, {}, "period_tupling", 2, None, tuple(resonance.point.tolist()), 20, {"n": 1})
     far = replace(task, id="b", guess=(330.0, 0.9))
     here = dict(refine_tasks([task, far], 1, lambda message, fraction: None))
     there = dict(refine_tasks([task, far], 2, lambda message, fraction: None))

@@ -32,6 +32,7 @@ from orbitproof.verify.certificate import (
     decimals,
     differences,
     digest_findings,
+    named_as,
     other_hypotheses,
     other_software,
     statement_differences,
@@ -152,7 +153,7 @@ def _conclusion(
     old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, again))
     found = [
         *differences(document["verdict"], again["verdict"], "verdict"),
-        *statement_differences(document["statement"], again["statement"]),
+        *statement_differences(document["statement"], named_as(document["statement"], again["statement"])),
         *differences(old, new, ""),
     ]
     yield from found
@@ -235,7 +236,7 @@ def _tasks(document: Document, atlas: Atlas, timeout: float | None) -> tuple[lis
             steps,
         )
         argument = dict(task.argument)
-        if atlas.system.name not in BRANCH_SYSTEMS:
+        if document["statement"]["atlas"]["system"] == atlas.system.name not in BRANCH_SYSTEMS:
             argument["stated"] = _stated(document)
         if "parts" in result:
             argument["parts"] = [part["interval"] for part in result["parts"]]

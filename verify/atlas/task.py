@@ -9,7 +9,7 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas, Piece, SurfacePiece, piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
 from orbitproof.verify.atlas.splitting import Interval, Settings
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import PieceLimits, prove_piece
@@ -61,7 +61,7 @@ def task_of(
     return Task(
         piece.id,
         {
-            "system": atlas.system.name,
+            "system": describe(atlas.system),
             "parameters": {name: format_exact(value) for name, value in atlas.parameters.items()},
             "symmetry": atlas.claim.symmetry,
             "piece": piece.to_json(),
@@ -119,11 +119,12 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
 
 
 def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:
-    """The system by its name, or, where it is not known, as a certificate states it."""
-    name, stated = argument["system"], argument.get("stated")
+    """The system by its name or description, or, where it is not known, as a certificate states it."""
+    stated = argument.get("stated")
     if stated is None:
-        return BRANCH_SYSTEMS[name]
-    return systems_with(BRANCH_SYSTEMS, stated["statement"], stated["claim"])[name]
+        return described(argument["system"])
+    claim = stated["claim"]
+    return systems_with(BRANCH_SYSTEMS, stated["statement"], claim)[str(claim["system"])]
 
 
 _REMEDIES = {"process": "free memory, or give fewer --jobs", "time": "give --timeout more seconds"}

@@ -25,7 +25,7 @@ from orbitproof.verify.certificate.levels import (
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from orbitproof.verify.certificate.rechecking import UNKNOWN, digest_findings, recheck, statement_differences
 from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
-from orbitproof.verify.certificate.stated_system import system_names, systems_with
+from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
 from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table
 
@@ -51,6 +51,7 @@ __all__ = [
     "digest",
     "digest_findings",
     "is_proof_of",
+    "named_as",
     "other_hypotheses",
     "other_software",
     "read_certificates",

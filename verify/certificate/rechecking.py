@@ -32,7 +32,7 @@ from orbitproof.verify.certificate.levels import (
     overlap,
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION
-from orbitproof.verify.certificate.stated_system import systems_with
+from orbitproof.verify.certificate.stated_system import named_as, systems_with
 from orbitproof.verify.certificate.tables import derivative_name, tables_from_json
 from orbitproof.verify.evidence import (
     Checklist,
@@ -168,7 +168,8 @@ def _derived(certificate: Entry, stated: _Stated) -> dict[str, Any]:
     if stated.form is not None:
         outcome = for_origin(stated.candidate, outcome, precision)
     computation = certificate["computation"]
-    return make_certificate(stated.candidate, outcome, computation, stated.enclosures, stated.form).to_json()
+    again = make_certificate(stated.candidate, outcome, computation, stated.enclosures, stated.form).to_json()
+    return {**again, "statement": named_as(certificate["statement"], again["statement"])}
 
 
 UNKNOWN = "not known here; checked as the file's own program describes it, its name is a name only"

@@ -7,12 +7,11 @@ read as data. What a system is called is a name: nothing is concluded from it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems import ParameterRange, Program, ReversibleSystem, Variable
+from orbitproof.shared.systems import ParameterRange, Program, ReversibleSystem, program_function
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 
@@ -38,8 +37,21 @@ def systems_with(
         CannotBeCheckedError: if the statement does not describe its system completely.
         ValueError: if what it says cannot be a reversible system.
     """
-    name = str(claim["system"])
+    name = claim["system"]
+    # A description says what the programs say; that both agree is seen when the statement is made again.
+    if not isinstance(name, str):
+        return known
     return known if name in known else {**known, name: _stated(statement, claim, name)}
+
+
+def named_as(stored: Mapping[str, Any], again: Mapping[str, Any]) -> dict[str, Any]:
+    """The statement `again` with its system called by name alone where the stored one, an older file, does that."""
+    result = dict(again)
+    for key in ("candidate", "level_form", "atlas"):
+        system = result.get(key, {}).get("system")
+        if isinstance(system, Mapping) and stored.get(key, {}).get("system") == system["name"]:
+            result[key] = {**result[key], "system": system["name"]}
+    return result
 
 
 def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -> ReversibleSystem:
@@ -70,12 +82,12 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
         title=str(names["system"]),
         state=state,
         parameters=dict.fromkeys(parameters, _ANY),
-        vector_field=_function(field, size),
+        vector_field=program_function(field, size),
         reversing_symmetry=tuple(statement["reversing_symmetry"]),
         section=str(statement["section"]),
         symmetries={} if symmetry is None else {symmetry: tuple(signs or ())},
         family_parameter=free[0] if free else None,
-        first_integral=None if integral is None else _function(integral, size),
+        first_integral=None if integral is None else program_function(integral, size),
         first_integral_name=names.get("first_integral"),
     )
     return _with_level_coordinate(system, statement, claim)
@@ -84,20 +96,6 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
 def _symmetry_of(claim: Mapping[str, Any]) -> str | None:
     name = claim["claim"].get("symmetry") if "claim" in claim else claim.get("symmetry")
     return None if name is None else str(name)
-
-
-def _function(program: Program, size: int) -> Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]:
-    """The program as plain arithmetic on (state, parameters), as `ReversibleSystem` takes it."""
-
-    def function(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-        if len(state) != size:
-            raise ValueError(f"the program takes {size} state coordinates")
-        arguments = [*state, *parameters]
-        recorder = next((each.recorder for each in arguments if isinstance(each, Variable)), None)
-        # A constant is recorded as such, so that arithmetic with constants alone is an operation like any other.
-        return program.evaluate(arguments, Fraction if recorder is None else recorder.lift, pow)
-
-    return function
 
 
 def _with_level_coordinate(

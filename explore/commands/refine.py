@@ -1,0 +1,89 @@
+"""``orbitproof explore refine``: from an approximate bifurcation point to a candidate with its box."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from orbitproof.explore.commands import common
+from orbitproof.explore.names import given_parameters, label_of, place_of, system_named
+from orbitproof.shared.formats import KINDS, InputError, check_writable, read_candidates, write_candidates
+
+_EXAMPLES = """\
+examples:
+  orbitproof explore refine --system mine.py -k 3 --point c=0.27634 y=0.52554 -o candidate.json
+  orbitproof explore refine --system mine.py -k 4 --point c=0.22544 y=0.43305 --append -o candidate.json
+  orbitproof verify candidate.json -o certificate.json
+
+The point has to be good to five digits or so. Exit codes: 0 refined, 1 not, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = common.add_command(
+        commands, "refine", "refine an approximate bifurcation point to a candidate with its box", _EXAMPLES
+    )
+    common.add_system(parser)
+    parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number")
+    parser.add_argument("-k", type=common.multiplicity, required=True, metavar="K", help="multiplicity")
+    parser.add_argument("--kind", choices=KINDS, help="of the bifurcation (default: the generic one of that K)")
+    parser.add_argument(
+        "--symmetry", metavar="NAME", help="for K = 1: the symmetry that breaks (default: the only one)"
+    )
+    parser.add_argument(
+        "--point",
+        nargs="+",
+        required=True,
+        metavar="NAME=VALUE",
+        help="the point on Fix(R): family parameter and coordinates",
+    )
+    parser.add_argument(
+        "--digits", type=common.digits, default=50, metavar="N", help="decimal digits (default: %(default)s)"
+    )
+    parser.add_argument("--id", metavar="NAME", help="of the candidate (default: system and K)")
+    common.add_output(parser, "candidates file")
+    parser.add_argument("--append", action="store_true", help="keep what the output file already holds")
+    common.add_quiet(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Refine and write; returns the exit code. Raises `InputError`."""
+    if options.system is None:
+        raise InputError("--system: missing; give a name or the file of your own system")
+    check_writable(options.output)
+    system = system_named(options.system)
+    parameters = given_parameters(system, options.mass, options.parameter)
+    place = place_of(system, "--point", options.point, complete=True)
+    label = label_of(system, options.mass, options.parameter) or system.name
+    kept = read_candidates(options.output) if options.append and options.output.exists() else []
+    name = options.id or f"{label}-k{options.k}"
+    if any(candidate.id == name for candidate in kept):
+        raise InputError(f"--id {name}: is in {options.output} already; choose another name")
+
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.families import kind_of
+    from orbitproof.explore.refinement import Task, refine_task
+
+    task = Task(
+        id=name,
+        system=system,
+        parameters=parameters,
+        kind=options.kind or kind_of(options.k),
+        k=options.k,
+        symmetry=options.symmetry,
+        guess=tuple(place[each] for each in system.centre_coordinates),
+        digits=options.digits,
+        provenance={"float64_point": list(place.values())},
+    )
+    with Reporter(options.quiet) as report:
+        report.stage(f"refining {name}")
+        result = refine_task(task, report.update)
+        if result.candidate is None:
+            report.error(f"{name}: not refined: {result.failure}")
+            return 1
+        write_candidates(options.output, [*kept, result.candidate])
+        report.message(f"{name} written to {options.output}")
+    return 0

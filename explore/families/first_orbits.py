@@ -1,0 +1,85 @@
+"""A family from an approximate symmetric orbit: the corrected first orbit and its tangent."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from orbitproof.explore.families.continuation import Family, crossings
+from orbitproof.explore.families.named import FamilyFailure
+from orbitproof.explore.families.step_control import StepControl
+from orbitproof.explore.flow import FlowFailure, Vector
+from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem
+from orbitproof.explore.seeds import FirstOrbit
+from orbitproof.shared.systems import ReversibleSystem
+
+LONGEST_TIME = 1e4
+MOST_CROSSINGS = 12
+"""So many crossings of the section are looked at for the half period."""
+
+_AT_START = 1e-6
+_CLOSE = 0.05
+"""Distance from Fix(R), relative to the size of the orbit, at which a crossing is taken for its other point there."""
+
+
+def first_family(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], first: FirstOrbit, control: StepControl
+) -> Family:
+    """The family of one orbit that starts from `first`, in Fix(S) if that lies there. Raises `FamilyFailure`."""
+    problem = ShootingProblem(system, dict(parameters), tolerance=control.tolerance)
+    half_period = first.half_period
+    try:
+        if half_period is None:
+            half_period = _half_period(problem, first.point)
+        unknowns = np.array([*first.point, half_period])
+        direction = None if first.direction is None else np.array([*first.direction, 0.0])
+        for name in system.symmetries:
+            odd = list(problem.odd_unknowns(name))
+            along = direction is None or not np.any(direction[odd])
+            if problem.symmetry is None and odd and not np.any(unknowns[odd]) and along:
+                problem = ShootingProblem(system, problem.parameters, name, tolerance=control.tolerance)
+        if direction is None:
+            # Newton's steps then go the shortest way to the family.
+            direction = problem.tangent(problem.evaluate(unknowns)[1], np.ones(problem.size))
+        correction = problem.correct(unknowns, direction)
+        tangent = problem.tangent(correction.jacobian, direction)
+        states = problem.samples(correction.unknowns)
+    except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
+        raise FamilyFailure(f"no first orbit: {error}; give a point closer to one, and its --half-period") from None
+    orbit = problem.orbit(correction, crossings=crossings(problem, states))
+    return Family(problem, (orbit,), (tangent,), "limit", "started")
+
+
+def _half_period(problem: ShootingProblem, point: tuple[float, ...]) -> float:
+    """The time of the first crossing of the section close to Fix(R), or of the closest of the first ones."""
+    system, unknowns = problem.system, np.array([*point, 1.0])
+    values = problem.parameter_values(unknowns).tolist()
+    section, kernel = system.section_index, list(system.kernel_coordinates)
+
+    def field(time: float, state: Vector) -> list[float]:
+        return [float(value) for value in system.vector_field(state.tolist(), values)]
+
+    def height(time: float, state: Vector) -> float:
+        return float(state[section])
+
+    height.terminal = MOST_CROSSINGS + 1  # type: ignore[attr-defined]
+    initial = problem.initial_state(unknowns)
+    try:
+        solution = solve_ivp(
+            field, (0.0, LONGEST_TIME), initial, method="DOP853", rtol=1e-9, atol=1e-9, events=height, max_step=1.0
+        )
+    except (ArithmeticError, ValueError, TypeError):
+        raise FlowFailure("the orbit of the point cannot be followed") from None
+    found = [
+        (float(time), float(np.linalg.norm(state[kernel])))
+        for time, state in zip(solution.t_events[0], solution.y_events[0], strict=True)
+        if time > _AT_START
+    ]
+    if not found:
+        raise FlowFailure("the orbit of the point does not come back to the section")
+    size = float(np.max(np.abs(solution.y - initial[:, None])))
+    close = (time for time, distance in found if distance <= _CLOSE * size)
+    return next(close, min(found, key=lambda pair: pair[1])[0])

@@ -1,0 +1,107 @@
+"""What a command line says about a system: which one, its parameters, limits by name, where a family starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from math import inf
+from pathlib import Path
+
+from orbitproof.explore.names.exact_numbers import exact_number, mass_parameter
+from orbitproof.explore.names.family_names import FAMILY_NAMES
+from orbitproof.shared.formats import InputError, load_system
+from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+
+
+def system_named(text: str) -> ReversibleSystem:
+    """A system by its name or by its file. Raises `InputError`."""
+    if text in FAMILY_NAMES:
+        return SYSTEMS[text]
+    if Path(text).suffix not in (".py", ".json"):
+        known = ", ".join(FAMILY_NAMES)
+        raise InputError(f"--system {text}: unknown; give one of {known}, or your own system's file (.py or .json)")
+    return load_system(text)
+
+
+def given_parameters(
+    system: ReversibleSystem, mass: str | None, assignments: Sequence[str] | None
+) -> dict[str, Fraction]:
+    """The exact fixed parameters from ``--parameter NAME=VALUE``; ``--mass`` gives that of the CR3BP.
+
+    Raises `InputError`.
+    """
+    texts = dict(_assignment("--parameter", word) for word in assignments or ())
+    wanted = system.fixed_parameters
+    for name in texts:
+        if name not in wanted:
+            known = ", ".join(wanted) or "none"
+            raise InputError(f"--parameter {name}: {system.name} has no such fixed parameter; it has {known}")
+    if mass is not None:
+        if wanted != ("mu",) or "mu" in texts:
+            why = "given by --parameter as well" if "mu" in texts else f"{system.name} has no mass parameter"
+            raise InputError(f"--mass {mass}: {why}; leave it out")
+        return {"mu": mass_parameter("--mass", mass)}
+    result = {}
+    for name in wanted:
+        if name not in texts and name == "mu":
+            raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
+        if name not in texts:
+            raise InputError(f"--parameter: {name} is missing; give --parameter {name}=VALUE")
+        result[name] = exact_number(f"--parameter {name}", texts[name])
+        if not system.parameters[name].contains(result[name]):
+            where = f"--parameter {name}={texts[name]}"
+            raise InputError(f"{where}: outside {system.parameters[name]}; give a value inside")
+    return result
+
+
+def label_of(system: ReversibleSystem, mass: str | None, assignments: Sequence[str] | None) -> str:
+    """What the parameters are called in messages and ids."""
+    return mass or "-".join([system.name, *assignments] if assignments else [])
+
+
+def bounds_of(
+    names: Sequence[str], smallest: Sequence[Sequence[str]] | None, largest: Sequence[Sequence[str]] | None
+) -> dict[str, tuple[float, float]]:
+    """The intervals that ``--parameter-min`` and ``--parameter-max`` give by name. Raises `InputError`."""
+    result: dict[str, tuple[float, float]] = {}
+    for option, pairs, place in (("--parameter-min", smallest, 0), ("--parameter-max", largest, 1)):
+        for name, text in pairs or ():
+            if name not in names:
+                raise InputError(f"{option} {name}: unknown; give one of {', '.join(names)}")
+            ends = list(result.get(name, (-inf, inf)))
+            ends[place] = finite_number(f"{option} {name}", text)
+            if not ends[0] < ends[1]:
+                raise InputError(f"{option} {name} {text}: an empty interval; give --parameter-min the smaller value")
+            result[name] = (ends[0], ends[1])
+    return result
+
+
+def place_of(system: ReversibleSystem, option: str, words: Sequence[str], *, complete: bool) -> Mapping[str, float]:
+    """Centre coordinates by name from words like ``y=0.2``; all of them if `complete`. Raises `InputError`."""
+    names = system.centre_coordinates
+    result: dict[str, float] = {}
+    for word in words:
+        name, text = _assignment(option, word)
+        if name not in names:
+            raise InputError(f"{option} {name}: no coordinate of {system.name} on Fix(R); give {', '.join(names)}")
+        result[name] = finite_number(f"{option} {name}", text)
+    for name in names:
+        if complete and name not in result:
+            raise InputError(f"{option}: {name} is missing; give {' '.join(f'{each}=..' for each in names)}")
+    return result
+
+
+def finite_number(option: str, text: str) -> float:
+    """A number given with an option, as a double. Raises `InputError`."""
+    value = exact_number(option, text)
+    # The largest doubles are below 2^1024.
+    if not abs(value) < 2**1023:
+        raise InputError(f"{option} {text}: too large; give a smaller number")
+    return float(value)
+
+
+def _assignment(option: str, word: str) -> tuple[str, str]:
+    name, sign, text = word.partition("=")
+    if not sign or not name or not text:
+        raise InputError(f"{option} {word}: no assignment; write NAME=VALUE")
+    return name, text

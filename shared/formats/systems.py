@@ -1,0 +1,47 @@
+"""Files of systems: a description as JSON, or the same names defined in a Python file.
+
+A JSON file is data. A Python file is the user's own program: it is run when it is named on a command line.
+"""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from orbitproof.shared.formats.candidates import InputError, read_document
+from orbitproof.shared.systems import KEYS, DescriptionError, ReversibleSystem, described, fault
+
+
+def load_system(path: str | Path) -> ReversibleSystem:
+    """The system that a file describes, its symmetries and first integral tried at sample points.
+
+    Raises `InputError`, one line that names the file, what is wrong and the remedy.
+    """
+    file = Path(path)
+    if file.suffix == ".py":
+        entry = _definitions(file)
+    else:
+        entry = read_document(file, "system")
+        entry = {key: value for key, value in entry.items() if key not in ("format", "version")}
+    try:
+        system = described(entry)
+    except DescriptionError as error:
+        raise InputError(f"{file}: {error}") from None
+    wrong = fault(system)
+    if wrong is not None:
+        raise InputError(f"{file}: {wrong}")
+    return system
+
+
+def _definitions(path: Path) -> Mapping[str, Any]:
+    """What a Python file defines under the names of a description."""
+    if not path.is_file():
+        raise InputError(f"{path}: cannot be read; give the path of a system's file")
+    try:
+        names = runpy.run_path(str(path))
+    except (Exception, SystemExit) as error:
+        line = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InputError(f"{path}: cannot be run: {line}; correct the file") from None
+    return {key: names[key] for key in KEYS if key in names}

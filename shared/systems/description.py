@@ -1,0 +1,298 @@
+"""A system as a description: names, signs and formulas, which a JSON file can hold.
+
+The vector field and the first integral are formulas (`formulas`), straight-line programs as text, as certificates
+carry them, or Python functions, which only a Python file or a notebook can give. The same description is the same
+`ReversibleSystem` object, in every process: a system that went through a pipe comes out as itself.
+"""
+
+from __future__ import annotations
+
+import copyreg
+import json
+import keyword
+import re
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
+from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
+from orbitproof.shared.systems.program import Program, Variable, record
+from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}", re.ASCII)
+_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}", re.ASCII)
+_OPTIONAL = (
+    "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
+    "level_coordinate",
+)  # fmt: skip
+KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
+"""What a description has; the last eight may be missing."""
+
+_INTERNED: dict[str, ReversibleSystem] = {}
+
+
+class DescriptionError(ValueError):
+    """What is wrong with a description, in one line that begins with the key and ends with the remedy."""
+
+
+def describe(system: ReversibleSystem) -> str | dict[str, Any]:
+    """The description of a system as JSON; for one that every installation knows, its name.
+
+    The vector field and the first integral are programs as text.
+    """
+    if BRANCH_SYSTEMS.get(system.name) is system:
+        return system.name
+    if system.derived_parameters or system.normalised:
+        raise DescriptionError("derived_parameters: are not part of a description; give such parameters")
+    entry: dict[str, Any] = {
+        "name": system.name,
+        "title": system.title,
+        "state": list(system.state),
+        "parameters": {
+            name: [None if end is None else str(end) for end in (interval.lower, interval.upper)]
+            for name, interval in system.parameters.items()
+        },
+        "field": system.program.text(),
+        "R": list(system.reversing_symmetry),
+        "symmetries": {name: list(signs) for name, signs in system.symmetries.items()},
+        "section": system.section,
+    }
+    integral = system.first_integral_program
+    optional = {
+        "family_parameter": system.family_parameter,
+        "first_integral": None if integral is None else integral.text(),
+        "first_integral_name": system.first_integral_name,
+        "level_coordinate": system.level_coordinate,
+    }
+    entry |= {key: value for key, value in optional.items() if value is not None}
+    _INTERNED.setdefault(_text(entry), system)
+    return entry
+
+
+def described(entry: str | Mapping[str, Any]) -> ReversibleSystem:
+    """The system that `describe` describes, or that a file does. Raises `DescriptionError`."""
+    if isinstance(entry, str):
+        if entry not in BRANCH_SYSTEMS:
+            raise DescriptionError(f"name: unknown system {entry!r}; known: {', '.join(BRANCH_SYSTEMS)}")
+        return BRANCH_SYSTEMS[entry]
+    try:
+        system = _read(entry)
+    except TypeError as error:
+        raise DescriptionError(f"system: no description ({error}); give the keys {', '.join(KEYS)}") from None
+    known = BRANCH_SYSTEMS.get(system.name)
+    if known is not None:
+        raise DescriptionError(f"name: {system.name!r} is the name of another system; choose your own")
+    written = describe(system)
+    assert isinstance(written, dict)
+    return _INTERNED[_text(written)]
+
+
+def _text(entry: Mapping[str, Any]) -> str:
+    return json.dumps(entry, sort_keys=True)
+
+
+def _reduced(system: ReversibleSystem) -> tuple[Callable[..., ReversibleSystem], tuple[Any]]:
+    return described, (describe(system),)
+
+
+copyreg.pickle(ReversibleSystem, _reduced)
+
+
+def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
+    for key in entry:
+        if key not in KEYS:
+            raise DescriptionError(f"{key}: unknown; there are {', '.join(KEYS)}")
+    for key in KEYS:
+        if key not in _OPTIONAL and key not in entry:
+            raise DescriptionError(f"{key}: missing; give name, state, field, R and section at least")
+    name = entry["name"]
+    if not isinstance(name, str) or _NAME.fullmatch(name) is None:
+        raise DescriptionError(f"name: {name!r} is no name; use letters, digits, - and _, a letter first")
+    for key in ("title", "first_integral_name"):
+        text = entry.get(key)
+        if text is not None and (not isinstance(text, str) or not text.isprintable() or not 0 < len(text) <= 200):
+            raise DescriptionError(f"{key}: {text!r} is no title; give one line of text")
+    state = _names("state", entry["state"])
+    ranges = _ranges(entry.get("parameters", ()))
+    variables = (*state, *ranges)
+    _distinct("parameters", variables)
+    functions = _Functions(state, tuple(ranges), entry.get("where", {}))
+    integral = entry.get("first_integral")
+    try:
+        return ReversibleSystem(
+            name=name,
+            title=entry.get("title") or name,
+            state=state,
+            parameters=ranges,
+            vector_field=functions.function("field", entry["field"], state),
+            reversing_symmetry=_signs("R", entry["R"], state),
+            symmetries={
+                _name("symmetries", key): _signs(f"symmetries.{key}", signs, state)
+                for key, signs in _mapping("symmetries", entry.get("symmetries", {})).items()
+            },
+            section=entry["section"],
+            family_parameter=entry.get("family_parameter"),
+            first_integral=None if integral is None else functions.function("first_integral", integral, None),
+            first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
+            level_coordinate=entry.get("level_coordinate"),
+        )
+    except DescriptionError:
+        raise
+    except (TypeError, ValueError) as error:
+        raise DescriptionError(str(error).removeprefix(f"{name}: ")) from None
+
+
+def _mapping(key: str, value: Any) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise DescriptionError(f"{key}: {value!r} is no table; give a value for each name")
+    return value
+
+
+def _name(key: str, value: Any) -> str:
+    if not isinstance(value, str) or _VARIABLE.fullmatch(value) is None or keyword.iskeyword(value):
+        raise DescriptionError(f"{key}: {value!r} is no name; use letters, digits and _, a letter first")
+    # In the text of a program v0, v1, .. are its lines.
+    if re.fullmatch(r"v[0-9]+", value) or value == "sqrt":
+        raise DescriptionError(f"{key}: {value!r} is taken; choose another name")
+    return value
+
+
+def _distinct(key: str, names: Sequence[str]) -> None:
+    for name in names:
+        if list(names).count(name) > 1:
+            raise DescriptionError(f"{key}: {name!r} appears twice; give each its own name")
+
+
+def _names(key: str, value: Any) -> tuple[str, ...]:
+    if isinstance(value, str):
+        value = value.replace(",", " ").split()
+    if not isinstance(value, (list, tuple)) or not 2 <= len(value) <= 40:
+        raise DescriptionError(f"{key}: {value!r} is no list of names; give the names of the state coordinates")
+    names = tuple(_name(key, item) for item in value)
+    _distinct(key, names)
+    return names
+
+
+def _ranges(value: Any) -> dict[str, ParameterRange]:
+    if isinstance(value, str):
+        value = value.replace(",", " ").split()
+    if not isinstance(value, Mapping):
+        value = dict.fromkeys(value, (None, None))
+    result: dict[str, ParameterRange] = {}
+    for name, ends in value.items():
+        if not isinstance(ends, (list, tuple)) or len(ends) != 2:
+            raise DescriptionError(f"parameters.{name}: {ends!r} is no range; give [smallest, largest], null for none")
+        lower, upper = (None if end is None else _exact(f"parameters.{name}", end) for end in ends)
+        if lower is not None and upper is not None and not lower < upper:
+            raise DescriptionError(f"parameters.{name}: an empty range; give the smaller value first")
+        result[_name("parameters", name)] = ParameterRange(lower, upper)
+    return result
+
+
+def _exact(key: str, value: Any) -> Fraction:
+    try:
+        number = evaluate_formula(str(value), {}) if isinstance(value, (int, str)) else value
+    except FormulaError as error:
+        raise DescriptionError(f"{key}: {error}") from None
+    if not isinstance(number, Fraction):
+        raise DescriptionError(f'{key}: {value!r} is no exact number; write it as text, "1/10" or "0.1"')
+    return number
+
+
+def _signs(key: str, value: Any, state: Sequence[str]) -> tuple[int, ...]:
+    """One sign for each state coordinate, from a list or by name (those not named: 1)."""
+    if isinstance(value, Mapping):
+        for name in value:
+            if name not in state:
+                raise DescriptionError(f"{key}.{name}: no state coordinate; there are {', '.join(state)}")
+        value = [value.get(name, 1) for name in state]
+    if not isinstance(value, (list, tuple)) or len(value) != len(state) or any(sign not in (1, -1) for sign in value):
+        raise DescriptionError(f"{key}: {value!r} is no list of signs; give 1 or -1 for each of {', '.join(state)}")
+    return tuple(int(sign) for sign in value)
+
+
+Arithmetic = Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]
+
+
+class _Functions:
+    """Functions of state and parameters from formulas, programs or Python functions."""
+
+    def __init__(self, state: tuple[str, ...], parameters: tuple[str, ...], where: Any) -> None:
+        self.state = state
+        self.inputs = (*state, *parameters)
+        self.where: dict[str, str] = {}
+        for name, text in _mapping("where", where).items():
+            if _name("where", name) in self.inputs or not isinstance(text, str):
+                raise DescriptionError(f"where.{name}: is a coordinate or no formula; give text under a new name")
+            self.where[name] = text
+
+    def function(self, key: str, value: Any, names: tuple[str, ...] | None) -> Arithmetic:
+        """The function: of as many values as `names`, or of one if that is `None`."""
+        return program_function(self._program(key, value, names), len(self.state))
+
+    def _program(self, key: str, value: Any, names: tuple[str, ...] | None) -> Program:
+        count = 1 if names is None else len(names)
+        if isinstance(value, str) and value.lstrip().startswith("v0 ="):
+            try:
+                program = Program.from_text(value)
+            except ValueError as error:
+                raise DescriptionError(f"{key}: {error}; write a formula for each coordinate") from None
+            if program.inputs != self.inputs or len(program.outputs) != count:
+                raise DescriptionError(f"{key}: needs the inputs {', '.join(self.inputs)} and gives {count} values")
+            return program
+        if names is None and isinstance(value, str):
+            return self._formulas({key: value})
+        if isinstance(value, Mapping) and names is not None:
+            if set(value) != set(names) or not all(isinstance(text, str) for text in value.values()):
+                raise DescriptionError(f"{key}: needs a formula, as text, for each of {', '.join(names)}")
+            return self._formulas({f"{key}.{name}": value[name] for name in names})
+        if not callable(value):
+            raise DescriptionError(f"{key}: {type(value).__name__} is no formula; give text")
+
+        def called(inputs: Sequence[Any]) -> Sequence[Any]:
+            result = value(*inputs)
+            return result if isinstance(result, (list, tuple)) else (result,)
+
+        try:
+            program = record(called, self.inputs)
+        except Exception as error:
+            remedy = f"a function of {', '.join(self.inputs)} in plain arithmetic with exact constants"
+            raise DescriptionError(f"{key}: {type(error).__name__}: {error}; give {remedy}") from None
+        if len(program.outputs) != count:
+            raise DescriptionError(f"{key}: gives {len(program.outputs)} values; give {count}")
+        return program
+
+    def _formulas(self, texts: Mapping[str, str]) -> Program:
+        def values(inputs: Sequence[Any]) -> Sequence[Any]:
+            known: dict[str, Any] = dict(zip(self.inputs, inputs, strict=True))
+            for name, text in self.where.items():
+                known[name] = self._value(f"where.{name}", text, known)
+            return [self._value(key, text, known) for key, text in texts.items()]
+
+        return record(values, self.inputs)
+
+    @staticmethod
+    def _value(key: str, text: str, known: Mapping[str, Any]) -> Any:
+        try:
+            return evaluate_formula(text, known)
+        except FormulaError as error:
+            raise DescriptionError(f"{key}: {error}") from None
+
+
+def program_function(program: Program, size: int) -> Arithmetic:
+    """The program as plain arithmetic on (state, parameters), as `ReversibleSystem` takes it.
+
+    Arguments:
+        size: number of state coordinates, the first inputs.
+    """
+
+    def function(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        if len(state) != size:
+            raise ValueError(f"the program takes {size} state coordinates")
+        arguments = [*state, *parameters]
+        recorder = next((each.recorder for each in arguments if isinstance(each, Variable)), None)
+        # A constant is recorded as such, so that arithmetic with constants alone is an operation like any other.
+        return program.evaluate(arguments, Fraction if recorder is None else recorder.lift, pow)
+
+    return function

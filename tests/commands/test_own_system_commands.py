@@ -1,0 +1,147 @@
+"""From a file of one's own to certificates and back, with the commands alone, and without the file again."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from orbitproof import explore, shared, verify
+from orbitproof.explore.__main__ import main as explore_main
+from orbitproof.explore.records import read_families
+from orbitproof.verify.__main__ import main as verify_main
+from orbitproof.verify.certificate import read_certificates
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
+SMALL = ["--parameter-min", "c", "0.1", "--parameter-max", "c", "0.3", "--quiet"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the candidates and certificates of a short part of Michelson's family, the file removed."""
+    place = tmp_path_factory.mktemp("own")
+    file = place / "michelson.py"
+    shutil.copy(EXAMPLES / "michelson.py", file)
+    start = ["--system", str(file), "--start", "c=0.1", "y=0.2"]
+    output = ["-o", str(place / "candidates.json"), "--family-output", str(place / "family.json")]
+    assert explore_main(["candidates", *start, *SMALL, "-k", "3", "4", "--jobs", "1", *output]) == 0
+    file.unlink()
+    certificates = ["-o", str(place / "certificates.json"), "--jobs", "1", "--quiet"]
+    assert verify_main([str(place / "candidates.json"), *certificates]) == 0
+    return place
+
+
+def test_all_is_proved_and_the_points_are_the_known_ones(folder: Path) -> None:
+    found = read_certificates(folder / "certificates.json")
+    values = {entry.k: float(entry.parameter.mid()) for entry in found.values() if entry.parameter is not None}
+    assert all(entry.proved for entry in found.values())
+    assert values == pytest.approx({4: 0.22544048261393621, 3: 0.27634323081200158}, abs=1e-15)
+
+
+@pytest.mark.parametrize("integrate", [False, True])
+def test_a_certificate_is_checked_again_without_the_file(folder: Path, integrate: bool) -> None:
+    for check in verify.recheck(verify.read(folder / "certificates.json"), integrate=integrate, quiet=True):
+        assert check.stands, check.findings
+
+
+def test_another_program_than_the_described_one_does_not_stand(folder: Path) -> None:
+    document = json.loads((folder / "certificates.json").read_text("utf-8"))
+    for entry in document["certificates"]:
+        system = entry["statement"]["candidate"]["system"]
+        assert system["name"] == "michelson"
+        system["field"] = system["field"].replace("v7 = 2", "v7 = 3")
+        entry.pop("digest")
+    changed = folder / "changed.json"
+    changed.write_text(json.dumps(document), "utf-8")
+    for check in verify.recheck(verify.read(changed), quiet=True):
+        assert not check.stands
+
+
+def test_a_changed_file_is_a_changed_claim(folder: Path, tmp_path: Path) -> None:
+    document = json.loads((folder / "candidates.json").read_text("utf-8"))
+    for entry in document["candidates"]:
+        entry["system"]["field"] = entry["system"]["field"].replace("v7 = 2", "v7 = 3")
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps(document), "utf-8")
+    certificates = tmp_path / "certificates.json"
+    shutil.copy(folder / "certificates.json", certificates)
+    # What was proved of the old system is not taken for a proof of the new one.
+    assert verify_main([str(other), "-o", str(certificates), "--jobs", "1", "--quiet"]) == 1
+    assert not any(entry.proved for entry in read_certificates(certificates).values())
+
+
+def test_a_family_file_goes_on_without_the_file_of_the_system(folder: Path) -> None:
+    (family,) = read_families(folder / "family.json")
+    assert family.system.name == "michelson"
+    longer = folder / "longer.json"
+    more = ["--parameter-max", "c", "0.4", "--quiet", "-o", str(longer)]
+    assert explore_main(["family", "--from-family", str(folder / "family.json"), *more]) == 0
+    (again,) = read_families(longer)
+    assert again.system is family.system
+    assert len(again.orbits) > len(family.orbits)
+
+
+def test_a_family_that_goes_back_over_its_own_orbits_ends_there(tmp_path: Path) -> None:
+    file, output = EXAMPLES / "michelson.py", tmp_path / "family.json"
+    command = ["family", "--system", str(file), "--start", "c=0.1", "y=0.2", "--parameter-min", "c", "0.01", "--quiet"]
+    assert explore_main([*command, "-o", str(output)]) == 0
+    (family,) = read_families(output)
+    assert "goes back over its own orbits" in family.reason
+    # The largest value of c on the family, by Michelson's paper 1.2662.
+    assert max(orbit.point[0] for orbit in family.orbits) == pytest.approx(1.2662, abs=2e-3)
+    assert explore_main(["family", "--from-family", str(output), "--quiet", "-o", str(tmp_path / "more.json")]) == 0
+    (more,) = read_families(tmp_path / "more.json")
+    assert len(more.orbits) == len(family.orbits)
+
+
+def test_one_orbit_and_one_point_have_a_door_each(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    system = ["--system", str(EXAMPLES / "michelson.py")]
+    orbit, point = tmp_path / "orbit.json", tmp_path / "point.json"
+    assert explore_main(["orbit", *system, "--start", "c=0.1", "y=0.2", "-o", str(orbit)]) == 0
+    assert "half period" in capsys.readouterr().out
+    assert len(read_families(orbit)[0].orbits) == 1
+    refine = ["refine", *system, "-k", "3", "--quiet", "-o", str(point)]
+    assert explore_main([*refine, "--point", "c=0.27634", "y=0.52554"]) == 0
+    (candidate,) = shared.read_candidates(point)
+    assert float(candidate.centre[0]) == pytest.approx(0.27634323081200158, abs=1e-15)
+    assert explore_main([*refine, "--point", "c=0.25", "y=0.5"]) == 1
+
+
+def test_the_families_of_an_equilibrium_are_found_by_their_frequencies(tmp_path: Path) -> None:
+    output = tmp_path / "family.json"
+    start = ["--system", "cr3bp", "--mass", "earth-moon", "--start", "equilibrium", "x=0.8"]
+    assert explore_main(["family", *start, "--max-orbits", "4", "--quiet", "--jobs", "1", "-o", str(output)]) == 0
+    planar, vertical = read_families(output)
+    assert planar.symmetry == "S"
+    assert vertical.symmetry is None
+    known = explore.trace(shared.CR3BP, "L1-lyapunov", mu=shared.EARTH_MOON, max_orbits=2, quiet=True)
+    assert planar.orbits[0].half_period == pytest.approx(known[0].period / 2, rel=1e-5)
+    assert vertical.orbits[0].crossings == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--start", "c=0.1"], "--start: y is missing"),
+        (["--start", "c=0.1", "y"], "no assignment"),
+        (["--start", "c=0.1", "y=two"], "no number"),
+        (["--start", "c=0.1", "w=2"], "no coordinate of michelson"),
+        (["--start", "equilibrium", "c=0.1"], "no first integral"),
+        ([], "--start: missing"),
+        (["--start", "c=0.1", "y=0.2", "--parameter", "a=1"], "no such fixed parameter"),
+        (["--start", "c=0.1", "y=0.2", "--parameter-min", "a", "1"], "--parameter-min a: unknown"),
+        (["--start", "c=0.1", "y=0.2", "--z-max", "1"], "no such coordinate"),
+        (["--start", "c=0.1", "y=0.2", "--mass", "0.1"], "no mass parameter"),
+        (["--start", "c=0.1", "y=0.2", "-k", "1"], "no symmetry"),
+    ],
+)
+def test_a_wrong_start_is_one_line(
+    words: list[str], line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["family", "--system", str(EXAMPLES / "michelson.py"), *words, "-o", str(tmp_path / "never.json")]
+    assert explore_main(command) == 2
+    error = capsys.readouterr().err
+    assert line in error
+    assert error.count("\n") == 1

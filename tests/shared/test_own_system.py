@@ -1,0 +1,173 @@
+"""A system is a file of the user: read as data, refused with one line that names what is wrong."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from contextlib import suppress
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from orbitproof.shared import CR3BP, SYSTEMS, InputError, ReversibleSystem, load_system
+from orbitproof.shared.systems import (
+    AROUND,
+    DescriptionError,
+    FormulaError,
+    describe,
+    described,
+    evaluate_formula,
+    fault,
+)
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
+
+MICHELSON: dict[str, Any] = {
+    "name": "michelson-test",
+    "state": ["x", "y", "z"],
+    "parameters": {"c": [None, "3/2"]},
+    "field": {"x": "y", "y": "z", "z": "c**2 - y - x**2/2"},
+    "R": [-1, 1, -1],
+    "section": "x",
+    "family_parameter": "c",
+}
+HENON: dict[str, Any] = {
+    "name": "henon-test",
+    "state": "x y vx vy",
+    "field": {"x": "vx", "y": "vy", "vx": "-x - 2*x*y", "vy": "-y - x**2 + y**2"},
+    "R": {"x": -1, "vy": -1},
+    "section": "x",
+    "symmetries": {"S": {"x": -1, "vx": -1}},
+    "where": {"square": "x**2 + y**2"},
+    "first_integral": "(vx**2 + vy**2 + square)/2 + x**2*y - y**3/3",
+}
+
+
+def changed(entry: dict[str, Any], **more: Any) -> dict[str, Any]:
+    return {**entry, **more}
+
+
+def write(path: Path, entry: dict[str, Any]) -> Path:
+    path.write_text(json.dumps({"format": "orbitproof-system", "version": 1, **entry}), "utf-8")
+    return path
+
+
+def test_a_json_file_and_a_python_file_of_the_same_formulas_are_the_same_system(tmp_path: Path) -> None:
+    text = "\n".join(f"{key} = {value!r}" for key, value in MICHELSON.items())
+    source = tmp_path / "own.py"
+    source.write_text(text, "utf-8")
+    assert load_system(source) is load_system(write(tmp_path / "own.json", MICHELSON))
+
+
+def test_a_python_function_and_a_formula_give_the_same_values() -> None:
+    def field(x: Any, y: Any, z: Any, c: Any) -> Any:
+        return y, z, c**2 - y - x**2 / 2
+
+    one, other = described(MICHELSON), described(changed(MICHELSON, name="by-function", field=field))
+    assert one.vector_field([1.5, 2.0, 3.0], [0.5]) == other.vector_field([1.5, 2.0, 3.0], [0.5])
+    assert list(one.vector_field([1.5, 2.0, 3.0], [0.5])) == [2.0, 3.0, 0.25 - 2.0 - 1.125]
+
+
+@pytest.mark.parametrize("entry", [MICHELSON, HENON], ids=["michelson", "henon-heiles"])
+def test_a_system_that_goes_through_a_pipe_or_a_file_comes_out_as_itself(entry: dict[str, Any]) -> None:
+    system = described(entry)
+    assert fault(system) is None
+    assert pickle.loads(pickle.dumps(system)) is system
+    assert described(json.loads(json.dumps(describe(system)))) is system
+
+
+def test_a_known_system_goes_through_a_pipe_by_name() -> None:
+    for system in (*SYSTEMS.values(), *AROUND.values()):
+        assert describe(system) == system.name
+        assert pickle.loads(pickle.dumps(system)) is system
+    assert isinstance(describe(ReversibleSystem(**{**vars_of(CR3BP), "title": "another"})), dict)
+
+
+def vars_of(system: ReversibleSystem) -> dict[str, Any]:
+    return {name: getattr(system, name) for name in system.__dataclass_fields__}
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        (changed(MICHELSON, field={"x": "y", "y": "z", "z": "c - x"}), ("field.z", "f(R x) = -R f(x)")),
+        (changed(MICHELSON, field={"x": "y", "y": "z + y", "z": "c - y"}), ("field.y", "not reversible under R")),
+        (changed(HENON, symmetries={"S": [1, -1, 1, -1]}), ("field.vx", "does not commute with S")),
+        (changed(HENON, R=[1, -1, -1, 1], section="y", symmetries={}), ("field.v", "not reversible under R")),
+        (changed(MICHELSON, R=[-1, -1, -1]), ("Fix(R) has the wrong dimension",)),
+        (changed(HENON, R=[-1, 1, 1, 1]), ("Fix(R) has the wrong dimension",)),
+        (changed(HENON, first_integral="(vx**2 + vy**2 + square)/2 + x**2*y"), ("first_integral", "not conserved")),
+        (changed(HENON, first_integral="vx*vy"), ("first_integral", "R changes it")),
+        (changed(MICHELSON, section="w"), ("section", "'w'")),
+        (changed(MICHELSON, section="y"), ("R must negate the section",)),
+        (changed(MICHELSON, family_parameter="d"), ("unknown family parameter 'd'",)),
+        (changed(MICHELSON, field={"x": "y", "y": "z"}), ("field", "x, y, z")),
+        (changed(MICHELSON, field={"x": "y", "y": "z", "z": "sin(x)"}), ("field.z", "'sin(x)' is not allowed")),
+        (changed(MICHELSON, field={"x": "y", "y": "z", "z": "q"}), ("field.z", "'q'", "unknown")),
+        (changed(MICHELSON, field={"x": "y", "y": "z", "z": "x^2"}), ("field.z", "'x^2' is not allowed")),
+        (changed(MICHELSON, field={"x": "y", "y": "z", "z": "(x"}), ("field.z", "no formula")),
+        (changed(MICHELSON, name="cr3bp"), ("name", "another system")),
+        (changed(MICHELSON, name="a b"), ("name",)),
+        (changed(MICHELSON, state=["x", "y", "y"]), ("state", "twice")),
+        (changed(MICHELSON, parameters=["x"]), ("parameters", "twice")),
+        (changed(MICHELSON, parameters={"c": ["2", "1"]}), ("parameters.c", "empty range")),
+        (changed(MICHELSON, R={"u": -1}), ("R.u",)),
+        (changed(MICHELSON, colour="red"), ("colour",)),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_named_in_one_line(entry: dict[str, Any], words: tuple[str, ...], tmp_path: Path) -> None:
+    path = write(tmp_path / "wrong.json", entry)
+    with pytest.raises(InputError) as error:
+        load_system(path)
+    line = str(error.value)
+    assert line.startswith(str(path))
+    assert "\n" not in line
+    for word in words:
+        assert word in line
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "__import__('os').system('true')", "x.real", "[x][0]", "lambda: x", "(x := 2)", "x if x else y", "'a'", "1j",
+        "f'{x}'", "x @ y", "x // 2", "x % 2", "-x < 2", "not x", "x**y", "2**(1/2)", "x**1000", "9**99999", "1e99999",
+        "((10**90)**90)**90", "1/0", "sqrt(x, y)", "sqrt", "*x", "x; y", "", "\0", "(" * 5000 + "x" + ")" * 5000,
+        "x" * 30_000, "abs(x)", "open('a')", "x" + "+x" * 9000, "--" * 9000 + "x",
+    ],
+)  # fmt: skip
+def test_what_is_no_formula_is_refused_and_never_run(text: str) -> None:
+    with pytest.raises(FormulaError):
+        evaluate_formula(text, {"x": 1.0, "y": 2.0})
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("0.1", Fraction(1, 10)), ("1/3", Fraction(1, 3)), ("-2**2", Fraction(-4)), ("2e-3", Fraction(1, 500))],
+)  # fmt: skip
+def test_numbers_of_a_formula_are_exact(text: str, value: Fraction) -> None:
+    assert evaluate_formula(text, {}) == value
+
+
+def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    broken = tmp_path / "broken.py"
+    broken.write_text("raise RuntimeError('no')", "utf-8")
+    for path in (tmp_path / "absent.py", tmp_path / "absent.json", broken):
+        with pytest.raises(InputError, match=path.name):
+            load_system(path)
+
+
+@pytest.mark.parametrize("value", [5, [1], {"a": {}}, None, True, {"name": []}])
+def test_what_is_no_description_is_refused(value: Any) -> None:
+    for key in (*MICHELSON, "where", "symmetries", "first_integral", "level_coordinate", "title"):
+        if key == "level_coordinate" and value is None:
+            continue
+        with suppress(DescriptionError):
+            assert described(changed(MICHELSON, **{key: value})).state == ("x", "y", "z")
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_the_examples_are_short_and_hold(path: Path) -> None:
+    assert len(path.read_text("utf-8").splitlines()) <= 30
+    assert load_system(path).name == path.stem
