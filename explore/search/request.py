@@ -25,7 +25,7 @@ from orbitproof.explore.names import (
 )
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.formats import InputError, check_writable
-from orbitproof.shared.systems import CR3BP, SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import SYSTEMS, THREE_BODY, ReversibleSystem
 
 LARGEST_TURNING = 1.0
 TOLERANCES = (1e-14, 1e-6)
@@ -127,7 +127,7 @@ def check(options: argparse.Namespace) -> Request:
         for option, name, value in (("--z-max", "z", options.z_max), ("--vy-max", "vy", options.vy_max)):
             if value is not None and name not in system.centre_coordinates:
                 raise InputError(f"{option}: {system.name} has no such coordinate on Fix(R); leave it out")
-    if system is not None and system is not CR3BP:
+    if system is not None and system not in THREE_BODY:
         for name in ("csv", "catalogue"):
             if getattr(options, name, None) is not None:
                 raise InputError(f"--{name}: the catalogue's columns are those of the CR3BP; leave it out")

@@ -41,8 +41,8 @@ def statement(
     listed = [point for point in found.points if point.k]
     lines = [
         f"Let Sigma(u) be the stability matrix of the orbit of u on the section, {_held(atlas)}: its eigenvalues are "
-        f"the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} the points with an eigenvalue "
-        f"cos(2 pi j/k), k at most {found.order}, are exactly "
+        f"the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} the points with an "
+        f"eigenvalue cos(2 pi j/k), k at most {found.order}, are exactly "
         f"{'these, in order along the curve:' if listed else 'none.'}",
     ]
     lines += [f"- {_point(atlas, point)}" for point in listed]
