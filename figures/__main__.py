@@ -13,7 +13,7 @@ from typing import NoReturn
 from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import data as data_command
-from orbitproof.figures.style import check_folder
+from orbitproof.figures.style import add_file_options, check_folder, saved_as
 from orbitproof.shared.formats import InputError, read_candidates, write_text
 from orbitproof.shared.interrupts import run_command
 
@@ -82,6 +82,7 @@ def argument_parser() -> argparse.ArgumentParser:
     family.add_argument("--family", type=Path, nargs="+", default=[], metavar="FILE", help="traced families (JSON)")
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     family.add_argument("--quiet", action="store_true", help="no messages on standard error")
+    add_file_options(family)
     resonances = commands.add_parser(
         "resonances",
         help="stability along families, finely sampled, as picture and CSV",
@@ -95,6 +96,7 @@ def argument_parser() -> argparse.ArgumentParser:
     resonances.add_argument("--certificates", type=Path, metavar="FILE", help="certificates of these candidates")
     resonances.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder to write into")
     resonances.add_argument("--quiet", action="store_true", help="no messages on standard error")
+    add_file_options(resonances)
     tables = commands.add_parser(
         "tables", help="the certified rows beside the published ones", epilog=_TABLES_EXAMPLES, formatter_class=raw
     )
@@ -131,12 +133,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     arguments = argument_parser().parse_args(argv)
     try:
-        if hasattr(arguments, "run"):
-            return int(arguments.run(arguments))
-        if arguments.command == "tables":
-            return tabulate(arguments)
-        for path in draw_stability(arguments) if arguments.command == "resonances" else draw(arguments):
-            print(path)
+        with saved_as(arguments):
+            if hasattr(arguments, "run"):
+                return int(arguments.run(arguments))
+            if arguments.command == "tables":
+                return tabulate(arguments)
+            for path in draw_stability(arguments) if arguments.command == "resonances" else draw(arguments):
+                print(path)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.style import check_folder
+from orbitproof.figures.style import add_file_options, check_folder
 from orbitproof.shared.formats import InputError
 
 _EXAMPLES = """\
@@ -37,6 +37,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--only", nargs="+", metavar="NAME", help="these pictures (default: all)")
     parser.add_argument("--list", action="store_true", help="list the pictures and the data they need, draw nothing")
     parser.add_argument("--quiet", action="store_true", help="no messages on standard error but what is not drawn")
+    add_file_options(parser)
     parser.set_defaults(run=run)
 
 

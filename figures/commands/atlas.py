@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.style import check_folder, file_name
+from orbitproof.figures.style import add_file_options, check_folder, file_name
 from orbitproof.shared.formats import InputError
 
 _EXAMPLES = """\
@@ -32,6 +32,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("certificates", type=Path, nargs="+", help="certificates of atlases (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
+    add_file_options(parser)
     parser.set_defaults(run=run)
 
 

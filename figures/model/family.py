@@ -60,13 +60,37 @@ class SampledFamily:
         roots = np.array([np.roots(row) for row in self.coefficients])
         return np.sort(np.where(roots.imag == 0, roots.real, np.nan), axis=1)
 
+    @cached_property
+    def complex_stability(self) -> Array:
+        """Real parts of the complex stability parameters, shape (N, n), NaN where they are real.
+
+        Where they become complex the row of the last real ones stands too, so that a curve of them starts there.
+        """
+        roots = np.array([np.sort_complex(np.roots(row)) for row in self.coefficients])
+        pairs = roots.imag != 0
+        beside = pairs.copy()
+        beside[1:] |= pairs[:-1]
+        beside[:-1] |= pairs[1:]
+        # A pair has one real part: next to a pair its two parameters are taken together as well.
+        middle = roots.real.copy()
+        for row, (own, near) in enumerate(zip(pairs, beside, strict=True)):
+            if near.any() and not own.any() and near.sum() > 1:
+                middle[row, near] = roots.real[row, near].mean()
+        return np.where(beside, middle, np.nan)
+
     def refined(self, parts: int = 12) -> SampledFamily:
-        """The same family with each interval of arclength cut into `parts`, by cubic interpolation."""
+        """The same family with each interval of arclength cut into `parts`, by cubic interpolation.
+
+        Finer where two stability parameters meet and become complex: there they change like a square root.
+        """
         nodes = self.arclength
         fractions = np.arange(parts) / parts
         dense = np.append((nodes[:-1, None] + np.diff(nodes)[:, None] * fractions).ravel(), nodes[-1])
-        names = ("points", "second_points", "periods", "levels", "coefficients")
         # The coefficients, unlike the stability parameters, are smooth also where two parameters meet.
+        signs = np.sign(_discriminants(interpolate(nodes, self.coefficients, dense)))
+        near = [self._around_meeting(dense[i], dense[i + 1]) for i in np.flatnonzero(signs[:-1] * signs[1:] < 0)]
+        dense = np.unique(np.concatenate([dense, *near]))
+        names = ("points", "second_points", "periods", "levels", "coefficients")
         return replace(
             self, arclength=dense, **{name: interpolate(nodes, getattr(self, name), dense) for name in names}
         )
@@ -94,6 +118,29 @@ class SampledFamily:
         """Stability parameters, shape (n,), interpolated linearly at an arclength."""
         columns = self.stability.T
         return np.array([np.interp(arclength, self.arclength, column) for column in columns])
+
+    def _around_meeting(self, low: float, high: float) -> Array:
+        """Places between two arclengths, ever closer to the one between them where two stability parameters meet."""
+
+        def sign(place: float) -> float:
+            return float(_discriminants(interpolate(self.arclength, self.coefficients, np.array([place])))[0])
+
+        left, right, start = low, high, sign(low)
+        for _ in range(40):
+            middle = 0.5 * (left + right)
+            left, right = (middle, right) if sign(middle) * start > 0 else (left, middle)
+        steps = 4.0 ** -np.arange(1, 12)
+        return np.concatenate([left - (left - low) * steps, right + (high - right) * steps])
+
+
+def _discriminants(coefficients: Array) -> Array:
+    """Of N polynomials, shape (N, n + 1): positive where all roots of a quadratic are real; ones for linear ones."""
+    roots = np.array([np.roots(row) for row in coefficients])
+    result = np.ones(len(roots), dtype=complex)
+    for i in range(roots.shape[1]):
+        for j in range(i):
+            result *= (roots[:, i] - roots[:, j]) ** 2
+    return result.real
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -33,9 +34,13 @@ from orbitproof.figures.style import (
     legend_below,
     level_label,
     marker_of,
+    primary_handle,
     resonances,
     set_box,
+    show_around,
+    show_primaries,
 )
+from orbitproof.shared.systems import THREE_BODY
 
 _ORBITS_SHOWN = 6
 _WIDTH = 7.2
@@ -58,14 +63,13 @@ def draw_family(family: SampledFamily, marks: Sequence[MarkedPoint]) -> Figure:
 def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 6.0))
     grid = figure.add_gridspec(
-        2, 2, left=0.085, right=0.945, top=0.955, bottom=_bottom(figure, placements), wspace=0.26, hspace=0.3
+        2, 2, left=0.085, right=0.945, top=0.955, bottom=_bottom(figure, placements, _CURVES), wspace=0.26, hspace=0.3
     )
-    fixed = figure.add_subplot(grid[0, 0])
-    level = figure.add_subplot(grid[0, 1])
+    fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     stability = figure.add_subplot(grid[1, 1], sharex=level)
     # A 3D axes draws its box well inside its rectangle, so the rectangle reaches beyond the grid cell.
     orbits = figure.add_axes(
-        (0.01, _bottom(figure, placements) - 0.013, 0.47, 0.4), projection="3d", computed_zorder=False
+        (0.02, _bottom(figure, placements, _CURVES) - 0.02, 0.44, 0.4), projection="3d", computed_zorder=False
     )
     _fixed_plane(fixed, family, placements)
     _orbits_in_space(orbits, family, placements)
@@ -77,12 +81,12 @@ def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Fi
     stability.set_xlabel("arclength along the family  (nondimensional)")
     level.tick_params(labelbottom=False)
     _title(fixed, "a", "where the orbits meet Fix($R$)")
-    _title(level, "c", family.system.first_integral_name or "first integral")
+    _title(level, "b", family.system.first_integral_name or "first integral")
     _title(stability, "d", "stability parameters and resonances")
     size = float(stability.title.get_fontsize())
     top = stability.get_position().y1 + size * 0.6 / (72 * figure.get_figheight())
-    figure.text(0.085, top, "(b)  orbits of the family", fontsize=size, color=INK)
-    _legend(figure, placements)
+    figure.text(0.085, top, "(c)  orbits  (unit: distance of the primaries)", fontsize=size, color=INK)
+    _legend(figure, placements, _CURVES)
     return figure
 
 
@@ -141,12 +145,12 @@ def _title(axes: Axes, letter: str, text: str) -> None:
     axes.set_title(f"({letter})  {text}", color=INK)
 
 
-def _legend(figure: Figure, placements: Sequence[Placement]) -> None:
-    legend_below(figure, *_claims(placements))
+def _legend(figure: Figure, placements: Sequence[Placement], curves: Sequence[Line2D] = ()) -> None:
+    legend_below(figure, *_claims(placements), curves)
 
 
-def _bottom(figure: Figure, placements: Sequence[Placement]) -> float:
-    return bottom_margin(figure.get_figheight(), *_claims(placements))
+def _bottom(figure: Figure, placements: Sequence[Placement], curves: Sequence[Line2D] = ()) -> float:
+    return bottom_margin(figure.get_figheight(), *_claims(placements), curves)
 
 
 def _claims(placements: Sequence[Placement]) -> tuple[set[tuple[int, str]], list[bool]]:
@@ -160,9 +164,70 @@ def _fixed_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placeme
     for placement in placements:
         draw_mark(axes, placement.mark.point[:2], placement.mark)
     axes.margins(0.07)
+    axes.xaxis.set_major_locator(MaxNLocator(6))
     axes.set_xlabel(label_of(names[0]))
     axes.set_ylabel(label_of(names[1]))
-    _curve_key(axes)
+    _magnify(axes, family, placements)
+
+
+def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:
+    """Insets around the points that hide one another most, in the emptiest places of the axes."""
+    if not placements:
+        return
+    curves = np.concatenate([family.points[:, :2], family.second_points[:, :2]])
+    places = np.array([placement.mark.point[:2] for placement in placements])
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    axes.set_xlim(left, right)
+    axes.set_ylim(low, high)
+    size = np.array([right - left, high - low])
+    origin = np.array([left, low])
+    crowds = [members for members in _crowds(places / size) if len(members) > 1]
+    crowds.sort(key=lambda members: float(np.ptp(places[members] / size, axis=0).max()))
+    taken = (np.concatenate([curves, np.repeat(places, 40, axis=0)]) - origin) / size
+    for members in crowds[:_INSETS]:
+        centre = (places[members].mean(axis=0) - origin) / size
+        corner = min(_CORNERS, key=lambda c: (_inside(taken, c), float(np.linalg.norm(c + 0.5 * _INSET - centre))))
+        inset = axes.inset_axes((*corner, *_INSET))
+        taken = np.concatenate([taken, corner + _GRID * _INSET])
+        inset.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
+        inset.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
+        for index in members:
+            draw_mark(inset, places[index], placements[index].mark)
+        show_around(axes, inset, _with_extent(places[members], size), margin=0.35, ticks=(1, 2))
+        low_x, high_x = inset.get_xlim()
+        # Labels this small stand beside one another only where every second one is left out.
+        inset.set_xticks([tick for tick in inset.get_xticks() if low_x <= tick <= high_x][::2])
+
+
+_INSET = np.array([0.25, 0.24])
+_INSETS = 2
+_GRID = np.stack(np.meshgrid(np.linspace(0, 1, 40), np.linspace(0, 1, 40)), axis=-1).reshape(-1, 2)
+_CORNERS = [(x, y) for x in np.linspace(0.12, 0.73, 10) for y in np.linspace(0.1, 0.74, 9)]
+_HIDDEN = 0.03
+"""Markers closer than this part of the axes hide one another."""
+
+
+def _crowds(places: Array) -> list[list[int]]:
+    """Groups of points that hang together by distances below `_HIDDEN`, places in parts of the axes."""
+    groups: list[list[int]] = []
+    for index in range(len(places)):
+        near = [group for group in groups if np.linalg.norm(places[group] - places[index], axis=1).min() < _HIDDEN]
+        groups = [group for group in groups if group not in near] + [[*chain(*near), index]]
+    return groups
+
+
+def _inside(points: Array, corner: tuple[float, float]) -> int:
+    """How many points an inset at a corner would hide, its tick labels included."""
+    low, high = np.array(corner) - (0.14, 0.1), np.array(corner) + _INSET + (0.02, 0.03)
+    return int(np.count_nonzero(np.all((points > low) & (points < high), axis=1)))
+
+
+def _with_extent(points: Array, size: Array) -> Array:
+    """The points, and two more where they span next to nothing in one direction."""
+    extent = np.ptp(points, axis=0)
+    half = 0.5 * np.maximum(extent, 0.4 * float((extent / size).max()) * size)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    return np.vstack([points, middle - half, middle + half])
 
 
 def _fixed_line(axes: Axes, family: SampledFamily, placements: Sequence[Placement], second: bool) -> None:
@@ -195,15 +260,17 @@ def _parameter_scale(axes: Axes, values: Array) -> None:
         axes.xaxis.set_major_locator(MaxNLocator(4))
 
 
-def _curve_key(axes: Axes) -> None:
-    handles = [
-        Line2D([], [], color=CURVE, label="starting point"),
-        Line2D([], [], color=SECOND_CURVE, label="half a period later"),
-    ]
-    axes.legend(handles=handles, loc="best", handlelength=1.8)
+_CURVES = (
+    Line2D([], [], color=CURVE, label="starting point"),
+    Line2D([], [], color=SECOND_CURVE, label="half a period later"),
+    Line2D([], [], color=SECOND_CURVE, linestyle="dotted", label="real part of a complex pair"),
+    primary_handle(),
+)
 
 
 def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Placement], abscissa: Array) -> None:
+    for column in family.complex_stability.T:
+        axes.plot(abscissa, column, color=SECOND_CURVE, linestyle="dotted")
     for column in family.stability.T:
         axes.plot(abscissa, column, color=CURVE)
     axes.set_ylim(-_STABILITY_SHOWN, _STABILITY_SHOWN)
@@ -231,7 +298,9 @@ def _orbits_in_space(axes: Any, family: SampledFamily, placements: Sequence[Plac
             drawn.append(_orbit(axes, family, point, 3, **style))
         draw_mark(axes, state_on_fixed_set(family.system, list(point))[:3], placement.mark)
     low, high = bounds_of([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
-    set_box(axes, family.system, low, high)
+    if family.system in THREE_BODY:
+        low, high = show_primaries(axes, float(family.parameters["mu"]), low, high)
+    set_box(axes, family.system, low, high, zoom=0.92)
 
 
 def _orbits_in_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:

@@ -173,12 +173,12 @@ def _shifted(item: Place, origin: float) -> Place:
 
 def _steps(axes: Axes, curve: SampledStability, letter: str) -> None:
     changes = curve.changes(BAND)
-    middles = 0.5 * (curve.family.arclength[1:] + curve.family.arclength[:-1])
-    shown = changes > 0
-    axes.plot(middles[shown], changes[shown], linestyle="none", marker=".", markersize=1.5, color=CURVE)
+    shown = np.flatnonzero(changes > 0)
+    # Against their number: in arclength the samples crowd where the parameters change fast.
+    axes.plot(shown + 1, changes[shown], linestyle="none", marker=".", markersize=1.5, color=CURVE)
     axes.set_yscale("log")
     axes.set_ylim(1e-5, 0.1)
     axes.xaxis.set_major_locator(MaxNLocator(4))
-    axes.set_xlabel("arclength")
+    axes.set_xlabel("sample, along the family")
     axes.set_ylabel("change between samples")
     axes.set_title(f"({letter})  how fine: {len(curve.family.arclength)} samples", color=INK)

@@ -1,7 +1,12 @@
+from .files import add_file_options as add_file_options
+from .files import save as save
+from .files import saved_as as saved_as
 from .folder import check_folder as check_folder
 from .folder import file_name as file_name
 from .space import bounds_of as bounds_of
+from .space import primary_handle as primary_handle
 from .space import set_box as set_box
+from .space import show_primaries as show_primaries
 from .style import CURVE as CURVE
 from .style import INK as INK
 from .style import SECOND_CURVE as SECOND_CURVE
@@ -18,7 +23,6 @@ from .style import legend_row as legend_row
 from .style import level_label as level_label
 from .style import marker_of as marker_of
 from .style import resonances as resonances
-from .style import save as save
 from .style import show_around as show_around
 from .style import use_style as use_style
 from .style import verdict_handles as verdict_handles

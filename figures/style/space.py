@@ -5,13 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.figures.model import Array
-from orbitproof.figures.style.style import label_of
+from orbitproof.figures.style.style import INK, label_of
 from orbitproof.shared.systems import ReversibleSystem
 
-_MOST_TICKS = 5
+_MOST_TICKS = 4
+_NEAR = 0.25
+"""A primary is shown if it is at most this part of the box's extent outside the box."""
 
 
 def set_box(
@@ -42,9 +45,30 @@ def set_box(
         if not ticks:
             axis.set_ticks([])
             continue
-        getattr(axes, f"set_{letter}label")(label_of(name, unit=False), labelpad=-4)
+        getattr(axes, f"set_{letter}label")(label_of(name, unit=False), labelpad=2 if letter == "z" else 1)
         axis.set_major_locator(MaxNLocator(max(2, round(_MOST_TICKS * extent[i] / extent.max()))))
-        axes.tick_params(axis=letter, pad=-2, labelsize=6.5)
+        axes.tick_params(axis=letter, pad=3 if letter == "z" else 0, labelsize=6.5)
+
+
+_PRIMARY: dict[str, Any] = {
+    "marker": "o", "color": "#666666", "markersize": 3.6, "linestyle": "none", "markeredgecolor": INK
+}  # fmt: skip
+
+
+def primary_handle() -> Line2D:
+    """The legend entry of what `show_primaries` draws; their size is not to scale."""
+    return Line2D([], [], label="primaries (not to scale)", **_PRIMARY)
+
+
+def show_primaries(axes: Any, mass: float, low: Array, high: Array) -> tuple[Array, Array]:
+    """Mark the primaries that are in the box from `low` to `high` or close to it; returns a box with them inside."""
+    near = _NEAR * float((high - low).max())
+    for x in (-mass, 1.0 - mass):
+        place = np.array([x, 0.0, 0.0])
+        if np.all(place >= low - near) and np.all(place <= high + near):
+            axes.plot(*place[:, None], **_PRIMARY, zorder=5)
+            low, high = np.minimum(low, place), np.maximum(high, place)
+    return low, high
 
 
 def bounds_of(orbits: list[Array]) -> tuple[Array, Array]:

@@ -1,11 +1,9 @@
-"""The look of the pictures: style sheet, markers by multiplicity, labels with units, PDF and PNG."""
+"""The look of the pictures: style sheet, markers by multiplicity, labels with units."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable, Sequence
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import matplotlib
@@ -23,7 +21,6 @@ from numpy.typing import NDArray
 
 from orbitproof.explore.names import resonant_values
 from orbitproof.figures.model import MarkedPoint
-from orbitproof.shared.formats import write_bytes
 from orbitproof.shared.systems import ReversibleSystem
 
 INK = "#222222"
@@ -115,9 +112,11 @@ def verdict_handles(certified: Sequence[bool]) -> list[Line2D]:
     ]
 
 
-def legend_below(figure: Figure, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> None:
-    """Legend below all axes, where it cannot hide data: multiplicities, then what filled and hollow mean."""
-    for number, row in enumerate(_legend_rows(claims, certified)):
+def legend_below(
+    figure: Figure, claims: Iterable[tuple[int, str]], certified: Sequence[bool], curves: Sequence[Line2D] = ()
+) -> None:
+    """Legend below all axes, where it cannot hide data: curves, multiplicities, then what filled and hollow mean."""
+    for number, row in enumerate(_legend_rows(claims, certified, curves)):
         legend_row(figure, row, _LEGEND_FOOT + number * _LEGEND_ROW)
 
 
@@ -129,21 +128,25 @@ def legend_row(figure: Figure, handles: Sequence[Any], height: float, **look: An
     )
 
 
-def legend_height(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:
+def legend_height(claims: Iterable[tuple[int, str]], certified: Sequence[bool], curves: Sequence[Line2D] = ()) -> float:
     """Height in inches that `legend_below` takes at the foot of a figure."""
-    return _LEGEND_FOOT + _LEGEND_ROW * len(_legend_rows(claims, certified))
+    return _LEGEND_FOOT + _LEGEND_ROW * len(_legend_rows(claims, certified, curves))
 
 
-def bottom_margin(height: float, claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> float:
+def bottom_margin(
+    height: float, claims: Iterable[tuple[int, str]], certified: Sequence[bool], curves: Sequence[Line2D] = ()
+) -> float:
     """Part of a figure of `height` inches below its axes: for their labels and for `legend_below`."""
-    return (_LABEL_HEIGHT + legend_height(claims, certified)) / height
+    return (_LABEL_HEIGHT + legend_height(claims, certified, curves)) / height
 
 
-def _legend_rows(claims: Iterable[tuple[int, str]], certified: Sequence[bool]) -> list[list[Line2D]]:
+def _legend_rows(
+    claims: Iterable[tuple[int, str]], certified: Sequence[bool], curves: Sequence[Line2D]
+) -> list[list[Line2D]]:
     """The rows from the lowest one up; more than four multiplicities take two."""
     handles = legend_handles(claims)
     half = len(handles) if len(handles) <= 4 else (len(handles) + 1) // 2
-    return [row for row in (verdict_handles(certified), handles[half:], handles[:half]) if row]
+    return [row for row in (verdict_handles(certified), handles[half:], handles[:half], list(curves)) if row]
 
 
 def label_of(name: str, unit: bool = True) -> str:
@@ -187,20 +190,6 @@ def show_around(axes: Axes, inset: Axes, points: NDArray[np.float64], margin: fl
     for side in ("top", "right"):
         inset.spines[side].set_visible(True)
     axes.indicate_inset_zoom(inset, edgecolor="#888888", linewidth=0.6)
-
-
-def save(figure: Figure, stem: Path) -> list[Path]:
-    """Write `stem`.pdf and `stem`.png, each whole or not at all. Raises `InputError`."""
-    written = []
-    for suffix in (".pdf", ".png"):
-        path = stem.with_name(stem.name + suffix)
-        buffer = io.BytesIO()
-        # No date inside: the same data give the same bytes.
-        metadata = {"CreationDate": None} if suffix == ".pdf" else {"Software": None}
-        figure.savefig(buffer, format=suffix[1:], metadata=metadata)
-        write_bytes(path, buffer.getvalue())
-        written.append(path)
-    return written
 
 
 def close(figure: Figure) -> None:

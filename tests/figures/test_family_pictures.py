@@ -233,3 +233,68 @@ def test_command_without_family_files_draws_the_points_and_says_so(tmp_path: Pat
     output, errors = capsys.readouterr()
     assert len(output.split()) == 4
     assert "--family" in errors
+
+
+def test_format_resolution_and_size_are_as_asked_for(tmp_path: Path) -> None:
+    words = ["family", str(CANDIDATES), str(CERTIFICATES), "--family", str(FALKNER), "--quiet"]
+    sizes = {}
+    for width in ("7.2", "9"):
+        folder = tmp_path / width
+        assert main([*words, "-o", str(folder), "--format", "png", "svg", "--dpi", "100", "--width", width]) == 0
+        (drawn,) = folder.glob("family-falkner*.png")
+        sizes[width] = int.from_bytes(drawn.read_bytes()[16:20], "big")
+        assert drawn.with_suffix(".svg").read_text().startswith("<?xml")
+        assert not list(folder.glob("*.pdf"))
+    assert sizes == {"7.2": 720, "9": 900}
+
+
+@pytest.mark.parametrize("words", [["--dpi", "5"], ["--width", "1000"], ["--width", "nan"], ["--format", "bmp"]])
+def test_a_size_that_is_none_is_refused_in_one_line(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        code = main(["family", str(CANDIDATES), "-o", str(tmp_path), *words])
+    except SystemExit as stop:
+        code = stop.code if isinstance(stop.code, int) else -1
+    assert code == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert words[0] in lines[0]
+    assert not list(tmp_path.iterdir())
+
+
+def test_points_that_hide_one_another_are_apart_in_an_inset(
+    families: list[SampledFamily], marks: list[MarkedPoint]
+) -> None:
+    """Two claims a hair apart: drawn in the panel over one another, in an inset a fifth of its size apart."""
+    halo = families[0]
+    own = assign([halo], marks)[0][0]
+    near = replace(own[0], candidate=replace(own[0].candidate, id="near"), point=own[0].point * (1 + 1e-4))
+    figure = draw_family(halo, [*own, near])
+    insets = [child for child in figure.axes[0].child_axes if len(drawn_lines(child)) >= 2]
+    assert insets
+    places = np.array([line.get_xydata()[0] for line in drawn_lines(insets[0])])
+    shown = insets[0].transAxes.inverted().transform(insets[0].transData.transform(places))
+    assert np.linalg.norm(shown[0] - shown[1]) > 0.2
+    close(figure)
+
+
+def drawn_lines(axes: Any) -> list[Line2D]:
+    return [line for line in axes.lines if str(line.get_gid()).startswith("candidate ")]
+
+
+def test_stability_curves_go_on_where_parameters_become_complex() -> None:
+    """s^2 = a, real for a > 0 and complex below: the real part joins the real branches where they end."""
+    a = np.linspace(1.0, -1.0, 41) + 0.01
+    one = np.ones(41)
+    family = SampledFamily(
+        "x", CR3BP, EARTH_MOON, np.zeros((41, 3)), np.zeros((41, 3)), one, one,
+        np.column_stack([one, 0 * one, -a]), np.arange(41.0),
+    )  # fmt: skip
+    real, complex_part = np.isfinite(family.stability).all(axis=1), np.isfinite(family.complex_stability).all(axis=1)
+    assert np.all(real | complex_part)
+    assert np.count_nonzero(real & complex_part) == 1
+    assert np.nanmax(np.abs(family.complex_stability)) < 1e-12
+    fine = family.refined()
+    last = fine.stability[np.isfinite(fine.stability).all(axis=1)][-1]
+    assert 0 < last[1] - last[0] < 1e-2

@@ -1,0 +1,87 @@
+"""Figures as files: which formats, how fine, how large."""
+
+from __future__ import annotations
+
+import argparse
+import io
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orbitproof.shared.formats import InputError, write_bytes
+
+FORMATS = ("pdf", "png", "svg")
+DPI = (50, 1200)
+WIDTH = (5.0, 30.0)
+
+_UNDATED = {"pdf": {"CreationDate": None}, "png": {"Software": None}, "svg": {"Date": None}}
+"""No date inside: the same data give the same bytes."""
+
+
+@dataclass(frozen=True)
+class Files:
+    """How figures are saved.
+
+    Attributes:
+        formats: some of `FORMATS`.
+        dpi: of PNG files; `None`: as in the style sheet.
+        width: in inches, the height in proportion, letters as large as ever; `None`: as drawn.
+    """
+
+    formats: tuple[str, ...] = ("pdf", "png")
+    dpi: int | None = None
+    width: float | None = None
+
+
+_FILES: ContextVar[Files] = ContextVar("files")
+
+
+def add_file_options(parser: argparse.ArgumentParser) -> None:
+    """``--format``, ``--dpi`` and ``--width``, for commands that draw."""
+    parser.add_argument(
+        "--format", nargs="+", choices=FORMATS, default=["pdf", "png"], help="files of each picture (default: pdf png)"
+    )
+    parser.add_argument("--dpi", type=int, metavar="N", help=f"of PNG files, {DPI[0]} to {DPI[1]} (default: 200)")
+    parser.add_argument(
+        "--width",
+        type=float,
+        metavar="INCHES",
+        help=f"of the pictures, {WIDTH[0]:g} to {WIDTH[1]:g}, letters as large as ever (default: 7.2)",
+    )
+
+
+@contextmanager
+def saved_as(options: argparse.Namespace) -> Iterator[None]:
+    """Figures are saved as the options say; without such options as ever. Raises `InputError`."""
+    dpi, width = getattr(options, "dpi", None), getattr(options, "width", None)
+    if dpi is not None and not DPI[0] <= dpi <= DPI[1]:
+        raise InputError(f"--dpi {dpi}: give a whole number from {DPI[0]} to {DPI[1]}")
+    if width is not None and not WIDTH[0] <= width <= WIDTH[1]:
+        raise InputError(f"--width {width:g}: give a number from {WIDTH[0]:g} to {WIDTH[1]:g}")
+    token = _FILES.set(Files(tuple(dict.fromkeys(getattr(options, "format", Files.formats))), dpi, width))
+    try:
+        yield
+    finally:
+        _FILES.reset(token)
+
+
+def save(figure: Any, stem: Path) -> list[Path]:
+    """Write `stem`.pdf, `stem`.png or what was asked for, each whole or not at all. Raises `InputError`."""
+    files = _FILES.get(Files())
+    if files.width is not None:
+        size = figure.get_size_inches()
+        figure.set_size_inches(np.asarray(size) * files.width / size[0])
+    written = []
+    for kind in files.formats:
+        path = stem.with_name(f"{stem.name}.{kind}")
+        buffer = io.BytesIO()
+        resolution = {} if files.dpi is None else {"dpi": files.dpi}
+        figure.savefig(buffer, format=kind, metadata=_UNDATED[kind], **resolution)
+        write_bytes(path, buffer.getvalue())
+        written.append(path)
+    return written
