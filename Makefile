@@ -3,13 +3,14 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches report figures test lint test-slow campaign bench clean
+.PHONY: help demo branches report figures docs test lint test-slow campaign bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
 OUT := demo-out
 PICTURES := figures-out
 BRANCHES := branches-out
+SITE := site-out
 JOBS := 2
 
 # The search runs on the processor also where JAX would find an accelerator.
@@ -21,6 +22,7 @@ help:
 	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; 20 minutes)"
 	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; half an hour)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; more than an hour, goes on where it stopped)"
+	@echo "make docs       this project as a site, its notebooks executed (into $(SITE)/)"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make test-slow  the longer proofs and campaigns"
 	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
@@ -45,6 +47,11 @@ $(VENV)/demo.stamp: pyproject.toml setup.py | $(BIN)/python
 $(VENV)/dev.stamp: pyproject.toml setup.py | $(BIN)/python
 	@echo "installing orbitproof with all extras (the first time it downloads a few hundred megabytes)" >&2
 	@$(BIN)/python -m pip install --editable '.[explore,figures,oem,interactive,dev]'
+	@touch $@ $(VENV)/demo.stamp
+
+$(VENV)/docs.stamp: pyproject.toml setup.py | $(BIN)/python
+	@echo "installing orbitproof with the extras explore, figures and docs" >&2
+	@$(BIN)/python -m pip install --editable '.[explore,figures,docs]'
 	@touch $@ $(VENV)/demo.stamp
 
 # The verifier runs in processes of its own in which the search side cannot be imported: verify/alone comes
@@ -123,6 +130,9 @@ report: $(VENV)/demo.stamp
 figures: $(VENV)/demo.stamp
 	@$(BOUND) $(BIN)/orbitproof figures data $(PICTURES)/data || [ $$? -eq 1 ]
 	@$(BOUND) $(BIN)/orbitproof figures all $(PICTURES)/data -o $(PICTURES)
+
+docs: $(VENV)/docs.stamp
+	@$(BIN)/python docs/site/build.py $(SITE)
 
 lint: $(VENV)/dev.stamp
 	$(BIN)/ruff check .

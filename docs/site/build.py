@@ -1,0 +1,75 @@
+"""Build the site: ``python docs/site/build.py FOLDER``.
+
+The documents are copied as they lie in the tree, so that their links to each other hold; the displayed formulas of the
+chapters are set, the reference is made from the code. Whatever Sphinx warns of, a broken link first, fails the build.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+sys.path.insert(0, str(HERE))
+
+from formulas import with_formulas  # noqa: E402
+from reference import PAGES  # noqa: E402
+
+
+def documents() -> Iterator[Path]:
+    """Everything that is shown or linked to, below the root."""
+    for name in ("README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE"):
+        yield ROOT / name
+    for folder in ("docs", "verify", "shared", "explore", "figures"):
+        yield from (path for path in (ROOT / folder).rglob("*.md") if "templates" not in path.parts)
+    yield from (ROOT / "docs").rglob("*.ipynb")
+    yield from (path for path in (ROOT / "docs" / "images").iterdir())
+
+
+def stage(folder: Path) -> None:
+    """Copy all documents, and write the pages that come from the code."""
+    for path in documents():
+        if HERE in path.parents:
+            continue
+        target = folder / path.relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if path.suffix == ".md":
+            target.write_text(with_formulas(path.read_text("utf-8")), "utf-8")
+        else:
+            shutil.copy(path, target)
+    for name in ("conf.py", "index.md"):
+        shutil.copy(HERE / name, folder)
+    (folder / "reference").mkdir()
+    for name, make in PAGES.items():
+        (folder / "reference" / name).write_text(make(), "utf-8")
+
+
+def build(source: Path, target: Path, notebooks: bool) -> int:
+    """Run Sphinx, strictly; returns its exit code."""
+    options = [] if notebooks else ["-D", "nb_execution_mode=off"]
+    command = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q", *options]
+    return subprocess.run([*command, str(source), str(target)], check=False).returncode
+
+
+def main() -> int:
+    """Run the command line; returns the exit code."""
+    parser = argparse.ArgumentParser(description="Build the site.")
+    parser.add_argument("folder", type=Path, help="where the pages go")
+    parser.add_argument("--no-notebooks", action="store_true", help="show the notebooks without executing them")
+    options = parser.parse_args()
+    with TemporaryDirectory() as name:
+        stage(Path(name))
+        code = build(Path(name), options.folder.resolve(), not options.no_notebooks)
+    if code == 0:
+        print(f"the site: {options.folder / 'index.html'}")
+    return 1 if code else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,57 @@
+"""Sphinx: the site is built from a copy of the tree's own documents, by docs/site/build.py."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from typing import Any
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+
+project = "orbitproof"
+author = "The orbitproof developers"
+project_copyright = "2026, The orbitproof developers"
+version = release = metadata.version("orbitproof")
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+html_theme = "furo"
+html_title = f"orbitproof {release}"
+html_math_renderer = "mathml"
+html_copy_source = False
+html_show_sourcelink = False
+html_static_path: list[str] = []
+exclude_patterns = ["_build"]
+default_role = "code"
+nitpicky = False
+
+myst_enable_extensions = ["deflist"]
+myst_heading_anchors = 4
+nb_execution_mode = "force"
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_member_order = "bysource"
+napoleon_numpy_docstring = False
+napoleon_custom_sections = [("Arguments", "params_style")]
+
+
+def _inline(writer: Any, node: nodes.math) -> None:
+    writer.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def _display(writer: Any, node: nodes.math_block) -> None:
+    formula = convert(node.astext(), display="block")
+    writer.body.append(
+        f'<div class="math" style="margin: .4rem 0; overflow-x: auto; overflow-y: hidden">{formula}</div>\n'
+    )
+    raise nodes.SkipNode
+
+
+def setup(app: Sphinx) -> None:
+    """Formulas as MathML, which browsers show without any script and without a network."""
+    app.add_html_math_renderer("mathml", (_inline, None), (_display, None))

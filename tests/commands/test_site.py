@@ -1,0 +1,113 @@
+"""The site: everything is on it, made from the code; a broken link fails."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from latex2mathml.converter import convert
+
+ROOT = Path(__file__).resolve().parents[2]
+SITE = ROOT / "docs" / "site"
+
+
+@pytest.fixture(scope="module")
+def site() -> Iterator[dict[str, ModuleType]]:
+    """The modules that make the pages."""
+    names = ("formulas", "reference", "build")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(SITE))
+        yield {name: importlib.import_module(name) for name in names}
+    for name in names:
+        sys.modules.pop(name, None)
+
+
+@pytest.mark.parametrize(
+    ("line", "latex"),
+    [
+        ("P^(2i)(x) = x.", "P^{2i}(x) = x."),
+        ("g_0 in G_01 + G_11 p_1'/2", r"g_{0} \in  G_{01} + G_{11} p_{1}'/2"),
+        ("S_(N-j) t^j/j  <=  mu r_1^-3", r"S_{N-j} t^{j}/j\quad \le \quad \mu  r_{1}^{-3}"),
+        ("u1' = 2 (u2 w1)", "u_{1}' = 2 (u_{2} w_{1})"),
+        ("b_(alpha,m) inside X", r"b_{\alpha ,m} \text{ inside } X"),
+    ],
+)
+def test_a_formula_in_plain_text_is_set_sign_for_sign(site: dict[str, ModuleType], line: str, latex: str) -> None:
+    assert site["formulas"].to_latex(line) == latex
+
+
+def test_a_formula_whose_index_is_not_closed_is_refused(site: dict[str, ModuleType]) -> None:
+    for line in ("x_(i+1", "x^"):
+        with pytest.raises(ValueError):
+            site["formulas"].to_latex(line)
+
+
+def test_every_displayed_formula_of_the_chapters_is_set(site: dict[str, ModuleType]) -> None:
+    found = 0
+    for path in site["build"].documents():
+        if path.suffix == ".md":
+            text = site["formulas"].with_formulas(path.read_text("utf-8"))
+            formulas = text.split("```{math}\n")[1:]
+            found += len(formulas)
+            assert all(convert(formula.partition("\n```")[0]) for formula in formulas)
+    assert found > 50
+
+
+def test_commands_links_and_words_in_backticks_stay(site: dict[str, ModuleType]) -> None:
+    text = "see `p_0` in [x](a/p_1.md), first_proof.py\n\n    orbitproof verify a_1.json -o b_1.json\n\nend of p_1\n"
+    assert site["formulas"].with_formulas(text) == text.replace("of p_1", "of {math}`p_{1}`")
+
+
+def test_the_reference_has_every_command_with_its_options(site: dict[str, ModuleType]) -> None:
+    page = site["reference"].commands_page()
+    parsers = list(site["reference"].parsers())
+    names = {parser.prog for parser in parsers}
+    assert {"orbitproof explore candidates", "orbitproof verify", "orbitproof verify atlas", "orbitproof figures all",
+            "orbitproof verify --second-proof", "orbitproof report"} <= names  # fmt: skip
+    for parser in parsers:
+        assert f"## {parser.prog}\n" in page
+        for action in parser._actions:
+            assert all(option in page for option in action.option_strings)
+
+
+def test_the_reference_has_every_field_of_every_format(site: dict[str, ModuleType]) -> None:
+    page = site["reference"].formats_page()
+    for path in (ROOT / "shared" / "schemas").glob("*.json"):
+        assert f"## {path.name.removesuffix('.schema.json')}\n" in page
+        for name in json.loads(path.read_text("utf-8"))["properties"]:
+            assert f"| `{name}` |" in page
+
+
+def test_every_document_is_on_a_page_of_the_contents(site: dict[str, ModuleType]) -> None:
+    contents = (SITE / "index.md").read_text("utf-8")
+    for path in site["build"].documents():
+        name = path.relative_to(ROOT).with_suffix("").as_posix()
+        if path.suffix in {".md", ".ipynb"} and SITE not in path.parents:
+            assert name in contents or (path.parent.name == "how-to" and "docs/how-to/*" in contents), name
+
+
+@pytest.mark.slow
+def test_the_site_builds_and_a_broken_link_fails(site: dict[str, ModuleType], tmp_path: Path) -> None:
+    pytest.importorskip("sphinx")
+    pytest.importorskip("myst_nb")
+    command = [sys.executable, str(SITE / "build.py"), str(tmp_path / "site")]
+    built = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert built.returncode == 0, built.stderr[-2000:]
+    notebook = (tmp_path / "site" / "docs" / "certificates.html").read_text("utf-8")
+    assert "stands INTEGRATION" in notebook
+    assert "evaluated again it is" in notebook
+    assert "http" not in "".join(
+        line for line in (tmp_path / "site" / "index.html").read_text("utf-8").splitlines() if "<script src" in line
+    )
+    source = tmp_path / "source"
+    source.mkdir()
+    site["build"].stage(source)
+    page = source / "docs" / "glossary.md"
+    page.write_text(page.read_text("utf-8") + "\nSee [there](nowhere.md).\n", "utf-8")
+    assert site["build"].build(source, tmp_path / "broken", False) != 0
