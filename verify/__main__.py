@@ -24,14 +24,7 @@ from orbitproof.verify.certificate import (
     verdict_table,
     write_certificates,
 )
-from orbitproof.verify.engines import (
-    GRACE_SECONDS,
-    ArgumentParser,
-    Display,
-    engine_of,
-    positive_integer,
-    positive_seconds,
-)
+from orbitproof.verify.engines import ArgumentParser, Display, engine_of, whole
 
 _DESCRIPTION = """\
 Prove bifurcations of symmetric periodic orbits: rigorous verification of candidate boxes.
@@ -64,52 +57,22 @@ with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input
 """
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = ArgumentParser(
-        prog="orbitproof verify",
-        description=_DESCRIPTION,
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def _parser() -> ArgumentParser:
+    parser = ArgumentParser("orbitproof verify", _DESCRIPTION, _EXAMPLES)
     parser.add_argument("file", type=Path, help="candidates file (JSON); with --recheck, certificates file")
     parser.add_argument("-o", "--output", type=Path, help="certificates file; rows are saved as they finish")
-    parser.add_argument(
-        "--max-precision", type=_precision, default=Limits.max_precision, metavar="BITS",
-        help="never use more bits (default: %(default)s)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--digits", type=positive_integer, default=Limits.digits, metavar="N",
-        help="certain digits of the parameter to aim for (default: %(default)s)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--level", choices=LEVELS, default=Limits.level,
-        help="parameter of Hamiltonian rows: the level of the first integral, a coordinate of Fix(R) following from it "
-        "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--row-timeout", type=positive_seconds, metavar="SECONDS",
-        help=f"give a candidate up after this time; it has {GRACE_SECONDS:g} s more to end by itself",
-    )  # fmt: skip
-    parser.add_argument(
-        "--jobs", type=positive_integer, default=1, metavar="N",
-        help="candidates side by side, each in a process of its own (default: 1)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
-    )
     parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
-    parser.add_argument("--fresh", action="store_true", help="verify again what an earlier run proved")
-    parser.add_argument("--recheck", action="store_true", help="check the certificates of a file again")
-    parser.add_argument("--integrate", action="store_true", help="with --recheck: integrate again, in another way")
-    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    bits, words = whole(LEAST_PRECISION, GREATEST_PRECISION), "never use more bits (default: %(default)s)"
+    parser.number("--max-precision", "BITS", words, bits, Limits.max_precision)
+    words = "certain digits of the parameter to aim for (default: %(default)s)"
+    parser.number("--digits", "N", words, whole(1), Limits.digits)
+    words = (
+        "parameter of Hamiltonian rows: the level of the first integral, a coordinate of Fix(R) following from it "
+        "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)"
+    )
+    parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
+    parser.run_options("candidates", "--row-timeout", "a candidate")
     return parser
-
-
-def _precision(text: str) -> int:
-    bits = positive_integer(text)
-    if not LEAST_PRECISION <= bits <= GREATEST_PRECISION:
-        raise argparse.ArgumentTypeError(f"{text} bits: give {LEAST_PRECISION} to {GREATEST_PRECISION}")
-    return bits
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

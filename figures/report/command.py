@@ -29,12 +29,8 @@ was written and says what is not proved; 2 bad input.
 
 def argument_parser() -> argparse.ArgumentParser:
     """The command line."""
-    parser = ArgumentParser(
-        prog="orbitproof report",
-        description="A report of what certificates prove, to read, to print and to cite.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    words = "A report of what certificates prove, to read, to print and to cite."
+    parser = ArgumentParser("orbitproof report", words, _EXAMPLES)
     parser.add_argument("certificates", type=Path, nargs="+", help="certificates of bifurcations and of atlases (JSON)")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help=".html, .tex or .md")
     parser.add_argument("--only", nargs="+", metavar="ID", help="these certificates (with * and ? as in file names)")

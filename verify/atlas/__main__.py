@@ -27,17 +27,7 @@ from orbitproof.verify.atlas.splitting import Settings
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all, recheck_table
 from orbitproof.verify.curve import conclude
-from orbitproof.verify.engines import (
-    GRACE_SECONDS,
-    Answer,
-    ArgumentParser,
-    Display,
-    Task,
-    Work,
-    engine_of,
-    positive_integer,
-    positive_seconds,
-)
+from orbitproof.verify.engines import Answer, ArgumentParser, Display, Task, Work, engine_of, whole
 from orbitproof.verify.stability import with_complete_list
 from orbitproof.verify.surface import conclude_surface
 
@@ -65,73 +55,29 @@ nothing; 1 not, or interrupted;
 """
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = ArgumentParser(
-        prog="orbitproof verify atlas",
-        description="Prove a whole branch of symmetric periodic orbits, piece by piece, from its atlas.",
-        epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+_MOST_SPLITS, _LARGEST_ORDER = 20, 99
+
+
+def _parser() -> ArgumentParser:
+    words = "Prove a whole branch of symmetric periodic orbits, piece by piece, from its atlas."
+    parser = ArgumentParser("orbitproof verify atlas", words, _EXAMPLES)
     parser.add_argument("file", type=Path, help="atlas (JSON); with --recheck, certificate of an atlas")
     parser.add_argument("-o", "--output", type=Path, help="certificate; results are saved as they come")
-    parser.add_argument(
-        "--bifurcations", type=Path, nargs="+", default=[], metavar="FILE",
-        help="certificates files: say which of these bifurcations lie on the curve",
-    )  # fmt: skip
+    words = "certificates files: say which of these bifurcations lie on the curve"
+    parser.add_argument("--bifurcations", type=Path, nargs="+", default=[], metavar="FILE", help=words)
     parser.add_argument("--only", nargs="+", metavar="ID", help="of these bifurcations (with * and ? as in file names)")
-    parser.add_argument(
-        "--jobs", type=positive_integer, default=1, metavar="N",
-        help="pieces side by side, each in a process of its own (default: 1)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
-    )
-    parser.add_argument(
-        "--timeout", type=positive_seconds, metavar="SECONDS",
-        help=f"give an interval of a piece up after this time; it has {GRACE_SECONDS:g} s more to end by itself",
-    )  # fmt: skip
-    parser.add_argument(
-        "--max-splits", type=_splits, default=RunLimits.max_splits, metavar="N",
-        help="halve an interval at most N times (default: %(default)s)",
-    )  # fmt: skip
+    words = "also list all resonances 1:1 to 1:K on the curve, and where its orbits are linearly stable"
+    parser.number("--complete", "K", words, whole(1, _LARGEST_ORDER), None)
+    words = "halve an interval at most N times (default: %(default)s)"
+    parser.number("--max-splits", "N", words, whole(0, _MOST_SPLITS), RunLimits.max_splits)
     for name, what in (
         ("precision", "bits"),
         ("order", "degree of the expansions in time"),
         ("width", "degree of the expansions along the curve"),
     ):
-        parser.add_argument(
-            f"--{name}",
-            type=positive_integer,
-            metavar="N",
-            help=f"{what}, for the first attempt (default: as it suits)",
-        )
-    parser.add_argument(
-        "--complete", type=_order, metavar="K",
-        help="also list all resonances 1:1 to 1:K on the curve, and where its orbits are linearly stable",
-    )  # fmt: skip
-    parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
-    parser.add_argument("--recheck", action="store_true", help="check a certificate again")
-    parser.add_argument("--integrate", action="store_true", help="with --recheck: prove all again, in another way")
-    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+        parser.number(f"--{name}", "N", f"{what}, for the first attempt (default: as it suits)", whole(1), None)
+    parser.run_options("pieces", "--timeout", "an interval of a piece")
     return parser
-
-
-def _splits(text: str) -> int:
-    if not text.isascii() or not text.isdigit() or int(text[:3]) > _MOST_SPLITS:
-        raise argparse.ArgumentTypeError(f"{text!r}: give a number from 0 to {_MOST_SPLITS}")
-    return int(text)
-
-
-_MOST_SPLITS = 20
-
-
-def _order(text: str) -> int:
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text[:3]) <= _LARGEST_ORDER:
-        raise argparse.ArgumentTypeError(f"{text!r}: give a number from 1 to {_LARGEST_ORDER}")
-    return int(text)
-
-
-_LARGEST_ORDER = 99
 
 
 def main(arguments: Sequence[str] | None = None, work: Work = prove_task) -> int:

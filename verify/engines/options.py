@@ -1,26 +1,56 @@
-"""What the command lines of the verifier have in common: one-line errors, types of options."""
+"""What the command lines of the verifier have in common: one-line errors, options of runs, types of options."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from typing import NoReturn
+
+from orbitproof.shared.processes import GRACE_SECONDS
 
 
 class ArgumentParser(argparse.ArgumentParser):
     """Errors are one line, and exit code 2, like every other bad input."""
+
+    def __init__(self, prog: str, description: str, examples: str) -> None:
+        layout = argparse.RawDescriptionHelpFormatter
+        super().__init__(prog=prog, description=description, epilog=examples, formatter_class=layout)
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and end."""
         print(f"{self.prog}: {message}; see {self.prog} --help", file=sys.stderr)
         raise SystemExit(2)
 
+    def number(self, name: str, metavar: str, words: str, of: Callable[[str], float], default: int | None) -> None:
+        """An option that takes a number of this type."""
+        self.add_argument(name, type=of, default=default, metavar=metavar, help=words)
 
-def positive_integer(text: str) -> int:
-    """The type of an option."""
-    if not text.isascii() or not text.isdigit() or not 0 < int(text[:9]) == int(text):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer")
-    return int(text)
+    def run_options(self, tasks: str, timeout: str, one: str) -> None:
+        """The options of every run of `tasks`; `timeout` is the option that ends `one` of them."""
+        self.number("--jobs", "N", f"{tasks} side by side, each in a process of its own (default: 1)", whole(1), 1)
+        self.add_argument(
+            "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
+        )
+        words = f"give {one} up after this time; it has {GRACE_SECONDS:g} s more to end by itself"
+        self.number(timeout, "SECONDS", words, positive_seconds, None)
+        self.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
+        self.add_argument("--recheck", action="store_true", help="check what is in a certificates file again")
+        self.add_argument(
+            "--integrate", action="store_true", help="with --recheck: integrate and prove again, in another way"
+        )
+        self.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def whole(first: int, last: int = 10**9 - 1) -> Callable[[str], int]:
+    """The type of an option: a whole number from `first` to `last`."""
+
+    def number(text: str) -> int:
+        if not text.isascii() or not text.isdigit() or not first <= int(text[:10]) <= last:
+            raise argparse.ArgumentTypeError(f"{text!r}: give a whole number from {first} to {last}")
+        return int(text)
+
+    return number
 
 
 def positive_seconds(text: str) -> float:
