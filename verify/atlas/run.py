@@ -7,8 +7,9 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas, Piece, SurfacePiece
 from orbitproof.verify.atlas.certificate import Result
-from orbitproof.verify.atlas.splitting import Interval, Plan, interval_of, plan, whole
+from orbitproof.verify.atlas.splitting import Plan, interval_of, plan, whole
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task, result_of, task_of
+from orbitproof.verify.curve import Interval
 from orbitproof.verify.engines import Answer, Display, Engine, Task, Work
 
 _STEPS_AT_FIRST = 16

@@ -13,8 +13,7 @@ from typing import Any
 
 from orbitproof.shared.formats import Piece, SurfacePiece
 from orbitproof.shared.numbers import parse_exact
-
-Interval = tuple[Fraction, Fraction]
+from orbitproof.verify.curve import Interval
 
 _OVERLAP = Fraction(1, 64)
 """By this part of its length an interval that is split is exceeded by each half beyond the middle."""

@@ -10,9 +10,9 @@ from typing import Any
 from orbitproof.shared.formats import Atlas, Piece, SurfacePiece, piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
-from orbitproof.verify.atlas.splitting import Interval, Settings
+from orbitproof.verify.atlas.splitting import Settings
 from orbitproof.verify.certificate import systems_with
-from orbitproof.verify.curve import PieceLimits, prove_piece
+from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
 from orbitproof.verify.engines import Answer, Failure, Report, Task
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.stability import stability_to_json

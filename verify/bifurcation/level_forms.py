@@ -11,11 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from flint import arb, fmpq, fmpq_mat
+from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.verify.claim import determinant, quadratic_coefficient
+from orbitproof.verify.claim import determinant, inverse, quadratic_coefficient
 from orbitproof.verify.evidence import (
     GUARD_BITS,
     Checklist,
@@ -71,7 +71,7 @@ def level_form(candidate: Candidate) -> Candidate | None:
             tuple(value if (j == 1) == is_odd else Fraction(0) for j, value in enumerate(row))
             for row, is_odd in zip(frame, odd, strict=True)
         )
-    unsheared = _inverse(tuple(zip(*across, strict=True)))
+    unsheared = inverse(tuple(zip(*across, strict=True)))
     if unsheared is None:
         return None
     tilt = [sum((a * b for a, b in zip(row, along, strict=True)), Fraction(0)) for row in unsheared]
@@ -188,8 +188,8 @@ def _images(form: Candidate, candidate: Candidate, table: DerivativeTable, kept:
     p_i' = T_i0 (H(0) - h_c + Q) + sum_j (T_i0 s_j + L_ij) p_j, where L is T times the kept rows of the old frame.
     """
     size = len(form.radii)
-    inverse = _inverse(form.frame)
-    if inverse is None:
+    rows = inverse(form.frame)
+    if rows is None:
         return None
     sides = [symmetric(radius) for radius in candidate.radii]
     remainder = arb(0)
@@ -199,7 +199,7 @@ def _images(form: Candidate, candidate: Candidate, table: DerivativeTable, kept:
             remainder = remainder + table.box[index] * sides[i] * sides[j] / 2
     offset = table.centre[(0,) * size] - enclose(form.centre[0]) + remainder
     images = []
-    for first, *others in inverse:
+    for first, *others in rows:
         value = enclose(first) * offset
         for j, side in enumerate(sides):
             direct = sum((t * candidate.frame[n][j] for t, n in zip(others, kept, strict=True)), Fraction(0))
@@ -212,22 +212,13 @@ def _images(form: Candidate, candidate: Candidate, table: DerivativeTable, kept:
 def coordinates_in_box(candidate: Candidate, point: Mapping[str, arb]) -> list[arb]:
     """Enclosures of the p of a point of Fix(R), given by its coordinates. Not finite if the frame is singular."""
     distance = [point[name] - enclose(c) for name, c in zip(candidate.coordinates, candidate.centre, strict=True)]
-    inverse = _inverse(candidate.frame)
-    if inverse is None:
+    rows = inverse(candidate.frame)
+    if rows is None:
         return [arb("nan")] * len(distance)
-    return [dot([enclose(value) for value in row], distance) for row in inverse]
+    return [dot([enclose(value) for value in row], distance) for row in rows]
 
 
 def in_box(candidate: Candidate, point: Mapping[str, arb]) -> bool:
     """Whether a point of Fix(R), given by its coordinates, certainly lies inside the candidate's box."""
     where = coordinates_in_box(candidate, point)
     return all(is_inside(ball, radius) for ball, radius in zip(where, candidate.radii, strict=True))
-
-
-def _inverse(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]] | None:
-    """The inverse, exactly; `None` if there is none."""
-    try:
-        rows = fmpq_mat([[fmpq(value.numerator, value.denominator) for value in row] for row in matrix]).inv().tolist()
-    except ZeroDivisionError:
-        return None
-    return [[Fraction(int(value.p), int(value.q)) for value in row] for row in rows]

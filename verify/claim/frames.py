@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
+from flint import fmpq, fmpq_mat
+
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.claim.symmetry import signs_on
 from orbitproof.verify.evidence import Checklist
@@ -13,21 +15,22 @@ _ADAPT = "write the candidate with frames adapted to the symmetry (p_1 and q_1 o
 
 
 def determinant(matrix: Sequence[Sequence[Fraction]]) -> Fraction:
-    """Exact determinant, by elimination."""
-    rows = [list(row) for row in matrix]
-    result = Fraction(1)
-    for column in range(len(rows)):
-        pivot = next((i for i in range(column, len(rows)) if rows[i][column]), None)
-        if pivot is None:
-            return Fraction(0)
-        if pivot != column:
-            rows[column], rows[pivot] = rows[pivot], rows[column]
-            result = -result
-        result *= rows[column][column]
-        for i in range(column + 1, len(rows)):
-            factor = rows[i][column] / rows[column][column]
-            rows[i] = [a - factor * b for a, b in zip(rows[i], rows[column], strict=True)]
-    return result
+    """Exact determinant."""
+    return _fraction(_rational(matrix).det())
+
+
+def inverse(matrix: Sequence[Sequence[Fraction]]) -> list[list[Fraction]] | None:
+    """Exact inverse; `None` if the matrix is singular."""
+    rows = _rational(matrix)
+    return [[_fraction(value) for value in row] for row in rows.inv().tolist()] if rows.det() else None
+
+
+def _rational(matrix: Sequence[Sequence[Fraction]]) -> fmpq_mat:
+    return fmpq_mat([[fmpq(value.numerator, value.denominator) for value in row] for row in matrix])
+
+
+def _fraction(value: fmpq) -> Fraction:
+    return Fraction(int(value.p), int(value.q))
 
 
 def is_adapted(matrix: Sequence[Sequence[Fraction]], signs: Sequence[int], odd: int) -> bool:

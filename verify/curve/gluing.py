@@ -114,7 +114,7 @@ def follow(evidence: Evidence, kind: str, tubes: Sequence[Tube]) -> Chain | None
             evidence.require(reached < leaves, f"piece {tube.piece.id} is entered after s = {leaves}, its end")
             evidence.require(
                 run.end >= leaves,
-                _nothing_proved(tube, _above(run), f"s from {_decimal(run.end)} to {leaves}, where the curve ends"),
+                _nothing_proved(tube, _after(run), f"s from {_decimal(run.end)} to {leaves}, where the curve ends"),
             )
             stretches.append(Stretch(tube, run, enters, reached, leaves))
             break
@@ -156,7 +156,7 @@ def _join(tube: Tube, run: Run, reached: Fraction, after: Tube) -> tuple[Joint, 
         return f"{place}: the curve leaves what is proved of {tube.piece.id} where it enters it"
     # How far the best place came is what helps: inside the interval but beside the tube, and so on.
     message = max(failures, key=lambda failure: failure[0])[1]
-    missing = "" if run.end == 1 else f"; {_nothing_proved(tube, _above(run), f's just above {_decimal(run.end)}')}"
+    missing = "" if run.end == 1 else f"; {_nothing_proved(tube, _after(run), f's just above {_decimal(run.end)}')}"
     return f"{place}: {message}{missing}"
 
 
@@ -194,7 +194,7 @@ def _nothing_proved(tube: Tube, s: Fraction, where: str) -> str:
     return f"piece {tube.piece.id}: nothing is proved at {where}{f' ({reason})' if reason else ''}"
 
 
-def _above(run: Run) -> Fraction:
+def _after(run: Run) -> Fraction:
     """A little more than the end of a run."""
     return run.end + (1 - run.end) / 2**20
 

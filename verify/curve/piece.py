@@ -259,14 +259,14 @@ class _Proof:
 
     def _in_units(self, bounds: Sequence[arb]) -> tuple[Fraction, ...]:
         """Bounds of omega_j as bounds of p_j, with few bits."""
-        return tuple(_above(enclose(width) * bound) for width, bound in zip(self.tube, bounds, strict=True))
+        return tuple(_dyadic_above(enclose(width) * bound) for width, bound in zip(self.tube, bounds, strict=True))
 
 
 def _largest(balls: Sequence[arb]) -> arb:
     return hull(balls[0], *balls[1:]).abs_upper()
 
 
-def _above(bound: arb) -> Fraction:
+def _dyadic_above(bound: arb) -> Fraction:
     """A dyadic number with few bits that is at least the bound."""
     if not bound.is_finite():
         raise ValueError("a bound is not finite")

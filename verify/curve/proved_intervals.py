@@ -11,8 +11,8 @@ from flint import arb
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.curve.piece_result import interval_to_json
-from orbitproof.verify.evidence import ball_from_json, ball_to_json
+from orbitproof.verify.curve.piece_result import Interval, interval_to_json
+from orbitproof.verify.evidence import Reason, ball_from_json, ball_to_json
 
 
 @dataclass(frozen=True)
@@ -78,26 +78,19 @@ class Run:
         return [(part, first, last) for part, first, last in parts if first <= last]
 
 
-@dataclass(frozen=True)
-class Refusal:
-    """A result that does not count: for s in [start, end], with the reason."""
-
-    start: Fraction
-    end: Fraction
-    reason: str
-
-
-def read_results(piece: Piece, results: Sequence[Mapping[str, Any]]) -> tuple[tuple[Run, ...], tuple[Refusal, ...]]:
-    """The proved runs of a piece from left to right, and what does not count, from results in JSON form.
+def read_results(
+    piece: Piece, results: Sequence[Mapping[str, Any]]
+) -> tuple[tuple[Run, ...], tuple[tuple[Interval, Reason], ...]]:
+    """The proved runs of a piece from left to right, and what does not count and why, from results in JSON form.
 
     A result counts if its verdict is "proved", its numbers are exact and complete, and its deviations are smaller
     than the tube. On a symmetric piece it counts for -s too.
     """
     intervals: list[ProvedInterval] = []
-    refusals: list[Refusal] = []
+    refusals: list[tuple[Interval, Reason]] = []
     for result in results:
         found = _read_interval(piece, result)
-        if isinstance(found, Refusal):
+        if not isinstance(found, ProvedInterval):
             refusals.append(found)
             continue
         intervals.append(found)
@@ -114,21 +107,25 @@ def read_results(piece: Piece, results: Sequence[Mapping[str, Any]]) -> tuple[tu
     return tuple(Run(tuple(run)) for run in runs), tuple(refusals)
 
 
-def _read_interval(piece: Piece, result: Mapping[str, Any]) -> ProvedInterval | Refusal:
+def _read_interval(piece: Piece, result: Mapping[str, Any]) -> ProvedInterval | tuple[Interval, Reason]:
     ends = _numbers(result.get("interval"))
     if ends is None or len(ends) != 2 or not -1 <= ends[0] < ends[1] <= 1:
-        return Refusal(Fraction(-1), Fraction(1), "the interval of a result does not lie within [-1, 1]")
+        return _refused((Fraction(-1), Fraction(1)), "the interval of a result does not lie within [-1, 1]")
     start, end = ends
     if result.get("verdict") != "proved":
         reason = result.get("reason")
-        return Refusal(start, end, str(reason.get("message") if isinstance(reason, Mapping) else "not proved"))
+        return _refused((start, end), str(reason.get("message") if isinstance(reason, Mapping) else "not proved"))
     deviation, slopes = (_numbers(result.get(key)) for key in ("deviation", "slope_deviation"))
     size = len(piece.tube)
     if not (_are_bounds(deviation, size) and _are_bounds(slopes, size)) or deviation is None or slopes is None:
-        return Refusal(start, end, f"deviation and slope_deviation are not {size} finite exact bounds each")
+        return _refused((start, end), f"deviation and slope_deviation are not {size} finite exact bounds each")
     if not all(value < width for value, width in zip(deviation, piece.tube, strict=True)):
-        return Refusal(start, end, "the deviation is not smaller than the tube")
+        return _refused((start, end), "the deviation is not smaller than the tube")
     return ProvedInterval(start, end, deviation, slopes, _time(result.get("time")))
+
+
+def _refused(interval: Interval, message: str) -> tuple[Interval, Reason]:
+    return interval, Reason("piece", message, "prove the piece again")
 
 
 def _are_bounds(values: tuple[Fraction, ...] | None, size: int) -> bool:

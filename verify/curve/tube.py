@@ -12,12 +12,14 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from flint import arb, arb_poly, fmpq, fmpq_mat
+from flint import arb, arb_poly
 
 from orbitproof.shared.formats import Piece
 from orbitproof.verify.algebra import ball_polynomial, values_around
-from orbitproof.verify.curve.proved_intervals import Refusal, Run, read_results
-from orbitproof.verify.evidence import dot, enclose, exact_value, is_inside, is_positive, symmetric
+from orbitproof.verify.claim import inverse
+from orbitproof.verify.curve.piece_result import Interval
+from orbitproof.verify.curve.proved_intervals import Run, read_results
+from orbitproof.verify.evidence import Reason, dot, enclose, exact_value, is_inside, is_positive, symmetric
 
 _BISECTIONS = 12
 """How often an interval is halved at most to find the sign of a function on it."""
@@ -30,20 +32,20 @@ class Tube:
     Attributes:
         piece: centre, frame, polynomial and tube, exact.
         runs: from left to right, with gaps between them.
-        refusals: why further results of the piece do not count.
+        refusals: why further results of the piece do not count, with their intervals.
     """
 
     piece: Piece
     runs: tuple[Run, ...]
-    refusals: tuple[Refusal, ...] = ()
+    refusals: tuple[tuple[Interval, Reason], ...] = ()
 
     def refusal(self, s: Fraction) -> str:
         """Why nothing is proved at s, from the shortest interval that was tried; empty if nothing is known."""
-        tried = [entry for entry in self.refusals if entry.start <= s <= entry.end]
-        shortest = min(tried, key=lambda entry: entry.end - entry.start, default=None)
-        if shortest is None:
+        tried = [(end - start, start, end, reason) for (start, end), reason in self.refusals if start <= s <= end]
+        if not tried:
             return ""
-        return f"s in [{float(shortest.start):.6g}, {float(shortest.end):.6g}]: {shortest.reason}"
+        _, start, end, reason = min(tried, key=lambda entry: entry[0])
+        return f"s in [{float(start):.6g}, {float(end):.6g}]: {reason.message}"
 
     @property
     def is_symmetric(self) -> bool:
@@ -56,9 +58,10 @@ class Tube:
 
     @cached_property
     def _inverse_frame(self) -> list[list[Fraction]]:
-        inverse = fmpq_mat([[fmpq(value.numerator, value.denominator) for value in row] for row in self.piece.frame])
-        rows = inverse.inv().tolist()
-        return [[Fraction(int(value.p), int(value.q)) for value in row] for row in rows]
+        rows = inverse(self.piece.frame)
+        if rows is None:
+            raise ZeroDivisionError(f"the frame of {self.piece.id} is singular")
+        return rows
 
     def local(self, run: Run, s: Fraction) -> list[arb]:
         """Enclosures of p_0, .., p_n of the curve at s, which lies in the run."""
