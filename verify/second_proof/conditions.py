@@ -1,13 +1,15 @@
-"""The conditions of Walawska and Wilczak on the tables of derivatives. README, sections 5 and 6."""
+"""The conditions of Walawska and Wilczak on tables of derivatives. README, sections 5 and 6."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import factorial
+from typing import Any
 
 from flint import arb
 
-from .jets import CannotFollow, Jet, eliminate, monomials
+from .jets import CannotFollow, Jet, implicit, monomials, substitute, unit, varying
 
 Vector = list[arb]
 
@@ -23,40 +25,28 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Table:
-    """A function of p: its jet up to order 2 at p = 0, and up to order 3 at every point of a box about 0."""
+    """A function: its jet at a point up to `order`, and up to order 3 at every point of a convex set around it."""
 
     centre: Jet
-    box: Jet
+    around: Jet
+    order: int
 
-    def jet(self, radii: Sequence[arb], degree: int = 3) -> Jet:
-        """Jets at all points with |p_j| <= radii_j, inside the box, by the mean value theorem. README, section 5."""
-        table = monomials(len(radii), 3)
-        coarse = monomials(len(radii), 2)
-
-        def entry(a: tuple[int, ...]) -> arb:
-            if sum(a) == 3:
-                value = self.box[table.index[a]]
-                return arb(0) if value is None else value
-            value = self.centre[coarse.index[a]]
-            total = arb(0) if value is None else value
-            for j, radius in enumerate(radii):
-                if not radius.is_zero():
-                    # The derivative of the coefficient of a in p_j is (a_j + 1) times that of a + e_j.
-                    above = tuple(c + (i == j) for i, c in enumerate(a))
-                    total = total + arb(0, radius.upper()) * (a[j] + 1) * entry(above)
-            return total
-
-        return [entry(a) for a in monomials(len(radii), degree).exponents]
-
-
-def combine(row: Sequence[arb], tables: Sequence[Table]) -> Table:
-    """The table of a linear combination."""
-
-    def total(jets: Sequence[Jet]) -> Jet:
-        columns = zip(*jets, strict=True)
-        return [sum((c * x for c, x in zip(row, column, strict=True) if x is not None), arb(0)) for column in columns]
-
-    return Table(total([t.centre for t in tables]), total([t.box for t in tables]))
+    def jet(self, reach: Sequence[arb]) -> Jet:
+        """Jets at all points centre + `reach`, in the set: mean value theorem. README, section 5."""
+        size = len(reach)
+        result: Jet = {}
+        for degree in range(4):
+            for a in monomials(size, degree):
+                value = self.around.get(a, arb(0))
+                if degree <= self.order:
+                    value = self.centre.get(a, arb(0))
+                    for j, change in enumerate(reach):
+                        # The derivative of the coefficient of a in p_j is (a_j + 1) times that of a + e_j.
+                        above = tuple(c + (i == j) for i, c in enumerate(a))
+                        if not change.is_zero():
+                            value = value + change * (a[j] + 1) * self.around.get(above, arb(0))
+                result[a] = value
+        return result
 
 
 def certain(condition: bool, name: str, says: str, **enclosures: arb) -> Hypothesis:
@@ -109,148 +99,79 @@ class Claim:
     radii: list[arb]
 
 
-@dataclass(frozen=True)
-class Conclusion:
-    """Hypotheses that hold, enclosures of the bifurcation point in p, and the side of the new orbits."""
+def conclude(claim: Claim) -> tuple[list[Hypothesis], Vector, str]:
+    """Every condition in turn, the bifurcation point in p, the side. Raises `CannotFollow` at the first that fails."""
+    radii, n, last, k = claim.radii, len(claim.radii) - 1, claim.iterates[-1], claim.k
+    none, whole, found = arb(0), [arb(0, r.upper()) for r in claim.radii], []
+    origin, centre, units = (0,) * (n + 1), [none] * (n + 1), [unit(n + 1, j) for j in range(n + 1)]
 
-    hypotheses: list[Hypothesis]
-    point: Vector
-    side: str
+    def check(condition: bool, name: str, says: str, **enclosures: arb) -> None:
+        found.append(certain(condition, name, says, **enclosures))
 
+    def slopes(table: Table) -> Vector:
+        jet = table.jet(whole)
+        return [jet[u] for u in units]
 
-def _linear(table: Table, radii: Sequence[arb]) -> Vector:
-    return table.jet(radii, 1)[1:]
-
-
-def conclude(claim: Claim) -> Conclusion:
-    """Check every condition in turn. Raises `CannotFollow` at the first that is not certain."""
-    radii, n = claim.radii, len(claim.iterates[0])
-    zero = arb(0)
-    found: list[Hypothesis] = []
-    only_p0 = [radii[0]] + [zero] * n
-    last = claim.iterates[-1]
-    slopes = {i: [_linear(table, radii) for table in tables] for i, tables in enumerate(claim.iterates, 1)}
-
-    # HC2: p_2^H over P_0 x P_1.
-    reach = [*radii[:2], zero]
-    p2, p2_centre = zero, zero
+    p2, p2_centre = none, none
     if n == 2:
-        steep = slopes[claim.k][1][2]
-        p2 = -last[1].jet(reach, 0)[0] / steep
-        p2_centre = -last[1].jet([zero] * 3, 0)[0] / steep
-        found.append(
-            certain(
-                nonzero(steep) and inside(p2, radii[2]),
-                "HC2",
-                "pi_q2 P^k = 0 has one solution p_2^H in P_2, inside it, over P_0 x P_1",
-                p2=p2,
-                slope=steep,
-                P2=radii[2],
-            )
-        )
-
-    # The family.
+        steep = slopes(last[1])[2]
+        p2 = -last[1].jet([*whole[:2], none])[origin] / steep
+        p2_centre = -last[1].jet(centre)[origin] / steep
+        says = "pi_q2 P^k = 0 has one solution p_2^H in P_2, inside it, over P_0 x P_1"
+        check(nonzero(steep) and inside(p2, radii[2]), "HC2", says, p2=p2, slope=steep, P2=radii[2])
     if claim.breaking:
-        family = [zero, p2][:n]
-        drift = [zero]
-        found.append(certain(True, "family", "the doubly symmetric points are p_1 = 0, p_2 = p_2^H(p_0, 0)", p1=zero))
+        family, drift = [none, p2][:n], none
+        check(True, "family", "the doubly symmetric points are p_1 = 0, p_2 = p_2^H(p_0, 0)", p1=none)
     else:
-        first = claim.iterates[0]
-        matrix = [row[1:] for row in slopes[1]]
-        family = [-c for c in solve(matrix, [table.jet(only_p0, 0)[0] for table in first])]
-        found.append(
-            certain(
-                all(inside(c, r) for c, r in zip(family, radii[1:], strict=True)),
-                "family",
-                "interval Newton: pi_q P = 0 has one solution (p_1, p_2)(p_0), inside, over P_0",
-                **{f"p{j}": c for j, c in enumerate(family, 1)},
-            )
-        )
-        drift = [-c for c in solve(matrix, [row[0] for row in slopes[1]])]
-        for i in range(1, claim.k):
-            whole = determinant([row[1:] for row in slopes[i]])
-            found.append(
-                certain(
-                    nonzero(whole),
-                    f"regular-{i}",
-                    f"every matrix in the enclosure of D_p pi_q P^{i} is regular",
-                    determinant=whole,
-                )
-            )
+        first = [slopes(table) for table in claim.iterates[0]]
+        across = [row[1:] for row in first]
+        family = [-c for c in solve(across, [t.jet([whole[0], *centre[1:]])[origin] for t in claim.iterates[0]])]
+        says = "interval Newton: pi_q P = 0 has one solution (p_1, p_2)(p_0), inside, over P_0"
+        enclosures = {f"p{j}": c for j, c in enumerate(family, 1)}
+        check(all(inside(c, r) for c, r in zip(family, radii[1:], strict=True)), "family", says, **enclosures)
+        drift = -solve(across, [row[0] for row in first])[0]
+        for i in range(1, k):
+            value = determinant([slopes(table)[1:] for table in claim.iterates[i - 1]])
+            says = f"every matrix in the enclosure of D_p pi_q P^{i} is regular"
+            check(nonzero(value), f"regular-{i}", says, determinant=value)
 
-    # The bifurcation function G and the first integral K over P_0 x P_1, by Lyapunov-Schmidt reduction.
-    def reduced(spread: Sequence[arb]) -> tuple[Jet, Jet]:
-        jets = [last[0].jet(spread), claim.integral.jet(spread)]
+    def reduced(reach: Sequence[arb]) -> tuple[Jet, Jet]:
+        """Partial derivatives of the bifurcation function G and of K in (p_0, p_1), by Lyapunov-Schmidt reduction."""
+        jets = [last[0].jet(reach), claim.integral.jet(reach)]
         if n == 2:
-            jets = eliminate(monomials(3, 3), last[1].jet(spread), jets)
-        full = monomials(2, 3)
-        scaled = []
-        for jet in jets:
-            weights = [_factorial(a[0]) * _factorial(a[1]) for a in full.exponents]
-            scaled.append([arb(0) if c is None else c * w for c, w in zip(jet, weights, strict=True)])
-        return scaled[0], scaled[1]
+            inner = [{unit(2, i): arb(1)} for i in range(2)] + implicit([last[1].jet(reach)], 2, 3)
+            jets = [substitute(varying(jet), inner, (0, 0), 3) for jet in jets]
+        zero = {a: none for degree in range(4) for a in monomials(2, degree)}
+        g, h = ({a: factorial(a[0]) * factorial(a[1]) * c for a, c in {**zero, **jet}.items()} for jet in jets)
+        return g, h
 
-    index = monomials(2, 3).index
-    g, h = reduced(radii)
-    at_centre, _ = reduced([zero, zero, p2_centre.abs_upper()][: n + 1])
-    g00, g01, g11 = (g[index[a]] for a in ((2, 0), (1, 1), (0, 2)))
-    g111 = g[index[0, 3]]
-    p1 = arb(0, radii[1])
-    found.append(
-        certain(inside(family[0], radii[1]), "HC2-family", "p_1(P_0) lies in the interior of P_1", p1=family[0])
-    )
+    g, h = reduced(whole)
+    g_centre, _ = reduced([none, none, arb(0, p2_centre.abs_upper())][: n + 1])
+    g_01, g_11, g_111 = g[1, 1], g[0, 2], g[0, 3]
+    check(inside(family[0], radii[1]), "HC2-family", "p_1(P_0) lies in the interior of P_1", p1=family[0])
 
-    # HC3: the second curve.
-    g_0 = g01 + g11 * drift[0] / 2
+    def g_over(p1: arb) -> Any:
+        return g_centre[0, 1] + g_centre[0, 2] * p1 + g_111 * p1 * p1 / 2
 
-    def g_over(p1: arb) -> arb:
-        value: arb = at_centre[index[0, 1]] + at_centre[index[0, 2]] * p1 + g111 * p1 * p1 / 2
-        return value
-
-    g_at = g_over(p1)
+    g_0, g_at = g_01 + g_11 * drift / 2, g_over(whole[1])
     p0 = -g_at / g_0
-    found.append(
-        certain(
-            nonzero(g_0) and inside(p0, radii[0]),
-            "HC3",
-            "interval Newton: g = 0 has one solution p_0(p_1), inside P_0, for each p_1 in P_1",
-            g_0=g_0,
-            g=g_at,
-            p0=p0,
-            P0=radii[0],
-        )
-    )
-
-    # HC4: they cross once.
-    crossing = g01 + g11 * drift[0]
-    found.append(certain(nonzero(crossing), "HC4", "G_01 + G_11 p_1' is not zero", value=crossing))
-
-    # The parameter.
-    h0, h1 = h[index[1, 0]], h[index[0, 1]]
-    plain = claim.integral.jet(radii, 1)[1]
-    found.append(certain(nonzero(plain), "dH/dp_0", "the first integral can replace p_0", value=plain))
-    h_fp = h0 + h1 * drift[0]
-    found.append(certain(nonzero(h_fp), "h_fp'", "the family is a graph over the first integral", value=h_fp))
-    p0_1 = -(g11 / 2) / (g01 + g11 * drift[0] / 2)
-    if claim.k % 2 and claim.k > 1:
-        slope = h0 * p0_1 + h1
-        found.append(certain(nonzero(slope), "h_b'", "the branch is a graph over the first integral", value=slope))
-        side = "both"
+    says = "interval Newton: g = 0 has one solution p_0(p_1), inside P_0, for each p_1 in P_1"
+    check(nonzero(g_0) and inside(p0, radii[0]), "HC3", says, g_0=g_0, g=g_at, p0=p0, P0=radii[0])
+    crossing = g_01 + g_11 * drift
+    check(nonzero(crossing), "HC4", "G_01 + G_11 p_1' is not zero", value=crossing)
+    plain, h_fp = slopes(claim.integral)[0], h[1, 0] + h[0, 1] * drift
+    check(nonzero(plain), "dH/dp_0", "the first integral can replace p_0", value=plain)
+    check(nonzero(h_fp), "h_fp'", "the family is a graph over the first integral", value=h_fp)
+    slope = -(g_11 / 2) / g_0
+    if k % 2 and k > 1:
+        rise, side = h[1, 0] * slope + h[0, 1], "both"
+        check(nonzero(rise), "h_b'", "the branch is a graph over the first integral", value=rise)
     else:
-        p0_2 = -(((g[index[3, 0]] * p0_1 + 3 * g[index[2, 1]]) * p0_1 + 3 * g[index[1, 2]]) * p0_1 + g111) / (
-            3 * (g01 + g00 * p0_1)
-        )
-        bend = (h[index[2, 0]] * p0_1 + 2 * h[index[1, 1]]) * p0_1 + h[index[0, 2]] + h0 * p0_2
-        found.append(
-            certain(
-                nonzero(bend), "h_b''", "the first integral has a strict extremum on the branch", value=bend, slope=p0_1
-            )
-        )
+        numerator = ((g[3, 0] * slope + 3 * g[2, 1]) * slope + 3 * g[1, 2]) * slope + g_111
+        second = -numerator / (3 * (g_01 + g[2, 0] * slope))
+        bend = (h[2, 0] * slope + 2 * h[1, 1]) * slope + h[0, 2] + h[1, 0] * second
         side = "above" if bend > 0 else "below"
+        says = "the first integral has a strict extremum on the branch"
+        check(nonzero(bend), "h_b''", says, value=bend, slope=slope)
     # x* lies on the branch and on the family, so p_0* = p_0(p_1*) with p_1* in p_1(P_0).
-    point = [-g_over(family[0]) / g_0, *family]
-    return Conclusion(found, point, side)
-
-
-def _factorial(number: int) -> int:
-    return 1 if number < 2 else number * _factorial(number - 1)
+    return found, [-g_over(family[0]) / g_0, *family], side

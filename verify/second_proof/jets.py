@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cache
 from itertools import product
 from typing import Any
 
-from flint import acb, arb, arb_series, ctx, fmpq
+from flint import acb, arb, arb_mat, arb_series, ctx, fmpq
 
 from .statement import Program
 
-Jet = list[Any]
-"""Coefficients by monomial, in the order of `Monomials.exponents`; None is an exact zero."""
+Exponents = tuple[int, ...]
+Jet = dict[Exponents, Any]
+"""Coefficients by exponents; one that is absent is an exact zero."""
 
 
 class CannotFollow(Exception):
@@ -38,175 +38,149 @@ def ball(value: Fraction) -> arb:
     return arb(fmpq(value.numerator, value.denominator))
 
 
-@dataclass(frozen=True)
-class Monomials:
-    """The monomials of degree <= `degree` in `variables` variables, by degree, the constant first."""
-
-    variables: int
-    degree: int
-
-    @cached_property
-    def exponents(self) -> tuple[tuple[int, ...], ...]:
-        """Exponents of each monomial."""
-        every = product(range(self.degree + 1), repeat=self.variables)
-        return tuple(sorted((a for a in every if sum(a) <= self.degree), key=lambda a: (sum(a), a[::-1])))
-
-    @cached_property
-    def index(self) -> Mapping[tuple[int, ...], int]:
-        """Place of each monomial."""
-        return {a: i for i, a in enumerate(self.exponents)}
-
-    @cached_property
-    def factors(self) -> tuple[tuple[tuple[int, int], ...], ...]:
-        """For each monomial all ordered pairs of monomials whose product it is."""
-        pairs: list[list[tuple[int, int]]] = [[] for _ in self.exponents]
-        for (i, a), (j, b) in product(enumerate(self.exponents), repeat=2):
-            if sum(a) + sum(b) <= self.degree:
-                pairs[self.index[tuple(map(sum, zip(a, b, strict=True)))]].append((i, j))
-        return tuple(map(tuple, pairs))
-
-    def constant(self, value: Any) -> Jet:
-        """A constant."""
-        return [value] + [None] * (len(self.exponents) - 1)
-
-    def linear(self, value: Any, slopes: Sequence[Any]) -> Jet:
-        """value + sum of slopes times variables; a slope None is zero."""
-        jet = self.constant(value)
-        jet[1 : 1 + self.variables] = slopes
-        return jet
-
-    def multiply(self, left: Jet, right: Jet) -> Jet:
-        """The truncated product."""
-        result: Jet = []
-        for pairs in self.factors:
-            total = None
-            for i, j in pairs:
-                if left is right and i > j:
-                    continue
-                if left[i] is not None and right[j] is not None:
-                    term = left[i] * right[j]
-                    if left is right and i < j:
-                        term = term + term
-                    total = term if total is None else total + term
-            result.append(total)
-        return result
-
-    def compose(self, derivatives: Sequence[Any], inner: Jet) -> Jet:
-        """The sum over j of derivatives[j] times (inner without its constant) to the power j."""
-        small = [None, *inner[1:]]
-        result, power = self.constant(derivatives[0]), self.constant(arb(1))
-        for factor in derivatives[1 : self.degree + 1]:
-            power = self.multiply(power, small)
-            result = add(result, [None if c is None else factor * c for c in power])
-        return result
-
-    def power(self, base: Jet, exponent: Fraction) -> Jet:
-        """base to an exponent with denominator 1 or 2."""
-        head = base[0]
-        if exponent.denominator == 2 or exponent < 0:
-            root = _inverse_root(head) if exponent.denominator == 2 else None
-            inverse = 1 / head if root is None else root * root
-            if not _finite(inverse):
-                raise CannotFollow("division by an enclosure that contains zero")
-        steps: list[Any] = []
-        weight = Fraction(1)
-        for j in range(self.degree + 1):
-            order = exponent - j
-            if order.denominator == 2:
-                value = _whole_power(root, -2 * order) if order < 0 else _whole_power(head * root, 2 * order)
-            else:
-                value = _whole_power(inverse, -order) if order < 0 else _whole_power(head, order)
-            steps.append(ball(weight) * value)
-            weight *= order / (j + 1)
-            if weight == 0:
-                break
-        return self.compose(steps, base)
+@cache
+def monomials(variables: int, degree: int) -> tuple[Exponents, ...]:
+    """Exponents of all monomials of exactly this degree."""
+    return tuple(a for a in product(range(degree + 1), repeat=variables) if sum(a) == degree)
 
 
-monomials = lru_cache(maxsize=None)(Monomials)
+@cache
+def unit(variables: int, place: int) -> Exponents:
+    """Exponents of one variable."""
+    return tuple(int(i == place) for i in range(variables))
 
 
-def _whole_power(base: Any, exponent: Fraction) -> Any:
-    result = base
-    for _ in range(int(exponent) - 1):
-        result = result * base
-    return result if exponent else arb(1)
+@cache
+def _joined(a: Exponents, b: Exponents) -> tuple[Exponents, int]:
+    joined = tuple(i + j for i, j in zip(a, b, strict=True))
+    return joined, sum(joined)
 
 
-def _finite(value: Any) -> bool:
-    return all(c.is_finite() for c in value.coeffs()) if isinstance(value, arb_series) else bool(value.is_finite())
+def add(left: Jet, right: Jet) -> Jet:
+    """left + right."""
+    return {**left, **{a: left[a] + c if a in left else c for a, c in right.items()}}
 
 
-def _inverse_root(value: Any) -> Any:
-    """1/sqrt on the right half plane, where the principal root is analytic; elsewhere it is refused."""
-    first = value[0] if isinstance(value, arb_series) else value.real if isinstance(value, acb) else value
-    if not first > 0:
-        raise CannotFollow("the root of an enclosure that is not certainly positive")
-    return value.rsqrt()
+def scale(factor: Any, jet: Jet) -> Jet:
+    """A number times a jet."""
+    return {a: factor * c for a, c in jet.items()}
 
 
-def add(left: Jet, right: Jet, sign: int = 1) -> Jet:
-    """left + right, or left - right for `sign` -1."""
-    result: Jet = []
-    for a, b in zip(left, right, strict=True):
-        if b is None:
-            result.append(a)
-        elif a is None:
-            result.append(b if sign > 0 else -b)
-        else:
-            result.append(a + b if sign > 0 else a - b)
+def varying(jet: Jet) -> Jet:
+    """The jet without its constant."""
+    return {a: c for a, c in jet.items() if any(a)}
+
+
+def combine(factors: Sequence[Any], jets: Sequence[Jet]) -> Jet:
+    """A linear combination."""
+    total: Jet = {}
+    for factor, jet in zip(factors, jets, strict=True):
+        total = add(total, scale(factor, jet))
+    return total
+
+
+def multiply(left: Jet, right: Jet, degree: int) -> Jet:
+    """The product, truncated after `degree`."""
+    result: Jet = {}
+    for i, (a, x) in enumerate(left.items()):
+        for j, (b, y) in enumerate(right.items()):
+            joined, order = _joined(a, b)
+            if order > degree or (left is right and j < i):
+                continue
+            term = x * y
+            if left is right and j > i:
+                term = term + term
+            result[joined] = result[joined] + term if joined in result else term
     return result
 
 
-def evaluate(text: Program, table: Monomials, inputs: Mapping[str, Jet]) -> list[Jet]:
+def power(base: Jet, exponent: Fraction, degree: int) -> Jet:
+    """base to an exponent with denominator 1 or 2. README, Lemma 1."""
+    zero = next(iter(base))
+    zero = tuple(0 for _ in zero)
+    if exponent.denominator == 1 and exponent >= 0:
+        result: Jet = {zero: arb(1)}
+        for _ in range(int(exponent)):
+            result = multiply(result, base, degree)
+        return result
+    head = base.get(zero, arb(0))
+    if exponent.denominator == 2:
+        # The principal root is analytic on the right half plane.
+        first = head[0] if isinstance(head, arb_series) else head.real if isinstance(head, acb) else head
+        if not first > 0:
+            raise CannotFollow("the root of an enclosure that is not certainly positive")
+        root = head.rsqrt()
+        inverse, base_root = root * root, root if exponent < 0 else head * root
+        value, times = base_root, int(2 * abs(exponent))
+    else:
+        first = head[0] if isinstance(head, arb_series) else head
+        if first.contains(0):
+            raise CannotFollow("division by an enclosure that contains zero")
+        base_root = value = inverse = 1 / head
+        times = int(-exponent)
+    for _ in range(times - 1):
+        value = value * base_root
+    small, result, ascent = varying(base), {zero: value}, {zero: arb(1)}
+    for j in range(degree):
+        value = value * inverse * ball((exponent - j) / (j + 1))
+        ascent = multiply(ascent, small, degree)
+        result = add(result, scale(value, ascent))
+    return result
+
+
+def evaluate(text: Program, inputs: Mapping[str, Jet], zero: Exponents, degree: int) -> list[Jet]:
     """The outputs of a program on jets: by induction over its lines each encloses the jet of that line."""
     values: list[Jet] = []
-    for line in text.lines:
-        sides = [values[i] for i in line.operands]
-        match line.operation:
+    for operation, operands, value, name in text.lines:
+        sides = [values[i] for i in operands]
+        match operation:
             case "name":
-                values.append(inputs[line.name])
+                values.append(inputs[name])
             case "constant":
-                values.append(table.constant(ball(line.value)))
+                values.append({zero: ball(value)})
             case "+":
                 values.append(add(sides[0], sides[1]))
             case "-":
-                values.append(add(sides[0], sides[1], -1))
+                values.append(add(sides[0], scale(-1, sides[1])))
             case "*":
-                values.append(table.multiply(sides[0], sides[1]))
+                values.append(multiply(sides[0], sides[1], degree))
             case "/":
-                values.append(table.multiply(sides[0], table.power(sides[1], Fraction(-1))))
+                values.append(multiply(sides[0], power(sides[1], Fraction(-1), degree), degree))
             case _:
-                values.append(table.power(sides[0], line.value))
-    return [table.constant(None) if i is None else values[i] for i in text.outputs]
+                values.append(power(sides[0], value, degree))
+    return [{} if i is None else values[i] for i in text.outputs]
 
 
-def eliminate(table: Monomials, equation: Jet, functions: Sequence[Jet]) -> list[Jet]:
-    """Functions of the first variables once the last one follows from equation = 0. README, section 5.
-
-    The constant coefficient of the equation is not used: it is zero at the points that the jets are about.
-    """
-    smaller = monomials(table.variables - 1, table.degree)
-    unit = table.index[(*[0] * (table.variables - 1), 1)]
-    if equation[unit] is None or not (equation[unit] < 0 or equation[unit] > 0):
-        raise CannotFollow("the derivative in an implicit equation is not certainly different from zero")
-    last: Jet = smaller.constant(None)
-    for _ in range(table.degree):
-        rest = substitute(table, [None if i in (0, unit) else c for i, c in enumerate(equation)], last)
-        last = [None if c is None else -c / equation[unit] for c in rest]
-    return [substitute(table, function, last) for function in functions]
-
-
-def substitute(table: Monomials, function: Jet, last: Jet) -> Jet:
-    """A jet whose last variable is replaced by a jet, without constant coefficient, in the others."""
-    smaller = monomials(table.variables - 1, table.degree)
-    result: Jet = smaller.constant(None)
-    power = smaller.constant(arb(1))
-    for order in range(table.degree + 1):
-        part: Jet = smaller.constant(None)
-        for i, a in enumerate(table.exponents):
-            if a[-1] == order:
-                part[smaller.index[a[:-1]]] = function[i]
-        result = add(result, smaller.multiply(part, power))
-        power = smaller.multiply(power, last)
+def substitute(jet: Jet, inner: Sequence[Jet], zero: Exponents, degree: int) -> Jet:
+    """A jet whose variables are replaced by jets without constant."""
+    powers = [[{zero: arb(1)}] for _ in inner]
+    for ladder, value in zip(powers, inner, strict=True):
+        for _ in range(degree):
+            ladder.append(multiply(ladder[-1], value, degree))
+    result: Jet = {}
+    for a, c in jet.items():
+        term: Jet = {zero: c}
+        for ladder, e in zip(powers, a, strict=True):
+            if e:
+                term = multiply(ladder[e], term, degree)
+        result = add(result, term)
     return result
+
+
+def implicit(equations: Sequence[Jet], size: int, degree: int) -> list[Jet]:
+    """The jets, without constant, of u(v) with E(v, u) = 0, `size` variables v. README, section 2.
+
+    Constants of the equations are not used: they are zero at the points that the jets are about.
+    """
+    count = len(equations)
+    units = [unit(size + count, size + i) for i in range(count)]
+    # The inverse of a matrix of balls contains the inverses of all its matrices, or there is an exception.
+    inverse = arb_mat([[e.get(a, arb(0)) for a in units] for e in equations]).inv().tolist()
+    rest = [{a: -c for a, c in varying(e).items() if a not in units} for e in equations]
+    zero = tuple(0 for _ in range(size))
+    variables: list[Jet] = [{unit(size, i): arb(1)} for i in range(size)]
+    found: list[Jet] = [{} for _ in range(count)]
+    for _ in range(degree):
+        values = [substitute(e, [*variables, *found], zero, degree) for e in rest]
+        found = [combine(row, values) for row in inverse]
+    return found

@@ -22,45 +22,37 @@ class BadCertificate(ValueError):
 
 
 @dataclass(frozen=True)
-class Instruction:
-    """One line of a program: `operation` is ``name``, ``constant``, ``+``, ``-``, ``*``, ``/`` or ``**``.
+class Program:
+    """A straight-line program; an output None is the constant 0.
 
-    `operands` are numbers of earlier lines, `value` is a constant or the exponent of a power.
+    Attributes:
+        lines: operation (``name``, ``constant``, ``+``, ``-``, ``*``, ``/``, ``**``), numbers of earlier lines,
+            constant or exponent, name.
     """
 
-    operation: str
-    operands: tuple[int, ...] = ()
-    value: Fraction = Fraction(0)
-    name: str = ""
-
-
-@dataclass(frozen=True)
-class Program:
-    """A straight-line program; an output None is the constant 0."""
-
-    lines: tuple[Instruction, ...]
+    lines: tuple[tuple[str, tuple[int, ...], Fraction, str], ...]
     outputs: tuple[int | None, ...]
 
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs in their order."""
-        return tuple(line.name for line in self.lines if line.operation == "name")
+        return tuple(name for operation, _, _, name in self.lines if operation == "name")
 
     def parities(self, signs: Mapping[str, int]) -> list[int | None]:
         """For each output 1 if it is even, -1 if it is odd under the sign changes of the inputs, None if unknown."""
         found: list[int | None] = []
-        for line in self.lines:
-            sides = [found[i] for i in line.operands]
-            if line.operation in ("name", "constant"):
-                found.append(signs.get(line.name, 1))
+        for operation, operands, value, name in self.lines:
+            sides = [found[i] for i in operands]
+            if operation in ("name", "constant"):
+                found.append(signs.get(name, 1))
             elif None in sides:
                 found.append(None)
-            elif line.operation in "+-":
+            elif operation in "+-":
                 found.append(sides[0] if sides[0] == sides[1] else None)
-            elif line.operation in "*/":
+            elif operation in "*/":
                 found.append(1 if sides[0] == sides[1] else -1)
-            elif sides[0] == 1 or line.value.denominator == 1:
-                found.append(1 if sides[0] == 1 or line.value.numerator % 2 == 0 else -1)
+            elif sides[0] == 1 or value.denominator == 1:
+                found.append(1 if sides[0] == 1 or value.numerator % 2 == 0 else -1)
             else:
                 found.append(None)
         return [None if i is None else found[i] for i in self.outputs]
@@ -107,7 +99,7 @@ def program(text: object, field: str) -> Program:
     if not isinstance(text, str):
         raise BadCertificate(f"{field}: not a program")
     *body, last = text.split("\n")
-    lines: list[Instruction] = []
+    lines: list[tuple[str, tuple[int, ...], Fraction, str]] = []
     for number, row in enumerate(body):
         match = _LINE.match(row)
         operands = tuple(int(match[key]) for key in ("left", "right") if match[key]) if match else ()
@@ -115,7 +107,7 @@ def program(text: object, field: str) -> Program:
             raise BadCertificate(f"{field}: line {number + 1} is no operation on earlier lines")
         operation = "**" if match["power"] else match["sign"] or ("constant" if match["constant"] else "name")
         value = Fraction(match["power"] or match["constant"] or 0)
-        lines.append(Instruction(operation, operands, value, match["name"] or ""))
+        lines.append((operation, operands, value, match["name"] or ""))
     outputs = re.fullmatch(r"return (v[0-9]+(?:, v[0-9]+)*)", last)
     if outputs is None or any(int(v[1:]) >= len(lines) for v in outputs[1].split(", ")):
         raise BadCertificate(f"{field}: the last line returns no earlier lines")
@@ -151,7 +143,7 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
         state, reversing = (*state, free[0]), (*reversing, 1)
         symmetry = None if symmetry is None else (*symmetry, 1)
         field = Program(field.lines, (*field.outputs, None))
-        integral = Program((Instruction("name", name=free[0]),), (0,))
+        integral = Program((("name", (), Fraction(0), free[0]),), (0,))
     elif not free:
         integral = program(words.get("first_integral"), "statement.first_integral")
     else:
