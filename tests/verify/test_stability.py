@@ -19,8 +19,9 @@ from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
 
 from orbitproof.shared.formats.atlas import Atlas, read_atlas
-from orbitproof.shared.formats.pieces import Piece
+from orbitproof.shared.formats.pieces import Piece, piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems.system import CR3BP
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Series
 from orbitproof.verify.algebra.wide import WideArithmetic
@@ -331,7 +332,7 @@ def test_the_list_of_the_falkner_skan_family_is_complete() -> None:
     (touch_and_go,) = [point for point in found["points"] if point["k"] == 3]
     assert "453.44258" in touch_and_go["level"]["decimal"]
     assert "1:11 (j = 5)" in document["statement"]
-    assert "between these points" in document["statement"]
+    assert "and no others are" in document["statement"]
 
 
 def test_lower_orders_are_a_part_of_the_list() -> None:
@@ -385,6 +386,23 @@ def test_certificates_are_matched_by_where_they_are() -> None:
     for k, s in ((4, place), (3, place + 1e-3)):
         with pytest.raises(EmptyIntersectionError):
             complete_list(atlas(), chain, results(), 4, [certified(k, s)])
+    assert complete_list(atlas(), chain, results(), 3, [certified(4, place)]).points
+
+
+@pytest.mark.parametrize("other_point", [True, False])
+def test_doubling_is_certified_at_the_point_of_the_orbit_where_it_is_found(other_point: bool) -> None:
+    outcome = conclude(atlas(), results()).outcome
+    assert isinstance(outcome, Proved)
+    chain = outcome.results.chain
+    (at,) = [point for point in complete_list(atlas(), chain, results(), 2).points if point.k == 2]
+    assert at.kind == "doubling at this point"
+    place = Place(at.piece, at.s, False, other_point)
+    entry = Bifurcation("row", "period_tupling", 2, place, "", {})
+    if other_point:
+        with pytest.raises(EmptyIntersectionError):
+            complete_list(atlas(), chain, results(), 2, [entry])
+    else:
+        assert complete_list(atlas(), chain, results(), 2, [entry]).points[0].certificates == ("row",)
 
 
 # Forgeries
@@ -478,3 +496,105 @@ def confirming(found: Results) -> Results:
         for part in parts:
             part["error"] = format_exact(parse_exact(part["error"]) / 4)
     return entries
+
+
+# The CR3BP
+
+
+def monodromy(state: Any, mu: float, times: Any) -> Any:
+    """The derivative of the flow, shape (6, 6, points), and the states there, by complex steps of an integrator."""
+    step = 1e-30
+    number = state.shape[1]
+    start = np.repeat(state[:, None, :], 6, axis=1).astype(complex)
+    for column in range(6):
+        start[column, column] += 1j * step
+
+    def field(_: float, flat: Any) -> Any:
+        values = CR3BP.vector_field(list(flat.reshape(6, 6, number)), [mu])
+        return (np.array(values) * times).ravel()
+
+    end = (
+        solve_ivp(field, (0, 1), start.ravel(), "DOP853", (1.0,), rtol=3e-14, atol=1e-16).y[:, -1].reshape(start.shape)
+    )
+    return end.imag / step, end[:, 0].real
+
+
+def on_section(derivative: Any, state: Any, mu: float) -> Any:
+    """Derivatives of the point where the orbits meet y = 0."""
+    velocity = np.array(CR3BP.vector_field(list(state), [mu]))
+    return derivative - velocity[:, None] * (derivative[1] / velocity[1])[None]
+
+
+def invariants(matrix: Any) -> tuple[Any, Any, Any]:
+    """Trace, sum of the principal minors of order 2, determinant; shape (n, n, points)."""
+    stacked = np.moveaxis(matrix, -1, 0)
+    trace = np.trace(stacked, axis1=1, axis2=2)
+    second = (trace**2 - np.trace(stacked @ stacked, axis1=1, axis2=2)) / 2
+    return trace, second, np.linalg.det(stacked)
+
+
+def independent_coefficients(points: Any, mu: float, half_periods: Any) -> list[tuple[Any, Any]]:
+    """a_1 and a_2, from D(P^2) on Fix(R), and from 1 + 2 B^T C in canonical coordinates on the level."""
+    state = np.zeros((6, points.shape[1]))
+    state[[0, 2, 4]] = points
+    whole, there = monodromy(state, mu, 2 * half_periods)
+    return_map = on_section(whole, there, mu)[np.ix_([0, 2, 4], [0, 2, 4])]
+    trace, second, _ = invariants(return_map)
+    first_way = trace - 1, second - (trace - 1)
+    half, there = monodromy(state, mu, half_periods)
+    half = on_section(half, there, mu)
+    integral = CR3BP.first_integral
+    assert integral is not None
+    gradient = [
+        integral([*(state[:i] + 0j), state[i] + 1e-30j, *(state[i + 1 :] + 0j)], [mu])[0].imag / 1e-30 for i in (0, 2)
+    ]
+    block_b = half[np.ix_([0, 2], [3, 5])]
+    block_c = np.stack(
+        [
+            half[[3, 5], i] + half[[3, 5], 4] * (slope_ / (2 * state[4]))
+            for i, slope_ in zip((0, 2), gradient, strict=True)
+        ],
+        axis=1,
+    )
+    sigma = np.eye(2)[:, :, None] + 2 * np.einsum("kip,kjp->ijp", block_b, block_c)
+    return [first_way, invariants(sigma)[:2]]
+
+
+PIECES: dict[str, Any] = json.loads((DATA / "branch-pieces.json").read_text())
+
+
+def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: PieceLimits, number: int) -> None:
+    entry = PIECES[name]
+    piece = piece_from_json(entry["piece"], CR3BP, "piece")
+    assert isinstance(piece, Piece)
+    parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
+    coordinates = "regularised" if name == "regularised" else "physical"
+    found = orbit_functions(CR3BP, parameters, piece, interval, limits, coordinates, "S").to_json()
+    source = np.random.default_rng(2)
+    start, end = interval
+    s = source.uniform(float(start), float(end), number)
+    middle, radius = float(start + end) / 2, float(end - start) / 2 * float(REACH)
+    taus = [arb(float(value)) for value in (s - middle) / radius]
+    points = np.array([[float(value) for value in piece.point(Fraction(x))] for x in s]).T
+    periods = np.array([float(function_from_json(found["half_period"]).value(tau)) for tau in taus])
+    for coefficients in independent_coefficients(points, float(parameters["mu"]), periods):
+        for stored, values in zip(found["characteristic"], coefficients, strict=True):
+            function_ = function_from_json(stored)
+            scale = max(1.0, float(np.max(np.abs(values))))
+            for tau, value in zip(taus, values, strict=True):
+                enclosure = function_.value(tau)
+                assert (enclosure + arb(0, 1e-6 * scale)).contains(arb(value))
+                assert float(enclosure.rad()) < 1e-3 * scale
+
+
+@pytest.mark.parametrize("name", ["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])
+def test_sigma_of_halo_orbits_contains_independent_monodromy(name: str) -> None:
+    """In both coordinates, with 0 of a symmetric piece inside; D(P^2) on Fix(R), and 1 + 2 B^T C."""
+    interval = (Fraction(-1, 8), Fraction(1, 8)) if name == "symmetric" else (Fraction(5, 16), Fraction(3, 8))
+    check_three_body(name, interval, PieceLimits(72, 28, 14), 50)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["symmetric", "regularised"])
+def test_sigma_of_whole_pieces_contains_independent_monodromy(name: str) -> None:
+    check_three_body(name, (Fraction(-1), Fraction(1)), PieceLimits(96, 40, 48), 1000)

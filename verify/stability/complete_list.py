@@ -85,7 +85,9 @@ class Segment:
 
     @property
     def meets_symmetric_point(self) -> int:
-        """-1 or 1 if the segment begins or ends at tau = 0 of a symmetric piece, as the caller knows; else 0."""
+        """-1 or 1 if the segment of a symmetric piece begins or ends at s = 0 = tau; else 0."""
+        if self.middle:
+            return 0
         return -1 if self.start == 0 else 1 if self.end == 0 else 0
 
 
@@ -211,7 +213,8 @@ def complete_list(
             gaps += finder.gaps
     listed = tuple(sorted(points, key=lambda entry: (entry.stretch, ends_of(entry.s)[0])))
     gaps.sort(key=lambda gap: (gap.stretch, gap.start))
-    return CompleteList(order, _with_certificates(listed, gaps, bifurcations), tuple(gaps), tuple(segments))
+    within = [entry for entry in bifurcations if entry.k <= order]
+    return CompleteList(order, _with_certificates(listed, gaps, within), tuple(gaps), tuple(segments))
 
 
 def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, Any]]) -> tuple[list[Segment], list[Gap]]:
@@ -233,7 +236,7 @@ def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, An
                 known.append((low, high, entry, mirrored))
     segments: list[Segment] = []
     gaps: list[Gap] = []
-    reached, first = stretch.enters, True
+    reached = stretch.enters
     while reached < stretch.leaves:
         here = [item for item in known if item[0] <= reached < item[1]]
         if not here:
@@ -243,9 +246,9 @@ def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, An
         else:
             low, high, entry, mirrored = max(here, key=lambda item: item[1])
             end = min(high, stretch.leaves)
-            entered = min(max(reached, stretch.entered), end) if first else reached
+            entered = min(max(reached, stretch.entered), end)
             segments.append(_segment(number, (reached, entered, end), (low, high), entry, mirrored))
-        reached, first = end, False
+        reached = end
     return segments, gaps
 
 
@@ -378,6 +381,8 @@ def _with_certificates(
         ]
         if len(here) == 1:
             found = result[here[0]]
+            if found.kind == (HERE if place.other_point else THERE):
+                raise EmptyIntersectionError(f"{entry.id} is certified at one point of the orbit, found at the other")
             result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))
         elif not here and not _in_gap(place.piece, place.s, gaps):
             raise EmptyIntersectionError(f"{entry.id} is certified on the curve, but is no zero of its characteristic")

@@ -31,8 +31,11 @@ _MOST = 2**200
 
 def known_part(element: Series, monomial: int) -> list[Fraction]:
     """The coefficients in sigma of a monomial of an element that does not depend on theta."""
+    coefficients = element.coefs[monomial].coeffs()
+    if len(coefficients) > element.arithmetic.width + 1:
+        raise ValueError("the element depends on theta")
     scale = Fraction(1, 2 ** element.arithmetic.scales[monomial])
-    return [int(value) * scale for value in element.coefs[monomial].coeffs()]
+    return [int(value) * scale for value in coefficients]
 
 
 def function(arithmetic: WideArithmetic, coefficients: Sequence[Fraction], error: Fraction) -> Series:

@@ -59,11 +59,11 @@ def statement(
 
 def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]) -> list[str]:
     lines = []
-    rest = "No other orbit of the curve is, but for the places named below" if unknown else "No other orbit is"
+    rest = "and of the others, but for the places named below, none is" if unknown else "and no others are"
     if stable:
         lines.append(
-            "The orbits are linearly stable (the multipliers that Sigma is about are on the unit circle, distinct and "
-            f"not 1 or -1) between these points, themselves not included. {rest}:"
+            "The orbits between the following points, themselves not included, are linearly stable (these multipliers "
+            f"are on the unit circle, distinct and not 1 or -1), {rest}:"
         )
         lines += [f"- {_interval(atlas, entry)}" for entry in stable]
     elif not unknown:
