@@ -188,7 +188,7 @@ def test_all_zeros_are_found_one_by_one(seed: int) -> None:
 
 
 def test_double_zeros_and_wide_bounds_are_undecided() -> None:
-    for function_ in (polynomial([Fraction(1, 3)] * 2), polynomial([Fraction(1, 3)], 0.1), polynomial([END])):
+    for function_ in (polynomial([Fraction(1, 3)] * 2), polynomial([Fraction(1, 3)], 0.5), polynomial([END])):
         found = zeros_on(function_, -END, END)
         assert found.undecided
         assert not found.zeros

@@ -16,14 +16,16 @@ from flint import arb, arb_poly
 
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.algebra import Series, WideArithmetic, ball_polynomial, correct_power, values_around
-from orbitproof.verify.evidence import IntegrationFailure, enclose, is_below, symmetric, total
+from orbitproof.verify.evidence import IntegrationFailure, is_below, symmetric, total
 
 REACH = Fraction(33, 32)
 """|tau| <= 1 exceeds the interval by this factor."""
 
 _BITS = 64
 """Significant bits of stored coefficients."""
-_SPARE = 4
+_ERROR_BITS = 8
+"""Significant bits of stored bounds."""
+_SPARE = 2
 """A stored bound is so many times the one that was found: another integration has to find one inside of it."""
 _MOST = 2**200
 """Bounds beyond it say nothing."""
@@ -119,22 +121,18 @@ class BoundedFunction:
         first = self.polynomial.derivative()
         return first, first.derivative()
 
-    @cached_property
-    def _gap(self) -> arb:
-        """1 - |tau| at the ends of the interval."""
-        return 1 - 1 / enclose(REACH)
-
     def value(self, part: arb) -> arb:
         """Values on a part of the interval."""
         return _over(self.polynomial, part) + arb(0, 1) * self.error
 
     def slope(self, part: arb) -> arb:
         """Derivatives on a part of the interval."""
-        return _over(self._slopes[0], part) + arb(0, 1) * (self.error / self._gap)
+        return _over(self._slopes[0], part) + arb(0, 1) * (self.error / _gap(part))
 
     def curvature(self, part: arb) -> arb:
         """Second derivatives on a part of the interval."""
-        return _over(self._slopes[1], part) + arb(0, 2) * (self.error / (self._gap * self._gap * self._gap))
+        gap = _gap(part)
+        return _over(self._slopes[1], part) + arb(0, 2) * (self.error / (gap * gap * gap))
 
     @cached_property
     def size(self) -> arb:
@@ -177,6 +175,11 @@ def _over(polynomial: arb_poly, part: arb) -> arb:
     return values_around(polynomial, part.mid(), part.rad())
 
 
+def _gap(part: arb) -> arb:
+    """1 - |tau| at the points of a part of the interval that are farthest out."""
+    return 1 - part.abs_upper()
+
+
 def function_to_json(element: Series) -> dict[str, Any]:
     """The JSON object of a function that is enclosed in the algebra: dyadic coefficients, and a bound of the rest."""
     coefficients = known_part(element, 0)
@@ -186,7 +189,9 @@ def function_to_json(element: Series) -> dict[str, Any]:
     while rounded and not rounded[-1]:
         rounded.pop()
     lost = unit * len(coefficients)
-    error = Fraction(2) ** (_exponent(error_of(element) + lost) + _SPARE.bit_length() - 1)
+    bound = (error_of(element) + lost) * _SPARE
+    step = Fraction(2) ** (_exponent(bound) - _ERROR_BITS)
+    error = -(-bound // step) * step
     return {"coefficients": [format_exact(value) for value in rounded], "error": format_exact(error)}
 
 
