@@ -289,6 +289,8 @@ def test_a_system_that_is_not_known_is_checked_by_the_program_of_the_file(name: 
 def test_a_field_of_an_unknown_system_that_gives_no_such_orbit_is_found_by_integrating(point: Certificate) -> None:
     def turn(entry: Document) -> None:
         entry["statement"]["vector_field"] = entry["statement"]["vector_field"].replace("v9 = v7 - v8", "v9 = v8 - v7")
+        # The formulas that are printed from it would say so.
+        del entry["statement"]["in_full"]
 
     document = renamed(point.to_json(), turn)
     assert document["statement"]["vector_field"] != point.statement["vector_field"]

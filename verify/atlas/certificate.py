@@ -12,6 +12,7 @@ from orbitproof.shared.formats import Atlas, InputError, atlas_from_json, read_d
 from orbitproof.shared.systems import record
 from orbitproof.verify.atlas.splitting import NOT_FOR_SPLITTING, Settings, condition_of, interval_of, made_with
 from orbitproof.verify.certificate import Certificate, digest, system_names
+from orbitproof.verify.claim import setting
 from orbitproof.verify.evidence import software
 
 SCHEMA = "atlas-certificate"
@@ -61,7 +62,9 @@ def make_atlas_certificate(
     else:
         verdict, reason = conclusion["verdict"], conclusion["reason"]
         if verdict == "proved":
+            words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry)
             statement["theorem"] = conclusion["statement"]
+            statement["in_full"] = "\n".join([*words, "Theorem.", conclusion["statement"]])
     certificate: dict[str, Any] = {
         "format": "orbitproof-atlas-certificate",
         "version": 1,

@@ -250,7 +250,9 @@ def _stated(document: Document) -> dict[str, Any]:
     """What a process needs to have the system of the file."""
     claim = document["statement"]["atlas"]
     return {
-        "statement": {key: value for key, value in document["statement"].items() if key not in ("atlas", "theorem")},
+        "statement": {
+            key: value for key, value in document["statement"].items() if key not in ("atlas", "theorem", "in_full")
+        },
         "claim": {**claim, "pieces": claim["pieces"][:1]},
     }
 

@@ -24,6 +24,7 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.verify.bifurcation import BifurcationResults, level_form, theorem_of
+from orbitproof.verify.certificate.in_full import in_full
 from orbitproof.verify.certificate.stated_system import system_names
 from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
@@ -251,6 +252,7 @@ def make_certificate(
     results = None
     if isinstance(outcome, Proved):
         claim["theorem"], results = outcome.theorem.statement, outcome.results.to_json()
+        claim["in_full"] = in_full(candidate, form, outcome.theorem, outcome.results)
     certificate = {
         "id": candidate.id,
         "statement": claim,
@@ -275,11 +277,12 @@ def is_proof_of(certificate: Certificate, candidate: Candidate) -> bool:
     entry = certificate.to_json()
     form = level_form(candidate) if "level_form" in entry["statement"] else None
     theorem = theorem_of(candidate, form)
+    if not (isinstance(theorem, Theorem) and certificate.proved):
+        return False
+    words = {"theorem": theorem.statement, "in_full": in_full(candidate, form, theorem, certificate)}
     return (
-        isinstance(theorem, Theorem)
-        and certificate.proved
-        and entry.get("digest") == digest(entry)
-        and entry["statement"] == {**statement(candidate, form), "theorem": theorem.statement}
+        entry.get("digest") == digest(entry)
+        and entry["statement"] == {**statement(candidate, form), **words}
         and entry.get("software") == software()
         and tuple(hypothesis.name for hypothesis in certificate.hypotheses) == theorem.hypotheses
         and all(hypothesis.holds is True for hypothesis in certificate.hypotheses)

@@ -58,6 +58,9 @@ Entry = Mapping[str, Any]
 
 _WITHOUT_INTEGRATION = ("symmetries", "frames", "adapted-frames")
 
+_WORDS = ("theorem", "in_full")
+"""What a statement has if its claim is proved."""
+
 _WITHOUT_TABLES = "nothing shows why it is not proved: it carries no enclosures"
 
 
@@ -192,7 +195,7 @@ def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | Non
 def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding]:
     """Differences between a certificate and the one that its tables give."""
     yield from differences(stored["id"], again["id"], "id")
-    yield from statement_differences(stored["statement"], again["statement"], ("theorem",))
+    yield from statement_differences(stored["statement"], again["statement"], _WORDS)
     old, new = stored["hypotheses"], again["hypotheses"]
     if from_tables:
         yield from _verdict_differences(stored, again)
@@ -206,6 +209,8 @@ def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding
             yield from differences(left, right, f"hypothesis {right['name']}")
     if stored["verdict"] == "proved" and again["verdict"] == "proved":
         yield from differences(stored["statement"].get("theorem"), again["statement"]["theorem"], "theorem")
+        if "in_full" in stored["statement"]:
+            yield from differences(stored["statement"]["in_full"], again["statement"]["in_full"], "in full")
         yield from differences(stored["results"], again["results"], "results")
 
 
@@ -214,9 +219,9 @@ def statement_differences(
 ) -> Iterator[Finding]:
     """Where the statement of a certificate of any kind differs from what its claim gives.
 
-    Certificates of before have no `names`; those words then stand in the theorem alone, which is compared as well.
+    Certificates of before have no `names` or no `in_full`; what they say is in the theorem, which is compared as well.
     """
-    optional = set() if "names" in stored else {"names"}
+    optional = {"names", "in_full"} - set(stored)
     old, new = (
         {key: value for key, value in entry.items() if key not in left_out and key not in optional}
         for entry in (stored, again)

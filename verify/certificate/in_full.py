@@ -1,0 +1,145 @@
+"""The theorem of a candidate's certificate so that it stands alone (section 10.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal
+from fractions import Fraction
+from math import floor, log10
+from typing import Protocol
+
+from flint import arb
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.claim import inverse, setting
+from orbitproof.verify.evidence import (
+    Theorem,
+    certain_digits,
+    decimal_interval,
+    dot,
+    enclose,
+    exact_text,
+    guarded,
+    interval_text,
+    symmetric,
+)
+
+_DIGITS = 40
+_BITS = 1024
+"""More than the numbers of any candidate have: the decimals depend on them alone."""
+_SHORT = 6
+
+
+class Located(Protocol):
+    """What is known of a proved bifurcation: a certificate, or results."""
+
+    @property
+    def point(self) -> Mapping[str, arb]:
+        """Enclosures of its coordinates on Fix(R)."""
+
+    @property
+    def parameter(self) -> arb | None:
+        """Enclosure of the parameter."""
+
+    @property
+    def parameter_name(self) -> str | None:
+        """What the parameter is called."""
+
+    @property
+    def side(self) -> str | None:
+        """Parameter values at which there are new orbits."""
+
+
+def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, found: Located) -> str:
+    """System, box, theorem, what its words mean, and what was found, in this order.
+
+    `form` as in `certificate.statement`. The decimals of the box are rounded outward where it is enclosed, and inward
+    where something is said to lie in it.
+    """
+    claim = form or candidate
+    with guarded(_BITS):
+        lines = [*setting(candidate.system, candidate.parameters, candidate.symmetry), *_box(claim, form is not None)]
+        if form is not None:
+            lines += ["The candidate's own box:", *_set(candidate, "candidate")]
+    lines += ["Theorem.", theorem.statement, _definition(claim), *_found(found)]
+    return "\n".join(lines)
+
+
+def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
+    names = ", ".join(claim.coordinates)
+    if claim.level_sign is None:
+        yield f"The box, in the coordinates ({names}) of Fix(R):"
+    else:
+        sign = "positive" if claim.level_sign > 0 else "negative"
+        yield (
+            f"The box, in the coordinates ({names}) of Fix(R), where {claim.system.level_coordinate} is the {sign} "
+            f"solution of H = {claim.coordinates[0]}:"
+        )
+    yield from _set(claim, "level_form" if is_form else "candidate")
+
+
+def _set(claim: Candidate, where: str) -> Iterator[str]:
+    """The box as a set, exactly by reference to the numbers of the statement, and in decimals."""
+    radii = ", ".join(exact_text(radius) for radius in claim.radii)
+    yield (
+        f"  all points c + A p with |p_i| <= R_i, where c, A and R are exactly centre, frame and radii of {where} in "
+        f"this statement; (R_i) = ({radii})."
+    )
+    sides = [symmetric(radius) for radius in claim.radii]
+    for name, middle, row in zip(claim.coordinates, claim.centre, claim.frame, strict=True):
+        values = enclose(middle) + dot([enclose(value) for value in row], sides)
+        centre = "0" if middle == 0 else certain_digits(enclose(middle), _DIGITS)
+        yield f"  {name}: c is {centre}, and on the box {name} lies in {decimal_interval(values, _DIGITS)}."
+    rows = inverse(claim.frame)
+    if rows is not None:
+        reach = min(
+            radius / sum((abs(value) for value in row), Fraction(0))
+            for row, radius in zip(rows, claim.radii, strict=True)
+        )
+        yield f"  It contains every point whose coordinates differ from those of c by at most {_below(reach)}."
+
+
+def _below(value: Fraction) -> str:
+    """A positive number in decimals, rounded down to a few digits."""
+    exponent = floor(log10(value.numerator) - log10(value.denominator))
+    digits = Decimal(floor(value * Fraction(10) ** (_SHORT - 1 - exponent))).scaleb(1 - _SHORT)
+    return f"{digits}e{exponent}"
+
+
+def _definition(claim: Candidate) -> str:
+    k = claim.k
+    along = "near the bifurcation point the family has one point for every value of the parameter near its value there"
+    if claim.kind == "touch_and_go":
+        return (
+            f"Touch-and-go of order {k} means: {along}; besides it the points x of Fix(R) with P^{2 * k}(x) = x are "
+            f"one more curve, which also has one point for every such value, and the two meet at the bifurcation "
+            f"point only."
+        )
+    if claim.kind == "symmetry_breaking":
+        return (
+            f"Symmetry breaking means: {along}; on one side of this value only, there are exactly two further points "
+            f"x of Fix(R) near by with P^2(x) = x, exchanged by {claim.symmetry}, and they merge at the bifurcation "
+            f"point."
+        )
+    exchanged = f", exchanged by P^{k}," if k % 2 == 0 else ""
+    return (
+        f"Period-{k}-tupling means: {along}; on one side of this value only, there are exactly two further points x of "
+        f"Fix(R) near by with P^{2 * k}(x) = x{exchanged} and they merge at the bifurcation point."
+    )
+
+
+_SIDES = {
+    "above": "for values of the parameter greater than that",
+    "below": "for values of the parameter less than that",
+    "both": "for values of the parameter on both sides of that",
+}
+
+
+def _found(found: Located) -> Sequence[str]:
+    where = ", ".join(f"{name} in {interval_text(ball, _DIGITS)}" for name, ball in found.point.items())
+    parameter = "not finite" if found.parameter is None else decimal_interval(found.parameter, _DIGITS)
+    return [
+        f"The bifurcation point has {where}.",
+        f"The parameter there, {found.parameter_name}, lies in {parameter}.",
+        f"The new orbits exist {_SIDES[str(found.side)]}.",
+    ]

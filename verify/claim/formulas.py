@@ -1,0 +1,129 @@
+"""A system in formulas, from its straight-line programs: what it takes to restate a theorem (section 1.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from string import ascii_lowercase
+
+from orbitproof.shared.systems import Program, ReversibleSystem
+from orbitproof.verify.evidence import exact_text
+
+_SUM, _PRODUCT, _POWER, _ATOM = range(4)
+"""How tightly the outermost operation of a formula binds."""
+
+_INLINE = 3
+"""A subexpression that is used again and has more operations gets a name."""
+
+_SIGNS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
+
+
+def equations(program: Program, left: Sequence[str]) -> list[str]:
+    """``left = formula`` for each output of a program, then what the names in them stand for.
+
+    Operations are written down in the order in which the program does them, with ``^`` for powers; x*x is x^2, and
+    the factor -1 a sign.
+    """
+    formulas = _Formulas(program)
+    lines = [f"{name} = {formulas.of(output)[0]}" for name, output in zip(left, program.outputs, strict=True)]
+    return [*lines, *formulas.definitions]
+
+
+class _Formulas:
+    def __init__(self, program: Program) -> None:
+        steps = program.instructions
+        self.steps = steps
+        self.texts: dict[int, tuple[str, int]] = {}
+        self.definitions: list[str] = []
+        uses = [0] * len(steps)
+        for step in steps:
+            for operand in step.operands:
+                uses[operand] += 1
+        names = iter(_unused(program.inputs))
+        sizes: list[int] = []
+        for index, step in enumerate(steps):
+            square = step.operation == "mul" and len(set(step.operands)) == 1
+            sizes.append(sum(sizes[i] for i in (step.operands[:1] if square else step.operands)) + bool(step.operands))
+            # x*x uses x twice and is written with one.
+            if uses[index] > 1 and sizes[index] > _INLINE and not self._only_squared(index):
+                name = next(names)
+                self.definitions.append(f"{name} = {self.of(index)[0]}")
+                self.texts[index], sizes[index] = (name, _ATOM), 0
+
+    def _only_squared(self, index: int) -> bool:
+        users = [step for step in self.steps if index in step.operands]
+        return len(users) == 1 and users[0].operation == "mul"
+
+    def of(self, index: int) -> tuple[str, int]:
+        """A formula, and how tightly it binds."""
+        if index not in self.texts:
+            self.texts[index] = self._new(index)
+        return self.texts[index]
+
+    def _new(self, index: int) -> tuple[str, int]:
+        step = self.steps[index]
+        if step.name is not None:
+            return step.name, _ATOM
+        if step.operation == "constant":
+            assert step.value is not None
+            return _number(step.value)
+        left = step.operands[0]
+        if step.operation == "pow":
+            assert step.value is not None
+            text, binds = _number(step.value)
+            return f"{self._within(left, _ATOM)}^{text if binds == _ATOM else f'({text})'}", _POWER
+        right = step.operands[1]
+        if step.operation == "mul":
+            if left == right:
+                return f"{self._within(left, _ATOM)}^2", _POWER
+            for one, other in ((left, right), (right, left)):
+                if self.steps[one].value == -1 and self.steps[one].operation == "constant":
+                    return f"-{self._within(other, _PRODUCT)}", _SUM
+        binds = _SUM if step.operation in ("add", "sub") else _PRODUCT
+        second = self._within(right, binds + (step.operation != "add" and step.operation != "mul"))
+        if second.startswith("-"):
+            second = f"({second})"
+        sign = _SIGNS[step.operation]
+        return f"{self._within(left, binds)}{f' {sign} ' if binds == _SUM else sign}{second}", binds
+
+    def _within(self, index: int, tightness: int) -> str:
+        text, binds = self.of(index)
+        return text if binds >= tightness else f"({text})"
+
+
+def _number(value: Fraction) -> tuple[str, int]:
+    return str(value), _SUM if value < 0 else _PRODUCT if value.denominator > 1 else _ATOM
+
+
+def _unused(inputs: Sequence[str]) -> list[str]:
+    """Letters that are no inputs, then numbered ones."""
+    letters = [letter for letter in ascii_lowercase if letter not in (*inputs, "x", "y", "z", "t", "k", "p", "q")]
+    return [*letters, *(f"u{number}" for number in range(1, 1000))]
+
+
+def setting(system: ReversibleSystem, parameters: Mapping[str, Fraction], symmetry: str | None) -> list[str]:
+    """Lines that say what the system is, its symmetries and first integral, the section and the map P.
+
+    Args:
+        parameters: the values that are given; a name that is not among them stays a name.
+        symmetry: the name of S, if the theorem uses one.
+    """
+    left = [f"{name}'" for name in system.state]
+    lines = [f"The {system.title}:", *(f"  {line}" for line in equations(system.program, left))]
+    lines += [f"  {name} = {exact_text(value)}" for name, value in parameters.items()]
+    if system.first_integral_program is not None:
+        lines.append(f"A first integral, the {system.first_integral_name or 'value of H'}:")
+        lines += [f"  {line}" for line in equations(system.first_integral_program, ["H"])]
+    state = ", ".join(system.state)
+    lines.append(f"R({state}) = ({_image(system, system.reversing_symmetry)}) reverses the flow.")
+    if symmetry is not None and symmetry in system.symmetries:
+        lines.append(f"{symmetry}({state}) = ({_image(system, system.symmetries[symmetry])}) commutes with it.")
+    lines.append(
+        f"P maps a point of the section {{{system.section} = 0}} that its orbit crosses to the next point in which "
+        f"the orbit crosses the section, which is in the opposite direction."
+    )
+    return lines
+
+
+def _image(system: ReversibleSystem, signs: Sequence[int]) -> str:
+    return ", ".join(name if sign > 0 else f"-{name}" for name, sign in zip(system.state, signs, strict=True))
