@@ -21,14 +21,9 @@ from orbitproof.shared.formats.candidates import (
     validate_document,
     write_text,
 )
-from orbitproof.shared.formats.pieces import COORDINATES, Piece, SurfacePiece, check_length, evaluate, piece_from_json
+from orbitproof.shared.formats.pieces import Piece, SurfacePiece, check_length, piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe
-
-__all__ = [
-    "CLAIMS", "COORDINATES", "SURFACE", "Atlas", "Claim", "Covers", "Piece", "SurfacePiece", "atlas_from_json",
-    "claim_from_json", "evaluate", "piece_from_json", "read_atlas", "write_atlas",
-]  # fmt: skip
 
 SURFACE = "symmetry-breaking-surface"
 CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
@@ -181,10 +176,8 @@ def atlas_from_json(
             refuse(f"{place}.kind", "a symmetric piece in a claim without a symmetry", "name it in claim.symmetry")
         seen.add(piece.id)
         pieces.append(piece)
-    return Atlas(
-        id=entry["id"], title=entry["title"], system=system, parameters=parameters, claim=claim, pieces=tuple(pieces),
-        provenance=entry.get("provenance", {}),
-    )  # fmt: skip
+    provenance = entry.get("provenance", {})
+    return Atlas(entry["id"], entry["title"], system, parameters, claim, tuple(pieces), provenance)
 
 
 def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> Claim:

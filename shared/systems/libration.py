@@ -47,9 +47,7 @@ def _force_on_axis(value: Sequence[Any], parameters: Sequence[Any]) -> Sequence[
     (x,), (mu,) = value, parameters
     larger = x + mu
     smaller = larger - 1
-    return (
-        x - (1 - mu) * larger * (larger * larger) ** -1.5 - mu * smaller * (smaller * smaller) ** -1.5,
-    )  # fmt: skip
+    return (x - (1 - mu) * larger * (larger * larger) ** -1.5 - mu * smaller * (smaller * smaller) ** -1.5,)
 
 
 def _between_primaries(parameters: Sequence[Any]) -> tuple[Any, Any]:

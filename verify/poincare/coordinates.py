@@ -54,7 +54,7 @@ def physical(system: ReversibleSystem) -> Coordinates:
     program, section = system.program, system.section_index
     return Coordinates(
         PHYSICAL, program, prepare(program), build_section_program(program, len(system.state), section), section
-    )  # fmt: skip
+    )
 
 
 @cache
@@ -73,10 +73,8 @@ def regularised(system: ReversibleSystem, state: Sequence[float], parameters: Se
         return None
     program, section_program = _prepared(system.name)
     embedding = regularisation.embedding_program(regularisation.branch(state, parameters))
-    return Coordinates(
-        regularisation.name, regularisation.program, program, section_program, regularisation.section_index,
-        regularisation, embedding,
-    )  # fmt: skip
+    field, section = regularisation.program, regularisation.section_index
+    return Coordinates(regularisation.name, field, program, section_program, section, regularisation, embedding)
 
 
 def at_rate(field: Program) -> Program:
