@@ -1,7 +1,8 @@
 """Tasks in processes of this machine, side by side.
 
 A process has one task at a time: the precision of Arb is global to it, FLINT ends it if memory is short, and a step
-that takes too long can only be ended with it. Processes are started afresh, not forked (JAX runs threads). Each has
+that takes too long can only be ended with it. Processes are started afresh, and forked only by a process that has a
+single thread (`_start_method`): JAX runs many. Each has
 a pipe of its own, so that nothing it held when it was lost keeps the others waiting, and its end is the failure of
 its own task; `pebble` gives up all tasks if one process ends before it has a task (`BrokenProcessPool`), has no
 reports from inside a task, and its processes outlive a parent that was killed.
@@ -153,11 +154,24 @@ def _without_main() -> Iterator[None]:
         sys.modules["__main__"] = main
 
 
+def _start_method() -> str:
+    """How a process is started: a copy of this one if nothing else runs in it, else a fresh one.
+
+    A copy has everything imported. It is safe where there is a single thread, counted by the system, so that threads of
+    libraries count as well: no lock can be held by a thread that the copy does not have.
+    """
+    try:
+        alone = sys.platform == "linux" and len(os.listdir("/proc/self/task")) == 1
+    except OSError:
+        alone = False
+    return "fork" if alone else "spawn"
+
+
 class _Worker:
     """A process, seen from the one that started it; the deadline counts from when the task has begun there."""
 
     def __init__(self, work: Work, timeout: float | None) -> None:
-        context = multiprocessing.get_context("spawn")
+        context: Any = multiprocessing.get_context(_start_method())
         self.connection, there = context.Pipe()
         self.process = context.Process(target=_serve, args=(there, work), daemon=True, name=_WORKER)
         with held_back(), _without_main():

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
-from importlib import metadata
 
 from orbitproof.shared.interrupts import run_command
 
@@ -32,11 +32,16 @@ def _run() -> int:
         print(_help())
         return 0
     if name == "--version":
+        from importlib import metadata
+
         print(f"orbitproof {metadata.version('orbitproof')}")
         return 0
     if name not in _COMMANDS:
         print(f"error: {name}: there is no such command; there are {', '.join(_COMMANDS)}", file=sys.stderr)
         return 2
+    if name == "verify":
+        # The matrices of proofs are small, and processes of a single thread can be copied (shared/processes.py).
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     room = importlib.import_module(f"orbitproof.{_COMMANDS[name][0]}")
     code: int = room.main(arguments[1:])
     return code

@@ -60,8 +60,9 @@ def children(process: int, word: str) -> list[int]:
 
 
 def workers(process: int) -> list[int]:
-    """The worker processes of a command."""
-    return children(process, "spawn_main")
+    """The worker processes of a command: fresh ones, or copies of it."""
+    copies = children(process, _command_line(process))
+    return [*children(process, "spawn_main"), *copies]
 
 
 def is_running(process: int) -> bool:
@@ -72,7 +73,7 @@ def is_running(process: int) -> bool:
         return False
 
 
-def _command_line(number: str) -> str:
+def _command_line(number: int | str) -> str:
     try:
         return Path(f"/proc/{number}/cmdline").read_text()
     except OSError:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 
 class Display:
@@ -20,15 +22,18 @@ class Display:
         self._done = 0
         self._start = time.monotonic()
         self._quiet = quiet
-        self._console = Console(stderr=True, quiet=quiet, highlight=False, soft_wrap=True)
         self._bar: Progress | None = None
 
     @contextmanager
     def shown(self) -> Iterator[Display]:
         """Show progress while the body runs."""
-        if self._quiet or not self._console.is_terminal or not self._weights:
+        if self._quiet or not sys.stderr.isatty() or not self._weights:
             yield self
             return
+        # A twentieth of a second to load, for terminals alone.
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
         columns = (
             TextColumn("{task.description}", markup=False),
             BarColumn(),
@@ -37,7 +42,9 @@ class Display:
             TextColumn("left"),
             TimeRemainingColumn(),
         )
-        with Progress(*columns, console=self._console, transient=True) as bar:
+        console = Console(stderr=True, highlight=False, soft_wrap=True)
+        # Drawn when something is reported, without a thread of its own, so that processes can be copies of this one.
+        with Progress(*columns, console=console, transient=True, auto_refresh=False) as bar:
             bar.add_task("verify", total=sum(self._weights.values()))
             self._bar = bar
             try:
@@ -57,12 +64,17 @@ class Display:
         line = f"[{self._done}/{len(self._weights)}] {name}: {word}"
         if self._bar is None and self._done < len(self._weights):
             line += f"; about {self._remaining():.0f} s left"
-        self._console.print(line, markup=False)
+        self.message(line)
         self._refresh(name)
 
     def message(self, text: str) -> None:
         """A message on stderr, unless quiet."""
-        self._console.print(text, markup=False)
+        if self._quiet:
+            return
+        if self._bar is not None:
+            self._bar.console.print(text, markup=False)
+        else:
+            print(text, file=sys.stderr, flush=True)
 
     def _work_done(self) -> float:
         return sum(weight * self._fractions[name] for name, weight in self._weights.items())
@@ -73,7 +85,7 @@ class Display:
 
     def _refresh(self, description: str) -> None:
         if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], completed=self._work_done(), description=description)
+            self._bar.update(self._bar.task_ids[0], completed=self._work_done(), description=description, refresh=True)
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:

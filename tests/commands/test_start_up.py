@@ -1,0 +1,47 @@
+"""A command loads what it needs, and copies itself for its workers only where nothing else runs in it."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+
+def printed(program: str, **environment: str) -> str:
+    result = subprocess.run(
+        [sys.executable, "-c", program], env={**os.environ, **environment}, capture_output=True, text=True, check=True
+    )
+    return result.stdout.strip()
+
+
+START = "from orbitproof.shared.processes import _start_method\n"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted on Linux")
+def test_a_process_is_copied_only_if_nothing_else_runs_in_it() -> None:
+    alone = f"import orbitproof.verify.__main__\n{START}print(_start_method())"
+    assert printed(alone, OPENBLAS_NUM_THREADS="1") == "fork"
+    threaded = f"import threading\n{START}threading.Thread(target=threading.Event().wait, daemon=True).start()\n"
+    assert printed(f"{threaded}print(_start_method())") == "spawn"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "left_out"),
+    [
+        (["--version"], {"numpy", "flint", "jax", "matplotlib", "rich", "jsonschema"}),
+        (["verify", "--help"], {"jax", "matplotlib", "mpmath", "rich", "jsonschema"}),
+        (["report", "--help"], {"jax", "matplotlib", "jinja2", "rich", "jsonschema"}),
+    ],
+)
+def test_a_command_loads_no_more_than_it_needs(arguments: list[str], left_out: set[str]) -> None:
+    program = (
+        "import sys\nfrom orbitproof.__main__ import main\n"
+        f"sys.argv[1:] = {arguments!r}\n"
+        "try:\n    main()\nexcept SystemExit:\n    pass\n"
+        "print('\\n', *sorted(sys.modules))"
+    )
+    loaded = set(printed(program).rpartition("\n")[2].split())
+    assert "orbitproof.__main__" in loaded
+    assert not loaded & left_out
