@@ -21,12 +21,14 @@ from support.forgeries import checked, forged, honest
 from orbitproof.shared.formats.atlas import Atlas, read_atlas
 from orbitproof.shared.formats.pieces import Piece, piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.shared.systems.libration import AROUND
+from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
+from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.piece import PieceLimits
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
@@ -47,11 +49,13 @@ from orbitproof.verify.stability.functions import (
 from orbitproof.verify.stability.linear_stability import is_stable
 from orbitproof.verify.stability.matrix import SHARE, orbit_functions
 from orbitproof.verify.stability.theorem import with_complete_list
+from orbitproof.verify.stability.units import scales
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 
 DATA = Path(__file__).parents[1] / "data"
 END = 1 / REACH
 Results = list[dict[str, Any]]
+PIECES: dict[str, Any] = json.loads((DATA / "branch-pieces.json").read_text())
 
 
 @pytest.fixture(autouse=True)
@@ -276,13 +280,37 @@ def test_another_interval_and_other_settings_enclose_the_same() -> None:
     check_falkner_skan(piece, found, interval, 20)
 
 
-def test_functions_in_units_of_the_orbit_are_refused() -> None:
-    lyapunov = read_atlas(DATA / "atlas-lyapunov.json")
-    (piece, *_) = lyapunov.curve_pieces()
-    with pytest.raises(IntegrationFailure, match="units"):
-        orbit_functions(
-            lyapunov.system, lyapunov.parameters, piece, (Fraction(0), Fraction(1)), PieceLimits(), "physical"
-        )
+def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_body_problem() -> None:
+    """The trace of the planar monodromy matrix of the CR3BP is 2 + 2 Sigma, and Sigma is continuous at size 0."""
+    entry = PIECES["lyapunov"]
+    system = AROUND["L1"]
+    parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
+    piece = piece_from_json(entry["piece"], system, "piece")
+    assert isinstance(piece, Piece)
+    interval = (Fraction(1, 2), Fraction(3, 4))
+    found = orbit_functions(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical").to_json()
+    functions = [function_from_json(found[name]) for name in ("half_period", "level")]
+    (sigma,) = (function_from_json(part) for part in found["characteristic"])
+    taus = [arb(number) / 32 for number in range(-30, 31, 6)]
+    periods, sizes = (np.array([float(function_.value(tau)) for tau in taus]) for function_ in functions)
+    s = [Fraction(5, 8) + Fraction(1, 8) * REACH * Fraction(number, 32) for number in range(-30, 31, 6)]
+    points = np.array([[float(value) for value in piece.point(place)] for place in s]).T
+    assert np.allclose(points[0], sizes, rtol=1e-9)
+    mu = parameters["mu"]
+    state = np.zeros((6, len(s)))
+    x_l = float(derived_parameter(system, "x_l", parameters, 80).middle)
+    state[0], state[4] = x_l + points[0], points[0] * points[1]
+    whole, _ = monodromy(state, float(mu), 2 * periods)
+    plane = np.moveaxis(whole[np.ix_([0, 1, 3, 4], [0, 1, 3, 4])], -1, 0)
+    for tau, trace in zip(taus, np.trace(plane, axis1=1, axis2=2), strict=True):
+        value = sigma.value(tau)
+        assert (value + arb(0, 1e-5 * abs(trace))).contains(arb((trace - 2) / 2))
+        assert float(value.rad()) < 0.05 * abs(trace)
+
+
+def test_only_systems_that_scale_have_own_units() -> None:
+    assert all(scales(system) for system in AROUND.values())
+    assert not scales(FALKNER_SKAN)
 
 
 def constant(value: Fraction) -> BoundedFunction:
@@ -558,9 +586,6 @@ def independent_coefficients(points: Any, mu: float, half_periods: Any) -> list[
     )
     sigma = np.eye(2)[:, :, None] + 2 * np.einsum("kip,kjp->ijp", block_b, block_c)
     return [first_way, invariants(sigma)[:2]]
-
-
-PIECES: dict[str, Any] = json.loads((DATA / "branch-pieces.json").read_text())
 
 
 def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: PieceLimits, number: int) -> None:

@@ -9,7 +9,7 @@ from orbitproof.verify.poincare.iterates import (
     enclose_first_integral,
     enclose_iterates,
 )
-from orbitproof.verify.poincare.returns import REGULARISED, Returns, first_integral, kernel_components
+from orbitproof.verify.poincare.returns import REGULARISED, Returns, at_start, first_integral, kernel_components
 
 __all__ = [
     "PHYSICAL",
@@ -17,6 +17,7 @@ __all__ = [
     "Enclosures",
     "IntegratorSettings",
     "Returns",
+    "at_start",
     "default_order",
     "enclose_first_integral",
     "enclose_iterates",

@@ -326,6 +326,9 @@ class _Finder:
             return RESONANCE
         if k == 2:
             return _factor(self.segment.first_factor.value, zero, HERE, THERE)
+        if self.atlas.system.normalised:
+            # The level along the curve is a size there, no invariant of the flow.
+            return UNKNOWN
         return _factor(self.segment.level.slope, zero, FOLD, LOSS)
 
     def _point(self, k: int, j: int, kind: str, tau: arb) -> Point:

@@ -35,6 +35,7 @@ from orbitproof.verify.stability.functions import (
     restricted,
     slope,
 )
+from orbitproof.verify.stability.units import in_own_units
 
 SHARE = 1 / BEYOND * REACH
 """sigma = SHARE tau."""
@@ -121,9 +122,6 @@ def orbit_functions(
 
     Raises `IntegrationFailure`.
     """
-    if system.normalised:
-        message = f"points of {system.name} are measured in units of the orbit, which differ at its other point"
-        raise IntegrationFailure("stability", message, "ask for the list of a curve of the system itself")
     with guarded(limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
         return _Integration(system, parameters, piece, interval, limits, coordinates, symmetry).functions(progress)
 
@@ -219,6 +217,8 @@ class _Integration:
     def _named(self, tube: Mapping[str, Series], state: Sequence[Series]) -> list[Series]:
         """The coordinates of a return in the order of the system's `centre_coordinates`."""
         named = {**tube, **dict(zip(self.system.state, state, strict=True))}
+        if self.system.normalised:
+            named.update(in_own_units(self.system, named))
         return [named[name] for name in self.system.centre_coordinates]
 
     def _back(self, curve: CurveInTube, second: Sequence[Series]) -> list[list[Series]]:
