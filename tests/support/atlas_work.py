@@ -5,10 +5,12 @@ They answer as `verify.atlas.task.prove_task` does, for the exact cases of `chai
 
 from __future__ import annotations
 
+import json
 import os
 import time
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.numbers import parse_exact
@@ -81,10 +83,28 @@ def other_times(argument: Argument, report: Report) -> dict[str, Any]:
 _LITTLE_PRECISION = 100
 
 
-def _second(argument: Argument) -> bool:
-    return bool(argument["piece"]["id"] == "p001")
+def _second(argument: Argument, name: str = "p001") -> bool:
+    return bool(argument["piece"]["id"] == name)
 
 
 def _length(argument: Argument) -> Fraction:
     start, end = (parse_exact(text) for text in argument["interval"])
     return end - start
+
+
+def stored(argument: Argument, report: Report) -> dict[str, Any]:
+    """What tests/data knows of two pieces of the Falkner-Skan family; of their stability only if it is asked for."""
+    results = json.loads((Path(__file__).parents[1] / "data" / "stability-falkner-skan.json").read_text())
+    (result,) = (entry for entry in results if entry["piece"] == argument["piece"]["id"])
+    if not argument["stability"]:
+        del result["stability"]
+    report(0.5, "half way")
+    return {**result, "computation": {**result["computation"], **argument["integrator"]}}
+
+
+def stored_without_stability(argument: Argument, report: Report) -> dict[str, Any]:
+    """As if the stability of the second piece could not be enclosed."""
+    result = stored(argument, report)
+    if _second(argument, "p015"):
+        result["stability"] = {"reason": {"condition": "stability", "message": "a divisor may be zero", "remedy": ""}}
+    return result
