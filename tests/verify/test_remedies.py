@@ -48,6 +48,7 @@ def number(pattern: str, text: str) -> float:
 BOXES: dict[str, tuple[float, float]] = {
     "P_0 too narrow": (1e3, 1e3),
     "P_0 far too narrow": (1e-2, 1e1),
+    "P_0 much too narrow": (1e-12, 1.0),
     "P_0 too wide": (1e4, 1.0),
     "P_1 too narrow": (1.0, 1e-4),
     "box too small the same way in all directions": (1e-10, 1e-10),
@@ -135,3 +136,23 @@ def test_radii_beyond_the_range_of_floats_are_no_trouble() -> None:
     told = str(remedies.of_image(0, 1, arb("0.1"), [Fraction(1, 10**9000)] * 2))
     assert "e+8999 half-widths" in told
     assert number("refine it to", told) in (9000, 9001)
+
+
+def test_advice_on_precision_is_given_once() -> None:
+    tiny = replace(TRUE, radii=(Fraction(1, 2**640), Fraction(1, 2**320)))
+    given = certify(tiny, Limits(max_precision=256)).reason
+    assert given is not None
+    assert given.remedy.count("--max-precision") == 1
+
+
+@pytest.mark.parametrize("change", ["P_2", "P_1"])
+def test_following_the_advice_on_p_2_leads_to_a_proof(change: str) -> None:
+    claim = known("em1")
+    candidate = scaled(claim, 1.0, 1.0, 1e-9)
+    given = certify(candidate, Limits(level="coordinates")).reason
+    assert given is not None
+    assert "P_2 is too narrow for P_1" in given.remedy
+    factor, narrower = number("widen P_2 by a factor of", given.remedy), number("make P_1 narrower by", given.remedy)
+    assert "and P_0 by its square" in given.remedy
+    factors = (1.0, 1.0, factor) if change == "P_2" else (narrower**-2, 1 / narrower, 1.0)
+    assert certify(scaled(candidate, *factors), Limits(level="coordinates")).proved

@@ -171,6 +171,11 @@ def check_reduced_function(
     with checklist.hypothesis(f"{problem.prefix}C3", "8.4", statement, remedy) as evidence:
         p_0, p_1 = problem.box[:2]
         reduced = reduced_function(p_0, p_1, family, reduction)
+        if not excludes_zero(reduced.slope):
+            # Where P_0 is much too narrow for P_1, errors that the branch needs make the slope in p_0 uncertain.
+            likely = -reduced.at_centre(p_1) / arb(reduced.slope.mid())
+            if is_outside(arb(likely.abs_upper()), problem.radii[0]):
+                evidence.suggest(remedies.of_image(0, 1, likely, problem.radii))
         _require_nonzero(evidence, "g_0 = ", evidence.record("g_0", reduced.slope))
         evidence.record("g(0, P_1)", reduced.at_centre(p_1))
         _require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem, 0, 1)

@@ -39,9 +39,10 @@ def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction]) -> str 
         )
     factor = (offset + spread) / width * enclose(_MARGIN)
     narrower = factor.sqrt() if over == 1 else factor
+    along = " and P_0 by its square" if (axis, over) == (2, 1) else ""
     return (
         f"P_{axis} is too narrow for P_{over}: widen P_{axis} by a factor of {_times(factor)}, or make P_{over} "
-        f"narrower by {_times(narrower)}"
+        f"narrower by {_times(narrower)}{along}"
     )
 
 

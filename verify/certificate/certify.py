@@ -44,6 +44,8 @@ from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_i
 Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Enclosures]
 Progress = Callable[[float, str], None]
 
+_MORE = "give --max-precision more"
+
 _MOST_SPREAD = 8
 """The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
 
@@ -218,7 +220,7 @@ def _at_the_limit(attempt: _Attempt, limits: Limits) -> _Attempt:
     reason = replace(
         outcome.reason,
         message=f"{outcome.reason.message} (at the limit of {limits.max_precision} bits)",
-        remedy=f"{outcome.reason.remedy}; or give --max-precision more",
+        remedy=outcome.reason.remedy if _MORE in outcome.reason.remedy else f"{outcome.reason.remedy}; or {_MORE}",
     )
     return replace(attempt, outcome=replace(outcome, reason=reason))
 

@@ -143,6 +143,6 @@ def _tube(
     raise IntegrationFailure(
         "tube",
         "no tube around the approximate solution holds the box over one step",
-        "the box is too large for its orbit: give smaller radii, or more precision",
+        "the box is too large for its orbit: give smaller radii",
         needs_precision=True,
     )
