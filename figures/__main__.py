@@ -13,7 +13,7 @@ from typing import NoReturn
 from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import data as data_command
-from orbitproof.figures.style import add_file_options, check_folder, saved_as
+from orbitproof.figures.files import add_file_options, check_folder, saved_as
 from orbitproof.shared.formats import InputError, read_candidates, write_text
 from orbitproof.shared.interrupts import run_command
 
@@ -162,8 +162,9 @@ def draw(arguments: argparse.Namespace) -> list[Path]:
     families = [family.refined() for path in arguments.family for family in read_families(path)]
 
     # Matplotlib takes a second to load: only after the input is known to be good.
+    from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_family, draw_marks
-    from orbitproof.figures.style import close, save, use_style
+    from orbitproof.figures.style import close, use_style
 
     check_folder(arguments.output)
     written: list[Path] = []
@@ -202,8 +203,9 @@ def draw_stability(arguments: argparse.Namespace) -> list[Path]:
     if alone and not arguments.quiet:
         print(f"{len(alone)} candidates lie on none of the families", file=sys.stderr)
 
+    from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_resonances
-    from orbitproof.figures.style import close, save, use_style
+    from orbitproof.figures.style import close, use_style
 
     check_folder(arguments.output)
     written: list[Path] = []

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from orbitproof.figures.collection.data_folder import DataFolder
 from orbitproof.figures.collection.proved import write_curves
+from orbitproof.figures.files import save
 from orbitproof.figures.model import Curve
 from orbitproof.figures.pictures import (
     draw_bifurcation,
@@ -27,7 +28,7 @@ from orbitproof.figures.pictures import (
 )
 from orbitproof.figures.pictures.branches import write as write_branches
 from orbitproof.figures.pictures.certified_boxes import write as write_certified_branches
-from orbitproof.figures.style import close, save, use_style
+from orbitproof.figures.style import close, use_style
 from orbitproof.shared.systems import FALKNER_SKAN
 
 Drawn = Iterator[tuple[str, Figure]]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from orbitproof.figures.files import file_name, save
 from orbitproof.figures.model import Curve
 from orbitproof.figures.pictures import Surface, draw_curves, draw_pieces, draw_surface
-from orbitproof.figures.style import close, file_name, save
+from orbitproof.figures.style import close
 
 
 def write_curves(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.style import add_file_options, check_folder
+from orbitproof.figures.files import add_file_options, check_folder
 from orbitproof.shared.formats import InputError
 
 _EXAMPLES = """\

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.style import add_file_options, check_folder, file_name
+from orbitproof.figures.files import add_file_options, check_folder, file_name
 from orbitproof.shared.formats import InputError
 
 _EXAMPLES = """\

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.collection import STEPS, Step
-from orbitproof.figures.style import check_folder
+from orbitproof.figures.files import check_folder
 from orbitproof.shared.formats import InputError, write_text
 from orbitproof.shared.interrupts import bound_to_this
 

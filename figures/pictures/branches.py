@@ -21,6 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.branches import BranchOrbit, BranchRecord, read_branches
+from orbitproof.figures.files import check_folder, save
 from orbitproof.figures.model import (
     Array,
     OrbitNotClosed,
@@ -35,7 +36,6 @@ from orbitproof.figures.style import (
     INK,
     SECOND_CURVE,
     bounds_of,
-    check_folder,
     close,
     draw_point,
     label_of,
@@ -44,7 +44,6 @@ from orbitproof.figures.style import (
     legend_row,
     level_label,
     marker_of,
-    save,
     set_box,
     use_style,
     verdict_handles,

@@ -16,17 +16,16 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from orbitproof.explore.branches import BranchRecord, read_branches
+from orbitproof.figures.files import check_folder, save
 from orbitproof.figures.model import Array, CertifiedCurves
 from orbitproof.figures.style import (
     CURVE,
     INK,
-    check_folder,
     close,
     draw_point,
     label_of,
     legend_row,
     marker_of,
-    save,
     use_style,
     verdict_handles,
 )

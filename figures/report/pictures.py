@@ -7,12 +7,13 @@ from dataclasses import replace
 
 from matplotlib.figure import Figure
 
+from orbitproof.figures.files import file_name
 from orbitproof.figures.model import CertifiedCurves, Curve
 from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, surface_of
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
-from orbitproof.figures.style import close, file_name, use_style
+from orbitproof.figures.style import close, use_style
 from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS
 from orbitproof.verify.atlas import AtlasCertificate
 

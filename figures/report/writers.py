@@ -13,8 +13,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from latex2mathml.converter import convert
 from markupsafe import Markup, escape
 
+from orbitproof.figures.files import check_folder
 from orbitproof.figures.report.document import Code, Document, Link, Math, Picture, Place, Run, Runs
-from orbitproof.figures.style import check_folder
 from orbitproof.shared.formats import InputError, write_bytes, write_text
 
 _LONG = 24

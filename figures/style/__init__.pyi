@@ -1,8 +1,3 @@
-from .files import add_file_options as add_file_options
-from .files import save as save
-from .files import saved_as as saved_as
-from .folder import check_folder as check_folder
-from .folder import file_name as file_name
 from .space import bounds_of as bounds_of
 from .space import primary_handle as primary_handle
 from .space import set_box as set_box
