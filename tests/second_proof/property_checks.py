@@ -187,7 +187,7 @@ def first_crossing_of_an_oscillator(package: ModuleType) -> None:
 
 
 def every_crossing_in_a_step_is_seen(package: ModuleType) -> None:
-    """A step on which the section coordinate is t (t - 1) (t - 2): its first zero is 1, also from behind the section."""
+    """The section coordinate t (t - 1) (t - 2) has its first zero at 1, also from behind the section."""
     crossing, flow = module(package, "crossing"), module(package, "flow")
     height = arb_poly([0, 2, -3, 1])
     step = flow.Step(arb(3), [{(0,): height}], height.derivative())
@@ -217,7 +217,7 @@ def wrong_first_integral_is_noticed(package: ModuleType) -> None:
 
 
 def kicked(x: Any, y: Any, add: Any, multiply: Any) -> tuple[Any, Any]:
-    """A map that R = (x, -y) reverses: y += f(x), x += y, y += f(x) with f = 1/2 - x - 2 x^2; (0, 0) goes to (1/2, 0)."""
+    """A map reversed by R = (x, -y): y += f(x), x += y, y += f(x), f = 1/2 - x - 2 x^2; (0, 0) goes to (1/2, 0)."""
 
     def kick(x: Any) -> Any:
         return add(Fraction(1, 2), add(multiply(-1, x), multiply(-2, multiply(x, x))))
