@@ -327,7 +327,7 @@ def verdict(package: ModuleType, *args: Any, **kwargs: Any) -> Any:
     with module(package, "jets").precision(128):
         try:
             return Conclusion(*module(package, "conditions").conclude(claim(package, *args, **kwargs)))
-        except module(package, "jets").CannotFollow:
+        except (module(package, "jets").CannotFollow, ZeroDivisionError):
             return None
 
 

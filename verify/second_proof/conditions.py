@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import factorial
 from typing import Any
 
-from flint import arb
+from flint import arb, arb_mat
 
 from .jets import CannotFollow, Jet, implicit, monomials, substitute, unit, varying
 
@@ -67,20 +67,6 @@ def inside(value: arb, radius: arb) -> bool:
     return bool(value < radius) and bool(value > -radius)
 
 
-def determinant(matrix: Sequence[Sequence[arb]]) -> arb:
-    """Determinant of a 1 x 1 or 2 x 2 matrix."""
-    return matrix[0][0] if len(matrix) == 1 else matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]
-
-
-def solve(matrix: Sequence[Sequence[arb]], right: Sequence[arb]) -> Vector:
-    """Enclosure of the solutions of all systems of size 1 or 2 with matrix and right side in the balls, by Cramer."""
-    whole = determinant(matrix)
-    if len(matrix) == 1:
-        return [right[0] / whole]
-    (a, b), (c, d) = matrix
-    return [(right[0] * d - b * right[1]) / whole, (a * right[1] - c * right[0]) / whole]
-
-
 @dataclass(frozen=True)
 class Claim:
     """What the conditions are about.
@@ -124,14 +110,15 @@ def conclude(claim: Claim) -> tuple[list[Hypothesis], Vector, str]:
         check(True, "family", "the doubly symmetric points are p_1 = 0, p_2 = p_2^H(p_0, 0)", p1=none)
     else:
         first = [slopes(table) for table in claim.iterates[0]]
-        across = [row[1:] for row in first]
-        family = [-c for c in solve(across, [t.jet([whole[0], *centre[1:]])[origin] for t in claim.iterates[0]])]
+        inverse = arb_mat([row[1:] for row in first]).inv()
+        values = arb_mat([[-table.jet([whole[0], *centre[1:]])[origin]] for table in claim.iterates[0]])
+        family = [row[0] for row in (inverse * values).tolist()]
         says = "interval Newton: pi_q P = 0 has one solution (p_1, p_2)(p_0), inside, over P_0"
         enclosures = {f"p{j}": c for j, c in enumerate(family, 1)}
         check(all(inside(c, r) for c, r in zip(family, radii[1:], strict=True)), "family", says, **enclosures)
-        drift = -solve(across, [row[0] for row in first])[0]
+        drift = -(inverse * arb_mat([row[:1] for row in first]))[0, 0]
         for i in range(1, k):
-            value = determinant([slopes(table)[1:] for table in claim.iterates[i - 1]])
+            value = arb_mat([slopes(table)[1:] for table in claim.iterates[i - 1]]).det()
             says = f"every matrix in the enclosure of D_p pi_q P^{i} is regular"
             check(nonzero(value), f"regular-{i}", says, determinant=value)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from flint import arb
 
@@ -88,7 +88,6 @@ def follow(
     zero: Exponents,
     degree: int,
     bits: int,
-    report: Callable[[float], None] | None = None,
     deadline: float | None = None,
 ) -> tuple[list[Jet], arb, int]:
     """Jets of the state at the first crossing after the start on the section, its time, and the number of steps."""
@@ -107,5 +106,3 @@ def follow(
             found, moment = crossing_state(statement, step, piece, zero, degree)
             return found, now + moment, steps
         state, now = step.at(end), now + end
-        if report is not None:
-            report(float(now))

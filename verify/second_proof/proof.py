@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from flint import arb, arb_mat
 
-from .conditions import Claim, Hypothesis, Table, Vector, certain, conclude, determinant, nonzero
+from .conditions import Claim, Hypothesis, Table, Vector, certain, conclude, nonzero
 from .crossing import follow
 from .flow import field_of
 from .jets import (
@@ -28,9 +28,7 @@ from .jets import (
 )
 from .statement import Statement, read_statement
 
-Report = Callable[[str, float], None]
-
-WIDTHS, SECONDS, NEWTON_STEPS = (112, 240, 480), 3600.0, 8
+WIDTHS, SECONDS, NEWTON_STEPS = (96, 240, 480), 3600.0, 8
 
 
 @dataclass(frozen=True)
@@ -105,24 +103,16 @@ class PoincareMap:
         gaps = arb_mat([[row.centre[none] - t[zero]] for row, t in zip(self.rows, targets, strict=True)])
         move = (slopes.inv() * gaps).tolist()
         point = [c - step for c, (step,) in zip(self.centre, move, strict=True)]
-        equations = [
-            add(
-                {(*[0] * n, *a): c for a, c in row.items()},
-                {(*a, *none): -c for a, c in target.items()},
-            )
-            for row, target in zip(self._around(point), targets, strict=True)
-        ]
-        found = implicit(equations, n, 3)
+        left = [{(*[0] * n, *a): c for a, c in row.items()} for row in self._around(point)]
+        right = [{(*a, *none): -c for a, c in target.items()} for target in targets]
+        found = implicit([add(a, b) for a, b in zip(left, right, strict=True)], n, 3)
         return [scale(sign, add({zero: x}, w)) for sign, x, w in zip(self.signs, point, found, strict=True)]
 
 
-def second_proof(
-    certificate: Mapping[str, Any], report: Report | None = None, *, seconds: float = SECONDS
-) -> Proved | NotProved:
+def second_proof(certificate: Mapping[str, Any], seconds: float = SECONDS) -> Proved | NotProved:
     """Prove the bifurcation that a certificate claims, from its statement and centre alone.
 
-    `report` is called with a stage in words and the time along the orbit. Raises `BadCertificate` for a
-    certificate that cannot be read; everything else that goes wrong is a `NotProved` with its reason.
+    Raises `BadCertificate` for a certificate that cannot be read; whatever else goes wrong is a `NotProved`.
     """
     statement = read_statement(certificate)
     deadline, reasons = time.monotonic() + seconds, [""]
@@ -133,7 +123,7 @@ def second_proof(
     for width in WIDTHS:
         try:
             with precision(2 * width + 16):
-                return _prove(statement, width, symmetric, deadline, report)
+                return _prove(statement, width, symmetric, deadline)
         except (CannotFollow, ArithmeticError, ValueError, TypeError, MemoryError) as error:
             kind = "" if isinstance(error, CannotFollow) else f"{type(error).__name__}: "
             reasons.append(f"{kind}{error}")
@@ -233,8 +223,8 @@ def _newton(
     for j in range(size):
         for i, bend in enumerate(bends):
             changed = [[_dot(bend[j], a) for a in across] if r == i else row for r, row in enumerate(matrix)]
-            slope[j] = slope[j] + determinant(changed)
-    right = arb_mat([[-value] for value, _ in lines] + [[-determinant(matrix)]])
+            slope[j] = slope[j] + arb_mat(changed).det()
+    right = arb_mat([[-value] for value, _ in lines] + [[-arb_mat(matrix).det()]])
     step = [row[0].mid() for row in arb_mat([*[line[1] for line in lines], slope]).solve(right).tolist()]
 
     def form(vector: Vector) -> arb:
@@ -248,20 +238,20 @@ def _newton(
 def _adapted(statement: Statement, centre: Vector, columns: list[Vector], rows: list[Vector]) -> None:
     """For symmetry breaking: S fixes the centre, negates p_1 and q_1 and keeps the other p and q, exactly."""
     signs = statement.symmetry or ()
-    expected = [(statement.fixed, v, -1 if j == 1 else 1) for j, v in enumerate([*columns[:2], *columns[2:], centre])]
+    expected = [(statement.fixed, v, -1 if j == 1 else 1) for j, v in enumerate([*columns, centre])]
     expected += [(statement.kernel, v, 1 if j else -1) for j, v in enumerate(rows)]
     for indices, vector, sign in expected:
         if any(not c.is_zero() and signs[i] != sign for c, i in zip(vector, indices, strict=True)):
             raise CannotFollow("the frames or the centre are not adapted to the symmetry S")
 
 
-def _prove(statement: Statement, width: int, symmetric: Hypothesis, deadline: float, report: Report | None) -> Proved:
+def _prove(statement: Statement, width: int, symmetric: Hypothesis, deadline: float) -> Proved:
     k, size, bits = statement.k, len(statement.fixed), 2 * width + 16
     places = [i for i in range(len(statement.state)) if i != statement.section]
     none, zero = (0,) * len(places), (0,) * size
     radii = [arb(2) ** -(width + (0 if j == 1 else 8)) for j in range(size)]
     wide, tiny = arb(2) ** -(2 * width // 3), arb(2) ** -(width + 20)
-    steps, times = 0, []
+    runs: list[tuple[arb, int]] = []
 
     def section_point(centre: Vector) -> Vector:
         values = dict(zip(statement.fixed, centre, strict=True))
@@ -271,23 +261,20 @@ def _prove(statement: Statement, width: int, symmetric: Hypothesis, deadline: fl
         values = dict(zip(places, jets, strict=True))
         return [values.get(i, {}) for i in range(len(statement.state))]
 
-    def integrate(stage: str, centre: Vector, spread: arb, degree: int, used: int) -> list[Jet]:
-        nonlocal steps
+    def integrate(centre: Vector, spread: arb, degree: int, used: int) -> list[Jet]:
         start = [{none: x + spread, unit(len(places), j): arb(1)} for j, x in enumerate(section_point(centre))]
-        tell = None if report is None else lambda now: report(stage, now)
         with precision(used):
-            found, moment, count = follow(statement, state_of(start), none, degree, used, tell, deadline)
-        steps += count
-        times.append(moment)
+            found, moment, count = follow(statement, state_of(start), none, degree, used, deadline)
+        runs.append((moment, count))
         return [found[i] for i in places]
 
     def iterates(poincare: PoincareMap, columns: list[Vector], reach: Sequence[arb]) -> tuple[list[list[Jet]], Jet]:
         """Jets in p of P, .., P^k at all points centre + A p with p in `reach`, and of the first integral."""
-        lines = dict(zip(statement.fixed, zip(*columns, strict=True), strict=True))
-        state = []
-        for i, x in zip(places, poincare.centre, strict=True):
-            line = lines.get(i, (arb(0),) * size)
-            state.append({zero: x + _dot(line, reach), **{unit(size, j): c for j, c in enumerate(line)}})
+        slopes = dict(zip(statement.fixed, zip(*columns, strict=True), strict=True))
+        lines = [slopes.get(i, (arb(0),) * size) for i in places]
+        units = [unit(size, j) for j in range(size)]
+        moved = zip(poincare.centre, lines, strict=True)
+        state = [{zero: x + _dot(line, reach), **dict(zip(units, line, strict=True))} for x, line in moved]
         before = field_of(statement, state_of(state), zero, 3, statement.integral)[0]
         found = []
         for i in range(k):
@@ -303,9 +290,9 @@ def _prove(statement: Statement, width: int, symmetric: Hypothesis, deadline: fl
     for _ in range(NEWTON_STEPS):
         if not box or any(abs(c - m) > wide / 4 for c, m in zip(centre, middle, strict=True)):
             middle = centre
-            box = integrate("box", middle, arb(0, wide), 3, width + 16)
-            last_time = times[-1]
-        thin = integrate("centre", centre, arb(0), 1, bits)
+            box = integrate(middle, arb(0, wide), 3, 2 * width // 3 + 24)
+            crossed, _ = runs[-1]
+        thin = integrate(centre, arb(0), 1, bits)
         tables = [Table(at, around, 1) for at, around in zip(thin, box, strict=True)]
         signs = tuple(statement.reversing[i] for i in places)
         poincare = PoincareMap(signs, section_point(middle), wide, section_point(centre), tables)
@@ -322,17 +309,15 @@ def _prove(statement: Statement, width: int, symmetric: Hypothesis, deadline: fl
         raise CannotFollow("Newton's method does not converge from the centre of the certificate")
     if statement.kind == "symmetry_breaking":
         _adapted(statement, centre, columns, rows)
-    regular = determinant(rows), arb_mat(columns).det()
+    regular = arb_mat(rows).det(), arb_mat(columns).det()
     says = "the frames of p and q are regular"
     frames = certain(all(nonzero(d) for d in regular), "frames", says, p=regular[1], q=regular[0])
     says = "P exists on the box; it is the first crossing there, and every iterate stays where P is known"
-    crossings = certain(True, "crossings", says, time=last_time)
+    crossings = certain(True, "crossings", says, time=crossed)
     at_centre, first = iterates(poincare, columns, [arb(0)] * size)
     over_box, around = iterates(poincare, columns, [arb(0, r) for r in radii])
-    q = [
-        [Table(combine(row, at), combine(row, over), 2) for row in rows]
-        for at, over in zip(at_centre, over_box, strict=True)
-    ]
+    pairs = zip(at_centre, over_box, strict=True)
+    q = [[Table(combine(row, at), combine(row, over), 2) for row in rows] for at, over in pairs]
     claim = Claim(k, statement.kind == "symmetry_breaking", q, Table(first, around, 2), radii)
     hypotheses, coordinates, side = conclude(claim)
     offsets = [_dot(line, coordinates) for line in zip(*columns, strict=True)]
@@ -341,4 +326,4 @@ def _prove(statement: Statement, width: int, symmetric: Hypothesis, deadline: fl
     state = state_of([{(): x} for x in section_point(values)])
     parameter = field_of(statement, state, (), 0, statement.integral)[0][()]
     shown = (symmetric, frames, crossings, *hypotheses)
-    return Proved(statement.kind, k, side, point, parameter, shown, radii[1], bits, steps)
+    return Proved(statement.kind, k, side, point, parameter, shown, radii[1], bits, sum(count for _, count in runs))

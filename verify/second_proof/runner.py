@@ -174,7 +174,7 @@ def _prepare_worker(parent: int) -> None:
 def _run(certificates: Sequence[Row], rows: dict[str, Row], output: Path | None, jobs: int, seconds: float) -> None:
     """Prove the rows that are missing in processes of their own, and save after every one."""
     waiting, begin = [c for c in certificates if c["id"] not in rows], time.monotonic()
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), _prepare_worker, (os.getpid(),), max_tasks_per_child=1)
+    pool = ProcessPoolExecutor(jobs, get_context("spawn"), _prepare_worker, (os.getpid(),))
     try:
         futures: dict[Future[Row], str] = {pool.submit(prove_row, c, seconds): c["id"] for c in waiting}
         for done, future in enumerate(as_completed(futures), 1):
@@ -186,9 +186,11 @@ def _run(certificates: Sequence[Row], rows: dict[str, Row], output: Path | None,
             left = f"{spent:.0f} s, about {spent / done * (len(waiting) - done):.0f} s left"
             text = f"{done}/{len(waiting)} {name}: {rows[name]['verdict']}, {rows[name]['seconds']} s; {left}"
             print(text, file=sys.stderr, flush=True)
-    finally:
+    except BaseException:
         for worker in active_children():
             worker.terminate()
+        raise
+    finally:
         pool.shutdown(cancel_futures=True)
 
 
