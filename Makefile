@@ -27,7 +27,7 @@ help:
 	@echo "make test-slow  the longer proofs and campaigns"
 	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
 	@echo "make bench      benchmarks; each prints its numbers"
-	@echo "make clean      remove $(VENV), $(OUT) and caches"
+	@echo "make clean      remove $(VENV), $(OUT), $(SITE) and caches"
 
 $(BIN)/python:
 	@python=; for name in $(PYTHON) python3.11 python3 python; do \
@@ -153,5 +153,5 @@ bench: $(VENV)/dev.stamp
 	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done
 
 clean:
-	rm -rf $(VENV) $(OUT) .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
+	rm -rf $(VENV) $(OUT) $(SITE) .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

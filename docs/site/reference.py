@@ -10,9 +10,12 @@ from importlib import import_module, resources
 from typing import Any
 from unittest.mock import patch
 
+from formulas import with_formulas
+
 from orbitproof.__main__ import _COMMANDS as COMMANDS
-from orbitproof.figures.report.formulas import name_to_latex, program_to_latex
+from orbitproof.figures.report.formulas import to_latex
 from orbitproof.shared.systems import BRANCH_SYSTEMS
+from orbitproof.verify.claim import setting
 
 _WORDS = (["explore"], ["verify"], ["verify", "atlas"], ["verify", "--second-proof"], ["figures"], ["report"])
 """The command lines that have a parser of their own."""
@@ -105,21 +108,13 @@ def _cell(text: str) -> str:
 def systems_page() -> str:
     """The equations of every system, from the programs that proofs use."""
     parts = ["# Systems as formulas\n", "Printed from the straight-line programs that every proof uses. R reverses the "
-             "flow, P is the map to the next crossing of the section.\n"]  # fmt: skip
+             "flow, P is the Poincare map.\n"]  # fmt: skip
     for name, system in BRANCH_SYSTEMS.items():
-        left = [rf"\dot{{{name_to_latex(each)}}}" for each in system.state]
-        equations = list(program_to_latex(system.program, left))
-        parts += [f"## {system.title} (`{name}`)\n", *_display(equations)]
-        if system.first_integral_program is not None:
-            parts += [f"First integral, {system.first_integral_name}:\n",
-                      *_display(program_to_latex(system.first_integral_program, ["H"]))]  # fmt: skip
-        signs = ", ".join(str(sign) for sign in system.reversing_symmetry)
-        parts.append(f"R = diag({signs}); section {{{system.section} = 0}}.\n")
-    return "\n".join(parts)
-
-
-def _display(equations: Sequence[tuple[str, str]]) -> list[str]:
-    return [f"```{{math}}\n{left} = {right}\n```\n" for left, right in equations]
+        title, *lines = setting(system, {}, next(iter(system.symmetries), None))
+        parts.append(f"## {title.removesuffix(':')} (`{name}`)\n")
+        for line in lines:
+            parts.append(f"```{{math}}\n{to_latex(line)}\n```\n" if line.startswith("  ") else f"{line}\n")
+    return with_formulas("\n".join(parts))
 
 
 PYTHON = """\

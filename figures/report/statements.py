@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from typing import Any
+from itertools import groupby
 
 from flint import arb
 
 from orbitproof.figures.report.document import Block, Code, Formulas, Items, Math, Paragraph, Place, Run, Runs, Table
-from orbitproof.figures.report.formulas import name_to_latex, program_to_latex, typeset
+from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
+from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import Program
-from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
+from orbitproof.verify.certificate import theorem_in_full
+from orbitproof.verify.claim import setting
+from orbitproof.verify.evidence import ball_from_json, decimal_interval, interval_text
 
 _DIGITS = 34
 _SHORT = 12
@@ -30,12 +33,6 @@ _CURVES = {
     "symmetric-arc": "A curve of symmetric periodic orbits, mapped to itself by {symmetry}",
     "symmetric-loop": "A closed curve of symmetric periodic orbits, mapped to itself by {symmetry}",
 }
-_SIDES = {
-    "above": "greater than its value at the bifurcation point",
-    "below": "less than its value at the bifurcation point",
-    "both": "on both sides of its value at the bifurcation point",
-}
-_NAMES = {"alpha": r"\alpha", "beta": r"\beta"}
 
 
 def name_of(entry: Checked) -> str:
@@ -58,71 +55,57 @@ def is_proved(entry: Checked) -> bool:
 
 
 def statement_blocks(entry: Checked) -> tuple[Block, ...]:
-    """What is proved: the system, the words of the certificate, and for a bifurcation its box and enclosures."""
+    """The theorem in full, in the words of its certificate: system, box, what is proved and what that means."""
+    blocks = list(_blocks(_in_full(entry).split("\n")))
+    if isinstance(entry, CheckedRow):
+        where = Place(box_label(entry), "the table of boxes")
+        blocks.append(Paragraph(("Centre, frame and radii stand exactly in ", where, ".")))
+        blocks += _normal_form(entry)
+    return (*blocks, *_notes(entry))
+
+
+def _in_full(entry: Checked) -> str:
+    """What a certificate says in full; certificates of before do not, and it follows from them in the same way."""
     if isinstance(entry, CheckedAtlas):
         statement = entry.document["statement"]
-        return (*_setting(statement, entry.atlas.parameters), *_words(str(statement["theorem"])), *_notes(entry))
-    statement = entry.certificate.statement
-    return (
-        *_setting(statement, entry.candidate.parameters),
-        *_box(entry),
-        *_words(str(entry.certificate.theorem)),
-        *_results(entry),
-        *_notes(entry),
-    )
+        if "in_full" in statement:
+            return str(statement["in_full"])
+        atlas = entry.atlas
+        words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry)
+        return "\n".join([*words, "Theorem.", str(statement["theorem"])])
+    form = None if entry.claim is entry.candidate else entry.claim
+    return theorem_in_full(entry.certificate, entry.candidate, form)
 
 
-def _setting(statement: Mapping[str, Any], parameters: Mapping[str, Fraction]) -> Iterator[Block]:
-    """The equations, from the straight-line programs that the certificate states."""
-    field = Program.from_text(statement["vector_field"])
-    state = field.inputs[: len(field.outputs)]
-    equations = list(program_to_latex(field, [rf"\dot{{{name_to_latex(name)}}}" for name in state]))
-    title = statement.get("names", {}).get("system", "system")
-    coordinates = ", ".join(name_to_latex(name) for name in state)
-    yield Paragraph((f"The {title} is the vector field ", Math("f"), " in the coordinates ", Math(f"({coordinates})"),
-                     " with"))  # fmt: skip
-    yield Formulas(tuple(equations))
-    given: list[Run] = []
-    opening = "Its parameter is " if len(parameters) == 1 else "Its parameters are "
-    for name, value in parameters.items():
-        given += [", " if given else opening, Math(f"{name_to_latex(name)} ="), f" {exact_text(value)}"]
-    if given:
-        yield Paragraph((*given, ", where ", Code("0xMp-E"), " is the hexadecimal integer M divided by 2 to the E."))
-    for name, text in statement.get("derived_parameters", {}).items():
-        yield Paragraph(("The parameter ", Math(name_to_latex(name)), " is a root of the right side of"))
-        yield Formulas(program_to_latex(Program.from_text(text), ["0"]))
-    if statement.get("first_integral") is not None:
-        name = statement.get("names", {}).get("first_integral", "first integral")
-        yield Paragraph((f"Its first integral, the {name}, is",))
-        yield Formulas(program_to_latex(Program.from_text(statement["first_integral"]), ["H"]))
-    runs: list[Run] = ["It is reversible: ", Math("R = " + _diagonal(statement["reversing_symmetry"])), " satisfies ",
-                       Math(r"f(Rx) = -R f(x)")]  # fmt: skip
-    if statement.get("symmetry") is not None:
-        runs += ["; ", Math("S = " + _diagonal(statement["symmetry"])), " satisfies ", Math(r"f(Sx) = S f(x)")]
-    section = name_to_latex(str(statement["section"]))
-    runs += [". ", Math(r"\mathrm{Fix}(R)"), " is the set of points that R leaves where they are, and ", Math("P"),
-             " maps a point of the section ", Math(rf"\{{{section} = 0\}}"),
-             " to the next crossing of it, in either direction."]  # fmt: skip
-    yield Paragraph(tuple(runs))
+_EQUATION = re.compile(r"  ([\w']+) = (.*)")
+_VALUE = re.compile(r"(.*) \(exactly (.*)\)")
 
 
-def _diagonal(signs: Sequence[int]) -> str:
-    return r"\mathrm{diag}(" + ", ".join(str(sign) for sign in signs) + ")"
+def _blocks(lines: Sequence[str]) -> Iterator[Block]:
+    """Lines that are indented are equations or entries of a list, as are those that begin with a hyphen.
+
+    The line that says where the theorem begins is left out: all of it stands under the theorem's number.
+    """
+    for kind, group in groupby((line for line in lines if line != "Theorem."), _kind):
+        if kind is Formulas:
+            equations = [found.groups() for line in group if (found := _EQUATION.fullmatch(line)) is not None]
+            yield Formulas(tuple((to_latex(left), _right(right)) for left, right in equations))
+        elif kind is Items:
+            yield Items(tuple(typeset(line.removeprefix("- ").strip()) for line in group))
+        else:
+            yield from (Paragraph(typeset(line[:1].upper() + line[1:])) for line in group)
 
 
-def _words(theorem: str) -> Iterator[Block]:
-    """The words of the certificate: a paragraph for each line, lists as lists."""
-    items: list[Runs] = []
-    for line in theorem.split("\n"):
-        if line.startswith("- "):
-            items.append(typeset(line[2:]))
-            continue
-        if items:
-            yield Items(tuple(items))
-            items = []
-        yield Paragraph(typeset(line[:1].upper() + line[1:]))
-    if items:
-        yield Items(tuple(items))
+def _kind(line: str) -> type[Block]:
+    if _EQUATION.fullmatch(line):
+        return Formulas
+    return Items if line.startswith(("  ", "- ")) else Paragraph
+
+
+def _right(text: str) -> str:
+    """The right side of an equation: a formula, or a value with its exact form in words."""
+    value = _VALUE.fullmatch(text)
+    return to_latex(text) if value is None else rf"{value[1]} \quad \text{{(exactly {value[2]})}}"
 
 
 def box_label(entry: CheckedRow) -> str:
@@ -130,48 +113,13 @@ def box_label(entry: CheckedRow) -> str:
     return f"box-{entry.certificate.id}"
 
 
-def _box(entry: CheckedRow) -> Iterator[Block]:
-    claim = entry.claim
-    names = ", ".join(claim.coordinates)
-    centre = ", ".join(_approximate(value, 20) for value in claim.centre)
-    radii = ", ".join(_approximate(value, 3) for value in claim.radii)
-    yield Paragraph((
-        f"The box consists of the points with coordinates ({names}) equal to ", Math(r"c + A p"), " for ",
-        Math(r"|p_i| \le R_i"), f"; the centre c is about ({centre}), the radii are about ({radii}); c, A and R stand "
-        "exactly in ", Place(box_label(entry), "the table of boxes"), ".",
-    ))  # fmt: skip
-
-
-def _approximate(value: Fraction, digits: int) -> str:
-    return f"{float(value):.3g}" if digits <= 3 else _decimal(value, digits)
-
-
-def _decimal(value: Fraction, digits: int) -> str:
-    """A number rounded to the nearest with so many decimals."""
-    sign, scaled = "-" if value < 0 else "", round(abs(value) * 10**digits)
-    whole, rest = divmod(scaled, 10**digits)
-    return f"{sign}{whole}" if rest == 0 else f"{sign}{whole}.{rest:0{digits}d}".rstrip("0")
-
-
-def _results(entry: CheckedRow) -> Iterator[Block]:
-    certificate = entry.certificate
-    if certificate.parameter is None:
-        return
-    items: list[Runs] = [(f"{certificate.parameter_name} in {interval_text(certificate.parameter, _DIGITS)}",)]
-    items += [
-        (Math(name_to_latex(name)), f" in {interval_text(ball, _DIGITS)}") for name, ball in certificate.point.items()
-    ]
-    items += [
-        (Math(_NAMES[name]), f" in {interval_text(ball, _DIGITS)} (coefficient of the normal form)")
-        for name, ball in certificate.normal_form.items()
-        if name in _NAMES
-    ]
-    yield Paragraph(("The bifurcation point has",))
-    yield Items(tuple(items))
-    side = _SIDES[str(certificate.side)]
-    yield Paragraph((
-        f"Near it the new orbits exist for values of the {certificate.parameter_name} {side}.",
-    ))  # fmt: skip
+def _normal_form(entry: CheckedRow) -> Iterator[Block]:
+    balls = {name: ball for name, ball in entry.certificate.normal_form.items() if name in ("alpha", "beta")}
+    if balls:
+        runs: list[Run] = ["The coefficients of the normal form (section 9.5):"]
+        for name, ball in balls.items():
+            runs += [" ", Math(rf"\{name}"), f" in {interval_text(ball, _DIGITS)}", "," if name == "alpha" else "."]
+        yield Paragraph(tuple(runs))
 
 
 def _notes(entry: Checked) -> Iterator[Block]:
@@ -243,18 +191,26 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
 
 
 def box_table(entry: CheckedRow) -> Table:
-    """Parameters and box of a claim, exactly."""
-    claim = entry.claim
+    """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
     rows: list[tuple[Runs, ...]] = [
-        ((Math(name_to_latex(name)),), (Code(format_exact(value)),)) for name, value in claim.parameters.items()
+        ((Math(to_latex(name)),), (Code(format_exact(value)),)) for name, value in entry.candidate.parameters.items()
     ]
-    for index, value in enumerate(claim.centre):
-        rows.append(((Math(f"c_{{{index}}}"), f", {claim.coordinates[index]}"), (Code(format_exact(value)),)))
-    for i, row in enumerate(claim.frame):
-        rows += [((Math(f"A_{{{i}{j}}}"),), (Code(format_exact(value)),)) for j, value in enumerate(row) if value]
-    rows += [((Math(f"R_{{{index}}}"),), (Code(format_exact(value)),)) for index, value in enumerate(claim.radii)]
+    rows += _box_rows(entry.claim, "")
+    if entry.claim is not entry.candidate:
+        rows += _box_rows(entry.candidate, ", the candidate's own box")
     return Table(("", "exact value"), tuple(rows), f"The box of {name_of(entry)}; entries of A that are 0 are left out",
-                 (0.2, 0.74))  # fmt: skip
+                 (0.26, 0.68))  # fmt: skip
+
+
+def _box_rows(claim: Candidate, which: str) -> Iterator[tuple[Runs, ...]]:
+    for index, value in enumerate(claim.centre):
+        yield (Math(f"c_{{{index}}}"), f", {claim.coordinates[index]}{which}"), (Code(format_exact(value)),)
+    for i, row in enumerate(claim.frame):
+        for j, value in enumerate(row):
+            if value:
+                yield (Math(f"A_{{{i}{j}}}"), which), (Code(format_exact(value)),)
+    for index, value in enumerate(claim.radii):
+        yield (Math(f"R_{{{index}}}"), which), (Code(format_exact(value)),)
 
 
 def parameter_text(entry: Checked) -> str:

@@ -124,13 +124,21 @@ _TEX_CHARACTERS = {
 }  # fmt: skip
 
 
+_MANY_DIGITS = re.compile(r"[0-9]{20,}")
+
+
 def _tex_text(text: str) -> str:
-    return "".join(_TEX_CHARACTERS.get(character, character) for character in text)
+    escaped = "".join(_TEX_CHARACTERS.get(character, character) for character in text)
+    return _MANY_DIGITS.sub(lambda found: r"\allowbreak{}".join(_chunks(found[0])), escaped)
+
+
+def _chunks(text: str) -> list[str]:
+    return [text[i : i + _CHUNK] for i in range(0, len(text), _CHUNK)]
 
 
 def _tex_code(text: str) -> str:
     """Typewriter; long words may be broken anywhere."""
-    chunks = [text[i : i + _CHUNK] for i in range(0, len(text), _CHUNK)] if len(text) > _LONG else [text]
+    chunks = _chunks(text) if len(text) > _LONG else [text]
     return r"\texttt{" + r"\allowbreak{}".join(_tex_text(chunk) for chunk in chunks) + "}"
 
 

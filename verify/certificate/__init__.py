@@ -6,6 +6,7 @@ from orbitproof.verify.certificate.certificate import (
     digest,
     is_proof_of,
     read_certificates,
+    theorem_in_full,
     write_certificates,
 )
 from orbitproof.verify.certificate.levels import (
@@ -62,6 +63,7 @@ __all__ = [
     "system_names",
     "systems_with",
     "tables_from_json",
+    "theorem_in_full",
     "verdict_table",
     "write_certificates",
 ]
