@@ -71,6 +71,16 @@ def add_quiet(parser: Any) -> None:
     parser.add_argument("--quiet", action="store_true", help="no messages but errors on standard error")
 
 
+def add_orbit_choice(parser: Any) -> None:
+    """One orbit of a file: the file, ``--id``, ``--family``, ``--orbit``."""
+    parser.add_argument(
+        "file", type=Path, metavar="FILE", help="candidates, certificates, families or a periodic orbit catalogue"
+    )
+    parser.add_argument("--id", metavar="ID", help="the candidate or certificate")
+    parser.add_argument("--family", metavar="NAME", help="the family of a family file, for example earth-moon-L2-halo")
+    parser.add_argument("--orbit", type=index, metavar="N", help="the orbit of a family or catalogue, counted from 1")
+
+
 def positive(text: str) -> float:
     """A positive finite number."""
     value = float(text)

@@ -9,7 +9,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from orbitproof.explore.commands.common import add_command, index, positive
+from orbitproof.explore.commands.common import add_command, add_orbit_choice, positive
 from orbitproof.shared.formats import InputError, check_writable, write_text
 
 _EXAMPLES = """\
@@ -34,12 +34,7 @@ def add_parser(commands: Any) -> None:
     parser = add_command(
         commands, "trajectory", "states of one orbit over time, as CSV and as CCSDS ephemeris message", _EXAMPLES
     )
-    parser.add_argument(
-        "file", type=Path, metavar="FILE", help="candidates, certificates, families or a periodic orbit catalogue"
-    )
-    parser.add_argument("--id", metavar="ID", help="the candidate or certificate")
-    parser.add_argument("--family", metavar="NAME", help="the family of a family file, for example earth-moon-L2-halo")
-    parser.add_argument("--orbit", type=index, metavar="N", help="the orbit of a family or catalogue, counted from 1")
+    add_orbit_choice(parser)
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="CSV file to write")
     parser.add_argument("--oem", type=Path, metavar="FILE", help="CCSDS OEM file to write; needs --units km")
     parser.add_argument(

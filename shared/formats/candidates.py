@@ -198,6 +198,8 @@ _FORMATS = {
     "branches": "branches",
     "portraits": "portraits",
     "mass-curve": "curves over the mass",
+    "tori": "tori, to draw with: orbitproof figures tori {}",
+    "manifold": "a manifold, to draw with: orbitproof figures tori {}",
     "published": "published values",
     "system": "a system, to search with: orbitproof explore family --system {}",
 }

@@ -1,0 +1,12 @@
+from .curve import InvariantCurve as InvariantCurve
+from .curve import NoCurve as NoCurve
+from .file import read_manifold as read_manifold
+from .file import read_tori as read_tori
+from .file import write_manifold as write_manifold
+from .file import write_tori as write_tori
+from .manifold import Manifold as Manifold
+from .manifold import NoManifold as NoManifold
+from .manifold import Plane as Plane
+from .manifold import manifold_of as manifold_of
+from .torus_family import TorusFamily as TorusFamily
+from .torus_family import trace_tori as trace_tori

@@ -1,0 +1,136 @@
+"""Tori around elliptic halo orbits and tubes of unstable ones: numerics, held against the flow itself."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+from math import acos
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from orbitproof.explore.__main__ import main
+from orbitproof.explore.flow.flow import flow_of
+from orbitproof.explore.invariants.curve import NoCurve, measured
+from orbitproof.explore.invariants.file import read_manifold, read_tori, write_manifold, write_tori
+from orbitproof.explore.invariants.manifold import NoManifold, Plane, manifold_of
+from orbitproof.explore.invariants.torus_family import TorusFamily, first_curve, trace_tori
+from orbitproof.explore.trajectories.source import SourceOrbit
+from orbitproof.explore.trajectories.trajectory import Trajectory, trajectory_of
+from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.systems.system import CR3BP
+
+MASS = Fraction("1.215058560962404e-2")
+HALO = [1.1380985313, -0.1661640169, -0.2240501116, 1.5452867791]
+"""An L2 halo orbit with an elliptic pair (stability parameter -0.434) and a hyperbolic one (57.8), to ten digits."""
+
+
+@pytest.fixture(scope="module")
+def halo() -> Trajectory:
+    source = SourceOrbit(CR3BP, {"mu": MASS}, np.array(HALO), "a halo orbit", "not proved")
+    return trajectory_of(source, 41, 1.0)
+
+
+@pytest.fixture(scope="module")
+def tori(halo: Trajectory) -> TorusFamily:
+    return trace_tori(halo.orbit, float(MASS), most=5)
+
+
+def next_return(state: np.ndarray) -> np.ndarray:
+    """The next crossing of y = 0 with the same sign of vy, by another integrator."""
+
+    def field(_: float, x: np.ndarray) -> list[float]:
+        return list(CR3BP.vector_field(x.tolist(), [float(MASS)]))
+
+    def section(_: float, x: np.ndarray) -> float:
+        return float(x[1])
+
+    section.direction = float(np.sign(state[4]))  # type: ignore[attr-defined]
+    solution = solve_ivp(field, (0, 5), state, method="DOP853", rtol=1e-12, atol=1e-12, events=section)
+    return np.array(solution.y_events[0][solution.t_events[0] > 0.1][0])
+
+
+def test_points_of_an_invariant_curve_return_to_it_turned_by_its_rotation_number(tori: TorusFamily) -> None:
+    curve = tori.curves[-1]
+    angles = np.array([0.3, 2.0, 4.5])
+    ahead = curve.states(angles + curve.rotation)
+    for state, expected in zip(curve.states(angles), ahead, strict=True):
+        assert next_return(state) == pytest.approx(expected, abs=1e-7)
+    assert curve.error < 1e-8
+    # The same cannot be said of another rotation number.
+    off = replace(curve, rotation=curve.rotation + 0.01)
+    assert measured(off) > 1e-5
+
+
+def test_tori_grow_from_the_periodic_orbit_at_its_jacobi_constant(halo: Trajectory, tori: TorusFamily) -> None:
+    amplitudes = [curve.amplitude for curve in tori.curves]
+    assert amplitudes == sorted(amplitudes)
+    assert tori.curves[0].rotation == pytest.approx(acos(tori.stability), abs=1e-4)
+    assert tori.stability == pytest.approx(-0.4340894546, abs=1e-6)
+    states = tori.curves[-1].states(np.linspace(0, 6, 9))
+    assert CR3BP.first_integral is not None
+    levels = np.asarray(CR3BP.first_integral(states.T, [float(MASS)])[0])
+    assert levels == pytest.approx(np.full(9, halo.orbit.first_integral), abs=1e-12)
+    assert tori.reason == "5 curves"
+
+
+def test_an_orbit_without_that_elliptic_pair_has_no_torus(halo: Trajectory) -> None:
+    with pytest.raises(NoCurve, match="1 elliptic pairs"):
+        first_curve(halo.orbit, float(MASS), 1, 1e-3)
+
+
+def test_tori_are_read_back_as_they_were(halo: Trajectory, tori: TorusFamily, tmp_path: Path) -> None:
+    path = tmp_path / "tori.json"
+    write_tori(path, halo, tori, surfaces=1)
+    record = read_tori(path)
+    assert len(record.tori) == 5
+    assert np.array_equal(record.tori[2].curve.unknowns, tori.curves[2].unknowns)
+    assert [torus.surface is None for torus in record.tori] == [True] * 4 + [False]
+    surface = record.tori[-1].surface
+    assert surface is not None
+    ahead = tori.curves[-1].states(np.array([tori.curves[-1].rotation]))[0, :3]
+    assert surface[0, -1] == pytest.approx(ahead, abs=1e-4)
+    document = json.loads(path.read_text())
+    assert "nothing is proved" in document["status"]
+    document["tori"][0]["times"].append(1.0)
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"tori\[0\].times"):
+        read_tori(path)
+
+
+@pytest.mark.parametrize("kind", ["unstable", "stable"])
+def test_a_tube_tends_to_the_periodic_orbit(kind: str, halo: Trajectory, tmp_path: Path) -> None:
+    kind: str, halo: Trajectory, tmp_path: Path
+) -> None:
+    tube = manifold_of(
+        CR3BP, halo.states[0], halo.orbit, float(MASS), kind=kind, side=-1, plane=Plane(0, 1 - float(MASS)), count=4
+    )
+    assert np.all(tube.reached)
+    assert tube.ends[:, 0] == pytest.approx(np.full(4, 1 - float(MASS)), abs=1e-9)
+    assert tube.drift < 1e-9
+    assert abs(tube.multiplier) == pytest.approx(115.57 if kind == "unstable" else 1 / 115.57, rel=1e-3)
+    # Against its direction of time the start comes closer to the periodic orbit by the multiplier each period.
+    back = -1 if kind == "unstable" else 1
+    state = flow_of(CR3BP).derivative(tube.starts[0], back * halo.orbit.period, [float(MASS)]).state
+    assert np.linalg.norm((state - halo.states[0])[:3]) < 2 * tube.offset / 115
+    path = tmp_path / "tube.json"
+    write_manifold(path, halo, tube)
+    again = read_manifold(path).manifold
+    assert np.array_equal(again.ends, tube.ends)
+    assert (again.kind, again.side, again.plane) == (kind, -1, tube.plane)
+
+
+def test_a_stable_orbit_has_no_tube(halo: Trajectory) -> None:
+    calm = replace(halo.orbit, coefficients=np.poly([0.5, 0.2]))
+    with pytest.raises(NoManifold, match="not unstable"):
+        manifold_of(CR3BP, halo.states[0], calm, float(MASS), kind="unstable", side=1, plane=Plane(0, 1.0), count=2)
+
+
+@pytest.mark.parametrize("plane", ["w=3", "x=many", "x", "y=inf"])
+def test_a_plane_that_is_none_is_refused(plane: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["manifold", str(tmp_path / "f.json"), "-o", str(tmp_path / "m.json"), "--plane", plane]
+    assert main(words) == 2
+    assert capsys.readouterr().err.startswith(f"orbitproof explore manifold: --plane {plane}")
