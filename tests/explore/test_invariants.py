@@ -103,8 +103,6 @@ def test_tori_are_read_back_as_they_were(halo: Trajectory, tori: TorusFamily, tm
 
 @pytest.mark.parametrize("kind", ["unstable", "stable"])
 def test_a_tube_tends_to_the_periodic_orbit(kind: str, halo: Trajectory, tmp_path: Path) -> None:
-    kind: str, halo: Trajectory, tmp_path: Path
-) -> None:
     tube = manifold_of(
         CR3BP, halo.states[0], halo.orbit, float(MASS), kind=kind, side=-1, plane=Plane(0, 1 - float(MASS)), count=4
     )
