@@ -1,5 +1,7 @@
 from .curve import InvariantCurve as InvariantCurve
 from .curve import NoCurve as NoCurve
+from .file import ManifoldRecord as ManifoldRecord
+from .file import ToriRecord as ToriRecord
 from .file import read_manifold as read_manifold
 from .file import read_tori as read_tori
 from .file import write_manifold as write_manifold

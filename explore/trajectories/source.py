@@ -70,13 +70,13 @@ def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
         "family": _family_row,
         "": _catalogue_row,
     }
-    kind = _format(path)
+    kind = format_of(path)
     if kind not in readers:
         raise InputError(f"{path}: holds {kind}; {_REMEDY}")
     return readers[kind](path, choice)
 
 
-def _format(path: Path) -> str:
+def format_of(path: Path) -> str:
     """The file's format as it says itself, "" where it does not; whoever reads it in full reports what is wrong."""
     try:
         text = path.read_text("utf-8-sig")

@@ -13,6 +13,8 @@ from .halo_plane import draw_closed_curves as draw_closed_curves
 from .halo_plane import draw_resonant_families as draw_resonant_families
 from .halo_space import draw_bifurcation as draw_bifurcation
 from .halo_space import draw_torus as draw_torus
+from .invariants import draw_manifold as draw_manifold
+from .invariants import draw_tori as draw_tori
 from .mass_curve import draw_mass_curves as draw_mass_curves
 from .mass_curve import read_mass_curves as read_mass_curves
 from .portraits import draw_portraits as draw_portraits

@@ -1,0 +1,114 @@
+"""Tori around elliptic orbits, and tubes of unstable ones: in space and on the section. Numerics, and labelled so."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
+from orbitproof.figures.style import (
+    CURVE,
+    INK,
+    bounds_of,
+    label_of,
+    legend_row,
+    primary_handle,
+    set_box,
+    show_primaries,
+)
+from orbitproof.shared.systems import CR3BP
+
+_WIDTH = 7.2
+_NOTE = "double precision, nothing proved"
+
+
+def draw_tori(record: ToriRecord) -> Figure:
+    """The largest stored torus in space, all invariant curves in two planes, and the error of invariance of each."""
+    figure = plt.figure(figsize=(_WIDTH, 6.4))
+    grid = figure.add_gridspec(2, 2, left=0.1, right=0.975, top=0.9, bottom=0.13, wspace=0.3, hspace=0.36)
+    space: Any = figure.add_axes((0.02, 0.5, 0.44, 0.4), projection="3d", computed_zorder=False)
+    surface = next(torus.surface for torus in reversed(record.tori) if torus.surface is not None)
+    closed = np.concatenate([surface, surface[:1]])
+    for line in closed[:-1:2]:
+        space.plot(*line.T, color=CURVE, linewidth=0.4)
+    for line in np.swapaxes(closed, 0, 1)[::6]:
+        space.plot(*line.T, color="#9db4c3", linewidth=0.5)
+    low, high = show_primaries(space, record.mass, *bounds_of([surface.reshape(-1, 3)]))
+    set_box(space, CR3BP, low, high, zoom=0.92)
+    angles = np.linspace(0.0, 2 * np.pi, 400)
+    for place, (first, second) in ((grid[0, 1], (0, 1)), (grid[1, 0], (1, 3))):
+        axes = figure.add_subplot(place)
+        for torus in record.tori:
+            points = torus.curve.points(angles)
+            axes.plot(points[:, first], points[:, second], color=CURVE, linewidth=0.8)
+        centre = record.centre[[first, second]]
+        axes.plot(*centre, marker="o", markerfacecolor="white", color=INK, linestyle="none", markersize=5)
+        names = [CR3BP.state[index] for index in (0, 2, 3, 5)]
+        axes.set_xlabel(label_of(names[first]))
+        axes.set_ylabel(label_of(names[second]))
+        letter, text = ("b", "invariant curves, $y=0$") if first == 0 else ("c", "the same, across Fix($R$)")
+        axes.set_title(f"({letter})  {text}", color=INK)
+    errors = figure.add_subplot(grid[1, 1])
+    sizes = [torus.curve.amplitude for torus in record.tori]
+    style: dict[str, Any] = {"marker": "o", "markerfacecolor": "white", "linestyle": "none", "markersize": 4}
+    errors.plot(sizes, [torus.curve.error for torus in record.tori], color=CURVE, **style)
+    errors.set_yscale("log")
+    errors.set_xlabel("amplitude  (nondimensional)")
+    errors.set_ylabel(r"error of $F(u(\theta))=u(\theta+\rho)$")
+    errors.set_title("(d)  error of invariance", color=INK)
+    figure.text(0.1, 0.905, "(a)  torus  (unit: distance of the primaries)", fontsize=8.5, color=INK)
+    _head(figure, f"Tori around {record.title}, $C$ = {record.jacobi_constant:.8g}")
+    legend_row(
+        figure,
+        [
+            Line2D([], [], color=CURVE, label=f"numerical: {_NOTE}"),
+            Line2D([], [], marker="o", markerfacecolor="white", color=INK, linestyle="none", label="periodic orbit"),
+            primary_handle(),
+        ],
+        0.08,
+    )
+    return figure
+
+
+def draw_manifold(record: ManifoldRecord) -> Figure:
+    """The tube in space, and its end on the section."""
+    tube = record.manifold
+    figure = plt.figure(figsize=(_WIDTH, 3.9))
+    space: Any = figure.add_axes((0.02, 0.14, 0.5, 0.74), projection="3d", computed_zorder=False)
+    colour = "#b2182b" if tube.kind == "unstable" else "#1b7837"
+    for path in tube.paths:
+        space.plot(*path.T, color=colour, linewidth=0.4)
+    space.plot(*record.orbit.T, color=INK, linewidth=1.2)
+    low, high = show_primaries(space, record.mass, *bounds_of([*tube.paths, record.orbit]))
+    set_box(space, CR3BP, low, high, zoom=0.92)
+    section = figure.add_axes((0.62, 0.24, 0.355, 0.6))
+    first = next(index for index in (1, 2, 0) if index != tube.plane.index)
+    ends = tube.ends[tube.reached]
+    closed = np.concatenate([ends, ends[:1]]) if tube.reached.all() else ends
+    section.plot(
+        closed[:, first], closed[:, first + 3], color=colour, linewidth=0.7, marker="o", markersize=3,
+        markerfacecolor="white",
+    )  # fmt: skip
+    section.set_xlabel(label_of(CR3BP.state[first]))
+    section.set_ylabel(label_of(CR3BP.state[first + 3]))
+    section.set_title(f"(b)  where it meets ${'xyz'[tube.plane.index]}$ = {tube.plane.value:.6g}", color=INK)
+    figure.text(0.05, 0.895, "(a)  the tube  (unit: distance of the primaries)", fontsize=8.5, color=INK)
+    _head(figure, f"{tube.kind.capitalize()} manifold of {record.title}, multiplier {tube.multiplier:.6g}")
+    legend_row(
+        figure,
+        [
+            Line2D([], [], color=colour, label=f"numerical: {_NOTE}"),
+            Line2D([], [], color=INK, label="periodic orbit"),
+            primary_handle(),
+        ],
+        0.08,
+    )
+    return figure
+
+
+def _head(figure: Figure, text: str) -> None:
+    figure.text(0.05, 0.965, text, color=INK, fontweight="bold", va="center", fontsize=8)

@@ -1,0 +1,82 @@
+"""Pictures of tori and tubes: what the files say, and that it is numerical."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from orbitproof.explore.invariants.file import read_manifold, read_tori, write_manifold, write_tori
+from orbitproof.explore.invariants.manifold import Plane, manifold_of
+from orbitproof.explore.invariants.torus_family import trace_tori
+from orbitproof.explore.trajectories.source import SourceOrbit
+from orbitproof.explore.trajectories.trajectory import trajectory_of
+from orbitproof.figures.__main__ import main
+from orbitproof.figures.pictures.invariants import draw_manifold, draw_tori
+from orbitproof.figures.style.style import close, use_style
+from orbitproof.shared.systems.system import CR3BP
+
+MASS = Fraction("1.215058560962404e-2")
+HALO = [1.1380985313, -0.1661640169, -0.2240501116, 1.5452867791]
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    folder = tmp_path_factory.mktemp("invariants")
+    halo = trajectory_of(SourceOrbit(CR3BP, {"mu": MASS}, np.array(HALO), "a halo orbit", "not proved"), 41, 1.0)
+    write_tori(folder / "tori.json", halo, trace_tori(halo.orbit, float(MASS), most=3), surfaces=1)
+    tube = manifold_of(
+        CR3BP, halo.states[0], halo.orbit, float(MASS), kind="unstable", side=-1, plane=Plane(0, 0.98785), count=5
+    )
+    write_manifold(folder / "tube.json", halo, tube)
+    return folder / "tori.json", folder / "tube.json"
+
+
+@pytest.fixture(autouse=True)
+def style() -> Iterator[None]:
+    with use_style():
+        yield
+
+
+def texts(figure: Figure) -> str:
+    legend = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    return " ".join(legend + [text.get_text() for text in figure.texts])
+
+
+def test_pictures_of_tori_say_that_nothing_is_proved_and_show_every_curve(files: tuple[Path, Path]) -> None:
+    record = read_tori(files[0])
+    figure = draw_tori(record)
+    assert "nothing proved" in texts(figure)
+    section = next(axes for axes in figure.axes if "invariant curves" in axes.get_title(loc="left"))
+    shown = [np.asarray(line.get_xydata()) for line in section.lines if len(line.get_xydata()) > 1]
+    assert len(shown) == 3
+    assert shown[2][0] == pytest.approx(record.tori[2].curve.points(np.zeros(1))[0, :2])
+    markers = [line for axes in figure.axes for line in axes.lines if line.get_marker() == "o" and axes.name != "3d"]
+    assert all(line.get_markerfacecolor() == "white" for line in markers)
+    close(figure)
+
+
+def test_pictures_of_tubes_end_where_the_file_says(files: tuple[Path, Path]) -> None:
+    record = read_manifold(files[1])
+    figure = draw_manifold(record)
+    assert "nothing proved" in texts(figure)
+    (line,) = figure.axes[1].lines
+    assert np.asarray(line.get_xydata())[:5] == pytest.approx(record.manifold.ends[:, [1, 4]])
+    assert line.get_markerfacecolor() == "white"
+    close(figure)
+
+
+def test_command_draws_both_and_refuses_other_files(
+    files: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [str(path) for path in files]
+    assert main(["tori", *words, "-o", str(tmp_path), "--format", "png"]) == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"tori.png", "tube.png"}
+    other = Path(__file__).parents[1] / "data" / "figures-candidates.json"
+    capsys.readouterr()
+    assert main(["tori", str(other), "-o", str(tmp_path)]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
