@@ -3,13 +3,14 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches report figures docs test lint test-slow campaign bench clean
+.PHONY: help demo branches examples report figures docs test lint test-slow campaign bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
 OUT := demo-out
 PICTURES := figures-out
 BRANCHES := branches-out
+EXAMPLES := examples-out
 SITE := site-out
 JOBS := 2
 
@@ -20,6 +21,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 help:
 	@echo "make demo       find and certify bifurcations of Earth-Moon halo orbits, draw them (into $(OUT)/)"
 	@echo "make branches   prove whole branches: the theorems on curves and surfaces (into $(BRANCHES)/; 20 minutes)"
+	@echo "make examples   systems of one's own, from files: found, proved, drawn (into $(EXAMPLES)/; minutes)"
 	@echo "make report     every theorem, proved and told: both tables and all branches (into $(BRANCHES)/; half an hour)"
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; more than an hour, goes on where it stopped)"
 	@echo "make docs       this project as a site, its notebooks executed (into $(SITE)/)"
@@ -62,6 +64,12 @@ FIGURES = $(BIN)/orbitproof figures
 
 # A command that runs when make is ended keeps what it has and ends too (PPID is make, for the shell of a recipe).
 BOUND = export ORBITPROOF_ENDS_WITH=$$PPID;
+
+# The commands are those of docs/examples/README.md: its indented lines.
+examples: $(VENV)/demo.stamp
+	@mkdir -p $(EXAMPLES) && cp docs/examples/*.py $(EXAMPLES)/
+	@cd $(EXAMPLES) && sed -n 's|^    orbitproof|$(abspath $(BIN))/orbitproof|p' ../docs/examples/README.md | \
+	  while read -r line; do echo "$$line" >&2; $(BOUND) sh -c "$$line" </dev/null || [ $$? -eq 1 ] || exit 2; done
 
 # Exit code 1 of a step (something not found, not proved) does not stop the ones after it.
 demo: $(VENV)/demo.stamp

@@ -7,3 +7,4 @@ from .scripting import families_of as families_of
 from .scripting import refine as refine
 from .scripting import resonances as resonances
 from .scripting import trace as trace
+from .scripting import trace_from as trace_from

@@ -18,12 +18,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.families import Limits, TracedFamily, detect, trace_family
-from orbitproof.explore.names import FAMILY_NAMES, POINTS, is_family_name
+from orbitproof.explore.families import (
+    FamilyFailure,
+    Limits,
+    TracedFamily,
+    TraceTask,
+    detect,
+    limited_names,
+    trace_family,
+    trace_task,
+)
+from orbitproof.explore.names import FAMILY_NAMES, POINTS, given_parameters, is_family_name, label_of
 from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
-from orbitproof.shared.formats import Candidate
+from orbitproof.explore.seeds import FirstOrbit
+from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
@@ -242,6 +252,61 @@ L3-lyapunov, L1-vertical, L2-vertical, L3-vertical, L2-butterfly, dro
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
     return OrbitFamily(name, system, family.outcome, family.reason, TracedFamily(name, label, family))
+
+
+def trace_from(
+    system: ReversibleSystem,
+    start: Mapping[str, float],
+    *,
+    parameters: Mapping[str, Fraction | int | str] | None = None,
+    half_period: float | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    max_orbits: int = Limits.max_orbits,
+    name: str = "family",
+    quiet: bool = False,
+) -> OrbitFamily:
+    """Follow the family of an approximate symmetric orbit, of any system, to both sides.
+
+    Arguments:
+        system: one of `shared`, or your own from `shared.load_system`.
+        start: where the orbit meets Fix(R): all of `system.centre_coordinates` by name.
+        parameters: the fixed parameters, exact: `Fraction`, int, or text such as "0.1" or "1/3".
+        half_period: time to the other point on Fix(R), in the system's units; found if it is not given.
+        bounds: smallest and largest value of a coordinate of `start`, of "half-period" or of "integral".
+        max_orbits, quiet: as for `trace`.
+        name: what to call the family.
+
+    Returns the family. Raises `ValueError` for what is missing or unknown and `FamilyFailure` if no orbit is found.
+    """
+    wanted, limited = system.centre_coordinates, limited_names(system)
+    if set(start) != set(wanted):
+        raise ValueError(f"start: {', '.join(start)}; give {', '.join(wanted)}")
+    for key in bounds or {}:
+        if key not in limited:
+            raise ValueError(f"bounds: {key!r} is unknown; there are {', '.join(limited)}")
+    words = [f"{key}={value}" for key, value in (parameters or {}).items()]
+    try:
+        exact, label = given_parameters(system, None, words), label_of(system, None, words)
+    except InputError as error:
+        raise ValueError(str(error).replace("--parameter", "parameters")) from None
+    task = TraceTask(
+        system=system,
+        name=name,
+        label=label,
+        parameters=exact,
+        limits=Limits(max_orbits, bounds=dict(bounds or {})),
+        multiplicities=(),
+        first=FirstOrbit(tuple(float(start[key]) for key in wanted), half_period),
+    )
+    with Reporter(quiet) as report:
+        report.stage(name)
+        found = trace_task(task, report.update)
+    if found.interrupted:
+        raise KeyboardInterrupt
+    if found.item is None:
+        raise FamilyFailure(f"{name}: {found.failure}")
+    family = found.item.family
+    return OrbitFamily(name, system, family.outcome, family.reason, found.item)
 
 
 def resonances(

@@ -1,10 +1,11 @@
 """Exact numbers as JSON strings.
 
-A number that carries proof is never a JSON float. It is a string of one of two forms:
+A number that carries proof is never a JSON float. It is a string of one of these forms:
 
 - hexadecimal dyadic ``[-]0xM`` or ``[-]0xMp[+-]E``: the integer M (hexadecimal digits, no point)
   times 2 to the decimal integer E;
-- decimal ``[-]D[.D][e[+-]E]``: the rational number that it denotes, exactly.
+- decimal ``[-]D[.D][e[+-]E]``: the rational number that it denotes, exactly;
+- a fraction ``[-]D/D``, for the parameters of a system only.
 
 A ball is an object ``{"mid": number, "rad": number}`` of dyadic strings.
 """
@@ -17,6 +18,7 @@ from fractions import Fraction
 from math import ceil, log2
 
 _HEX = re.compile(r"(-?)0x([0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?\Z")
+_FRACTION = re.compile(r"-?[0-9]{1,4000}/0*[1-9][0-9]{0,3999}\Z")
 _DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")
 
 
@@ -29,7 +31,7 @@ def parse_exact(text: str) -> Fraction:
         power = int(exponent or 0)
         value *= Fraction(2) ** power
         return -value if sign else value
-    if _DECIMAL.match(text):
+    if _DECIMAL.match(text) or _FRACTION.match(text):
         return Fraction(text)
     raise ValueError(f"{text!r} is not an exact number (hexadecimal dyadic or decimal)")
 
@@ -60,6 +62,14 @@ def format_exact(value: Fraction) -> str:
     digits = max(twos, fives)
     # Decimal writes integers of any length; int refuses beyond some thousand digits.
     return f"{Decimal((value * 10**digits).numerator)}e-{digits}"
+
+
+def format_rational(value: Fraction) -> str:
+    """`value` as `parse_exact` reads it, in any case: as `format_exact` writes it, or else as a fraction."""
+    try:
+        return format_exact(value)
+    except ValueError:
+        return f"{value.numerator}/{value.denominator}"
 
 
 def round_dyadic(value: Fraction, bits: int) -> Fraction:

@@ -20,4 +20,5 @@ from .step_control import StepControl as StepControl
 from .tracing import Traced as Traced
 from .tracing import TracedFamily as TracedFamily
 from .tracing import TraceTask as TraceTask
+from .tracing import trace_task as trace_task
 from .tracing import trace_tasks as trace_tasks

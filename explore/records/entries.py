@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.shared.formats import InputError
-from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.numbers import format_rational
 from orbitproof.shared.systems import ReversibleSystem, describe
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ def to_json(value: Any) -> Any:
     if isinstance(value, complex):
         return [value.real, value.imag]
     if isinstance(value, Fraction):
-        return format_exact(value)
+        return format_rational(value)
     if isinstance(value, Mapping):
         return {name: to_json(part) for name, part in value.items()}
     if isinstance(value, (tuple, list)):

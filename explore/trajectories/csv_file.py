@@ -10,7 +10,7 @@ import numpy as np
 from orbitproof.explore.trajectories.trajectory import Trajectory
 from orbitproof.explore.trajectories.units import Units
 from orbitproof.shared.formats import write_text
-from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.numbers import format_rational
 from orbitproof.shared.systems import THREE_BODY
 
 
@@ -32,7 +32,7 @@ def description(trajectory: Trajectory, units: Units | None) -> list[str]:
         f"{source.title}; {system.title}",
         "computed in double precision; nothing about these states is proved",
         source.verdict,
-        *(f"{name} = {format_exact(value)} = {float(value):.17g}" for name, value in source.parameters.items()),
+        *(f"{name} = {format_rational(value)} = {float(value):.17g}" for name, value in source.parameters.items()),
     ]
     if system.family_parameter is not None:
         lines.append(f"{system.family_parameter} = {orbit.unknowns[0]:.17g}")

@@ -22,7 +22,7 @@ from orbitproof.shared.formats.candidates import (
     write_text,
 )
 from orbitproof.shared.formats.pieces import Piece, SurfacePiece, check_length, piece_from_json
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe
 
 SURFACE = "symmetry-breaking-surface"
@@ -113,7 +113,7 @@ class Atlas:
             "system": describe(self.system),
         }
         if not self.is_surface:
-            result["parameters"] = {name: format_exact(value) for name, value in self.parameters.items()}
+            result["parameters"] = {name: format_rational(value) for name, value in self.parameters.items()}
         result["claim"] = self.claim.to_json()
         result["pieces"] = [piece.to_json() for piece in self.pieces]
         if provenance:

@@ -19,7 +19,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, DescriptionError, ReversibleSystem, describe, described
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class Candidate:
                 if not isinstance(value, (int, Fraction)):
                     refuse(name, f"{value!r} is no exact number", "give Fractions, shared.parse_exact reads them")
                 try:
-                    short_enough = _can_be_written(Fraction(value))
+                    short_enough = _can_be_written(Fraction(value), name.startswith("parameters"))
                 except ValueError:
                     refuse(name, f"{_short(str(value))} is neither dyadic nor decimal", "round it to a decimal number")
                 if not short_enough:
@@ -126,7 +126,7 @@ class Candidate:
         result: dict[str, Any] = {
             "id": self.id,
             "system": describe(self.system),
-            "parameters": {name: format_exact(value) for name, value in self.parameters.items()},
+            "parameters": {name: format_rational(value) for name, value in self.parameters.items()},
             "kind": self.kind,
             "k": self.k,
             "symmetry": self.symmetry,
@@ -348,10 +348,11 @@ def candidate_from_json(
         raise InputError(f"{source}.{error}") from None
 
 
-def _can_be_written(value: Fraction) -> bool:
+def _can_be_written(value: Fraction, is_parameter: bool) -> bool:
     """Whether the text of a number, as `Candidate.to_json` writes it, fits the schema again."""
     schema: Any = _validator("candidates").schema
-    return re.fullmatch(schema["$defs"]["number"]["pattern"], format_exact(value)) is not None
+    kind, text = ("rational", format_rational(value)) if is_parameter else ("number", format_exact(value))
+    return re.fullmatch(schema["$defs"][kind]["pattern"], text) is not None
 
 
 def _vector(texts: Sequence[str]) -> tuple[Fraction, ...]:

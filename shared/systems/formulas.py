@@ -2,7 +2,8 @@
 
 A formula is built of names, exact numbers, ``+ - * /``, powers with a constant exponent, ``sqrt`` and brackets.
 Python's own parser reads it into a tree, and of that tree only these parts are accepted. Numbers are exact: ``0.1``
-is one tenth, and ``1/3`` a third.
+is one tenth, and ``1/3`` a third. A quotient by a power becomes a product with a power: one form for one function, so
+that what is the same in two formulas is seen to be the same.
 """
 
 from __future__ import annotations
@@ -77,6 +78,10 @@ class _Reader:
                 return -self.value(operand)
             case ast.BinOp(left=left, op=ast.Pow(), right=right):
                 return self.power(self.value(left), self.value(right))
+            case ast.BinOp(left=left, op=ast.Div(), right=ast.BinOp(left=base, op=ast.Pow(), right=exponent)):
+                return _short(self.value(left) * self.power(self.value(base), -self.value(exponent)))
+            case ast.BinOp(left=left, op=ast.Div(), right=ast.Call(func=ast.Name(id="sqrt"), args=[base], keywords=[])):
+                return _short(self.value(left) * self.power(self.value(base), Fraction(-1, 2)))
             case ast.BinOp(left=left, op=sign, right=right) if type(sign) in _OPERATIONS:
                 return _short(_OPERATIONS[type(sign)](self.value(left), self.value(right)))
             case ast.Call(func=ast.Name(id="sqrt"), args=[argument], keywords=[]):
@@ -95,7 +100,7 @@ class _Reader:
     def power(self, base: Any, exponent: Any) -> Any:
         """The power; a number to a fractional power is no exact number and refused."""
         if not isinstance(exponent, Fraction):
-            raise FormulaError(f"an exponent of {_quoted(self.source)} is no constant; give a number")
+            raise FormulaError(f"an exponent in {_quoted(self.source)} is no constant; give a number")
         if abs(exponent) > _LARGEST_EXPONENT or exponent.denominator > _LARGEST_EXPONENT:
             raise FormulaError(f"the exponent {exponent} in {_quoted(self.source)} is too large; write it as products")
         if not isinstance(base, Fraction):

@@ -89,7 +89,6 @@ def test_a_family_that_goes_back_over_its_own_orbits_ends_there(tmp_path: Path) 
     assert explore_main([*command, "-o", str(output)]) == 0
     (family,) = read_families(output)
     assert "goes back over its own orbits" in family.reason
-    # The largest value of c on the family, by Michelson's paper 1.2662.
     assert max(orbit.point[0] for orbit in family.orbits) == pytest.approx(1.2662, abs=2e-3)
     assert explore_main(["family", "--from-family", str(output), "--quiet", "-o", str(tmp_path / "more.json")]) == 0
     (more,) = read_families(tmp_path / "more.json")
@@ -107,6 +106,29 @@ def test_one_orbit_and_one_point_have_a_door_each(tmp_path: Path, capsys: pytest
     (candidate,) = shared.read_candidates(point)
     assert float(candidate.centre[0]) == pytest.approx(0.27634323081200158, abs=1e-15)
     assert explore_main([*refine, "--point", "c=0.25", "y=0.5"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("system", "words", "k", "point", "value"),
+    [
+        ("michelson", [], 4, ["c=0.22544", "y=0.43305"], 0.22544048261393621),
+        ("henon-heiles", [], 2, ["y=0.3251931", "vx=0.4631161"], 0.14865042342370901),
+        ("hill", [], 1, ["x=0.58126467", "z=0", "vy=0.67012429"], 4.0053126531390990),
+        ("beam", ["--parameter", "P=7/3"], 4, ["u=-0.223976", "u2=1.600686"], -1.2522701331698336),
+    ],
+)
+def test_a_point_of_each_example_is_refined_and_proved(
+    system: str, words: list[str], k: int, point: list[str], value: float, tmp_path: Path
+) -> None:
+    candidate, certificate = tmp_path / "candidate.json", tmp_path / "certificate.json"
+    command = ["refine", "--system", str(EXAMPLES / f"{system}.py"), *words, "-k", str(k), "--point", *point, "--quiet"]
+    assert explore_main([*command, "-o", str(candidate)]) == 0
+    assert verify_main([str(candidate), "-o", str(certificate), "--jobs", "1", "--quiet"]) == 0
+    (proof,) = read_certificates(certificate).values()
+    assert proof.parameter is not None
+    assert float(proof.parameter.mid()) == pytest.approx(value, rel=1e-14)
+    (check,) = verify.recheck(proof, quiet=True)
+    assert check.stands, check.findings
 
 
 def test_the_families_of_an_equilibrium_are_found_by_their_frequencies(tmp_path: Path) -> None:

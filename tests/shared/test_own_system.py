@@ -150,6 +150,18 @@ def test_numbers_of_a_formula_are_exact(text: str, value: Fraction) -> None:
     assert evaluate_formula(text, {}) == value
 
 
+def test_a_quotient_by_a_power_is_a_power() -> None:
+    texts = ("1/sqrt(x**2 + 1)**3", "1/(x**2 + 1)**(3/2)", "(x**2 + 1)**-1.5")
+    one, two, three = (evaluate_formula(text, {"x": 2.0}) for text in texts)
+    assert one == pytest.approx(two)
+    assert two == three
+    forms = [described(changed(HENON, name="power", symmetries={}, where={}, R=[-1, 1, 1, -1], **entry)) for entry in (
+        {"first_integral": "vx*0 + 2/sqrt(y**2)", "field": {"x": "vx", "y": "0*y", "vx": "0*x", "vy": "vy*0"}},
+        {"first_integral": "vx*0 + 2*(y**2)**(-1/2)", "field": {"x": "vx", "y": "0*y", "vx": "0*x", "vy": "vy*0"}},
+    )]  # fmt: skip
+    assert forms[0] is forms[1]
+
+
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     broken = tmp_path / "broken.py"
     broken.write_text("raise RuntimeError('no')", "utf-8")

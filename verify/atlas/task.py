@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from orbitproof.shared.formats import Atlas, Piece, SurfacePiece, piece_from_json
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
 from orbitproof.verify.atlas.splitting import Settings
 from orbitproof.verify.certificate import systems_with
@@ -62,7 +62,7 @@ def task_of(
         piece.id,
         {
             "system": describe(atlas.system),
-            "parameters": {name: format_exact(value) for name, value in atlas.parameters.items()},
+            "parameters": {name: format_rational(value) for name, value in atlas.parameters.items()},
             "symmetry": atlas.claim.symmetry,
             "piece": piece.to_json(),
             "interval": [format_exact(end) for end in interval],

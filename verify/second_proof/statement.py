@@ -10,6 +10,7 @@ from typing import Any
 
 _HEXADECIMAL = re.compile(r"(-?)0x([0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?\Z")
 _DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")
+_FRACTION = re.compile(r"-?[0-9]{1,4000}/0*[1-9][0-9]{0,3999}\Z")
 _LINE = re.compile(
     r"v(?P<index>[0-9]+) = (?:"
     r"v(?P<left>[0-9]+) (?:(?P<sign>[-+*/]) v(?P<right>[0-9]+)|\*\* \((?P<power>-?[0-9]+(?:/2)?)\))"
@@ -84,12 +85,12 @@ class Statement:
 
 
 def exact(text: object, field: str) -> Fraction:
-    """The number that a string denotes exactly: hexadecimal dyadic or decimal."""
+    """The number that a string denotes exactly: hexadecimal dyadic, decimal, or a fraction."""
     if isinstance(text, str) and len(text) < 50_000:
         if match := _HEXADECIMAL.match(text):
             value = Fraction(int(match[2], 16)) * Fraction(2) ** int(match[3] or 0)
             return -value if match[1] else value
-        if _DECIMAL.match(text):
+        if _DECIMAL.match(text) or _FRACTION.match(text):
             return Fraction(text)
     raise BadCertificate(f"{field}: not an exact number")
 
