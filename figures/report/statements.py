@@ -14,7 +14,7 @@ from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.formats import Candidate
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.verify.certificate import theorem_in_full
 from orbitproof.verify.claim import setting
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, interval_text
@@ -193,7 +193,7 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
 def box_table(entry: CheckedRow) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
     rows: list[tuple[Runs, ...]] = [
-        ((Math(to_latex(name)),), (Code(format_exact(value)),)) for name, value in entry.candidate.parameters.items()
+        ((Math(to_latex(name)),), (Code(format_rational(value)),)) for name, value in entry.candidate.parameters.items()
     ]
     rows += _box_rows(entry.claim, "")
     if entry.claim is not entry.candidate:

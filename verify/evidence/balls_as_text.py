@@ -8,7 +8,7 @@ from math import ceil, floor
 
 from flint import arb
 
-from orbitproof.shared.numbers import format_dyadic, format_exact, parse_exact
+from orbitproof.shared.numbers import format_dyadic, format_rational, parse_exact
 
 _PLAIN = range(-7, 22)
 """Decimal exponents that are written without an exponent."""
@@ -93,7 +93,7 @@ def exact_text(value: Fraction) -> str:
     """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
     if value.denominator == 1:
         return str(value.numerator)
-    exact = format_exact(value)
+    exact = format_rational(value)
     return str(float(value)) if Fraction(str(float(value))) == value else f"{float(value):.17g} (exactly {exact})"
 
 
