@@ -11,12 +11,10 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_document
 from orbitproof.shared.systems import SYSTEMS
-from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, recheck_atlas
+from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, conclusion_of, order_of, recheck_atlas
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import Certificate, Recheck, digest, read_certificates, recheck, systems_with
-from orbitproof.verify.curve import conclude
 from orbitproof.verify.engines import Display
-from orbitproof.verify.surface import conclude_surface
 
 _ATLAS = "orbitproof-atlas-certificate"
 
@@ -133,9 +131,7 @@ def _examine_atlas(document: Mapping[str, Any], examined: dict[str, Recheck]) ->
     def conclude_again(
         atlas: Atlas, results: Sequence[Mapping[str, Any]], carried: Sequence[Certificate]
     ) -> Mapping[str, Any]:
-        if atlas.is_surface:
-            return conclude_surface(atlas, results).to_json()
-        return conclude(atlas, results, carried, lambda entry: _examine(entry, examined)).to_json()
+        return conclusion_of(atlas, results, carried, lambda entry: _examine(entry, examined), order_of(document))
 
     return recheck_atlas(document, (), False, Means(conclude_again, _no_integration, _no_integration))
 

@@ -1,13 +1,16 @@
 """Proving an atlas: ``orbitproof verify atlas``."""
 
 from orbitproof.verify.atlas.certificate import SCHEMA, AtlasCertificate, read_atlas_certificate
-from orbitproof.verify.atlas.recheck import Means, atlas_of, recheck_atlas
+from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.atlas.recheck import Means, atlas_of, order_of, recheck_atlas
 
 __all__ = [
     "SCHEMA",
     "AtlasCertificate",
     "Means",
     "atlas_of",
+    "conclusion_of",
+    "order_of",
     "read_atlas_certificate",
     "recheck_atlas",
 ]

@@ -20,16 +20,14 @@ from orbitproof.verify.atlas.certificate import (
     reusable,
     write_atlas_certificate,
 )
+from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.atlas.recheck import Means, order_of, recheck_atlas
 from orbitproof.verify.atlas.report import conclusion_text, piece_table
 from orbitproof.verify.atlas.run import AtlasRun
 from orbitproof.verify.atlas.splitting import Settings
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all, recheck_table
-from orbitproof.verify.curve import conclude
 from orbitproof.verify.engines import Answer, ArgumentParser, Display, Task, Work, engine_of, whole
-from orbitproof.verify.stability import with_complete_list
-from orbitproof.verify.surface import conclude_surface
 
 _EXAMPLES = """\
 examples:
@@ -221,8 +219,6 @@ def _conclude(
 
     With an `order`, all resonances up to it as well.
     """
-    if atlas.is_surface:
-        return conclude_surface(atlas, results).to_json()
     checks = {check.id: check for check in _checked(bifurcations, False, options)}
     placing = Display({entry.id: 1.0 for entry in bifurcations}, options.quiet)
     placed: list[str] = []
@@ -235,10 +231,10 @@ def _conclude(
         return checks[certificate.id]
 
     with placing.shown():
-        conclusion = conclude(atlas, results, bifurcations, examine)
+        conclusion = conclusion_of(atlas, results, bifurcations, examine, order)
         for name in placed[-1:]:
             placing.finish(name, "looked for on the curve")
-    return conclusion.to_json() if order is None else with_complete_list(atlas, results, conclusion, order)
+    return conclusion
 
 
 def _recheck(options: argparse.Namespace, work: Work) -> int:
