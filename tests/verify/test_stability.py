@@ -35,7 +35,7 @@ from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.stability.along import solve
-from orbitproof.verify.stability.complete_list import Segment, complete_list, orders, resonant_value
+from orbitproof.verify.stability.complete_list import Segment, about_the_list, complete_list, orders, resonant_value
 from orbitproof.verify.stability.functions import (
     REACH,
     BoundedFunction,
@@ -415,6 +415,12 @@ def test_certificates_are_matched_by_where_they_are() -> None:
         with pytest.raises(EmptyIntersectionError):
             complete_list(atlas(), chain, results(), 4, [certified(k, s)])
     assert complete_list(atlas(), chain, results(), 3, [certified(4, place)]).points
+
+
+def test_bifurcations_out_of_the_plane_are_not_looked_for_in_the_plane() -> None:
+    planar = read_atlas(DATA / "atlas-lyapunov.json")
+    assert about_the_list(planar, [certified(1, 0.0)], 12) == []
+    assert about_the_list(atlas(), [certified(1, 0.0), certified(13, 0.0)], 12) == [certified(1, 0.0)]
 
 
 @pytest.mark.parametrize("other_point", [True, False])

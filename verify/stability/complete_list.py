@@ -213,8 +213,12 @@ def complete_list(
             gaps += finder.gaps
     listed = tuple(sorted(points, key=lambda entry: (entry.stretch, ends_of(entry.s)[0])))
     gaps.sort(key=lambda gap: (gap.stretch, gap.start))
-    within = [entry for entry in bifurcations if entry.k <= order]
-    return CompleteList(order, _with_certificates(listed, gaps, within), tuple(gaps), tuple(segments))
+    return CompleteList(
+        order,
+        _with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order)),
+        tuple(gaps),
+        tuple(segments),
+    )
 
 
 def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, Any]]) -> tuple[list[Segment], list[Gap]]:
@@ -366,6 +370,11 @@ def _point_over(stretch: Stretch, s: arb) -> list[arb]:
         enclose(origin) + dot([enclose(value) for value in row], p)
         for origin, row in zip(piece.centre, piece.frame, strict=True)
     ]
+
+
+def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int) -> list[Bifurcation]:
+    """The bifurcations that have to be in the list; those on a planar family lead out of the plane (section 18.9)."""
+    return [entry for entry in bifurcations if entry.k <= order and not atlas.system.normalised]
 
 
 def _with_certificates(

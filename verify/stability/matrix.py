@@ -44,7 +44,7 @@ _SLOPE_BITS = 64
 """Significant bits of the derivatives across the curve."""
 _SPARE_BITS = 48
 """The algebra of functions of sigma has so many bits more than the flow."""
-_MORE_BITS, _MORE_WIDTH = 16, 8
+_MORE_BITS, _MORE_WIDTH = 32, 16
 """What is added to the settings with which a piece is proved."""
 _FRAME = 2**16
 """Denominator of the frame at the other point."""

@@ -39,16 +39,19 @@ def statement(
     everywhere = not found.gaps
     where = "Along the curve" if everywhere else "Along the curve, but for the places named below,"
     listed = [point for point in found.points if point.k]
+    value = f"an eigenvalue cos(2 pi j/k), k at most {found.order}"
+    if listed:
+        result = f"the points with {value}, are exactly these, in order along the curve:"
+    else:
+        result = f"no point has {value}."
     lines = [
         f"Let Sigma(u) be the stability matrix of the orbit of u on the section, {_held(atlas)}: its eigenvalues are "
-        f"the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} the points with an "
-        f"eigenvalue cos(2 pi j/k), k at most {found.order}, are exactly "
-        f"{'these, in order along the curve:' if listed else 'none.'}",
+        f"the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} {result}"
     ]
     lines += [f"- {_point(atlas, point)}" for point in listed]
     collisions = [point for point in found.points if not point.k]
     if collisions:
-        lines.append("Two stability parameters are equal at exactly these points:")
+        lines.append(f"{where} two stability parameters are equal at exactly these points:")
         lines += [f"- {_point(atlas, point)}" for point in collisions]
     lines += _stability(atlas, stable, unknown)
     if found.gaps:
