@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 from flint import arb
+from support import atlas_work
 from support.claims import known, moved
 from support.forgeries import DATA, atlas_certificate, forged, read
 
@@ -23,6 +24,7 @@ from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of
 from orbitproof.figures.report.theorems import CheckedAtlas, CheckedRow, Refused, check_files
 from orbitproof.shared.systems import BRANCH_SYSTEMS
+from orbitproof.verify.atlas.__main__ import main as verify_atlas
 from orbitproof.verify.certificate import Certificate, Limits, digest, write_certificates
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim import equations
@@ -204,6 +206,37 @@ def test_a_forged_surface_is_refused_also_with_its_digest_kept(
         path.write_text(json.dumps(document))
         assert main(words(path, "-o", tmp_path / "report.md", "--quiet")) == 1
         assert f"REFUSED {path}: {surface['id']}: " in capsys.readouterr().err
+
+
+def test_a_complete_list_of_resonances_is_told_as_it_is_certified(tmp_path: Path, capsys: Any) -> None:
+    certificate = tmp_path / "curve.json"
+    source = str(DATA / "atlas-falkner-skan.json")
+    assert verify_atlas([source, "-o", str(certificate), "--quiet", "--complete", "12"], atlas_work.stored) == 0
+    target = tmp_path / "report.html"
+    assert main(words(certificate, "-o", target, "--quiet")) == 0
+    page = Page(target.read_text("utf-8"))
+    assert "1:11 (j = 5): beta in [347.21" in page.text
+    assert page.pictures == 2
+    document = json.loads(certificate.read_text())
+    theorem = document["statement"]["theorem"].replace("(j = 5): beta in [347.21", "(j = 5): beta in [347.22")
+    false = forged(document, lambda entry: entry["statement"].update(theorem=theorem))
+    certificate.write_text(json.dumps(false))
+    assert main(words(certificate, "-o", tmp_path / "false.html", "--quiet")) == 1
+    assert "REFUSED" in capsys.readouterr().err
+
+
+def test_a_system_that_is_not_known_here_is_told_from_its_program_with_a_note(
+    rows: list[Certificate], tmp_path: Path
+) -> None:
+    def renamed(entry: dict[str, Any]) -> None:
+        entry["statement"]["candidate"]["system"] = "somebody-elses"
+
+    write_certificates(tmp_path / "rows.json", [Certificate.from_json(forged(rows[0].to_json(), renamed))])
+    target = tmp_path / "report.html"
+    assert main(words(tmp_path / "rows.json", "-o", target, "--quiet")) == 0
+    page = Page(target.read_text("utf-8"))
+    assert "its name is a name only" in page.text
+    assert page.pictures == 0
 
 
 def test_the_check_of_one_certificate_does_not_count_for_another_that_copies_its_digest(
