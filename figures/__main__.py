@@ -13,6 +13,7 @@ from typing import NoReturn
 from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import data as data_command
+from orbitproof.figures.commands import interactive as interactive_command
 from orbitproof.figures.commands import tori as tori_command
 from orbitproof.figures.files import add_file_options, check_folder, saved_as
 from orbitproof.shared.formats import InputError, read_candidates, write_text
@@ -119,7 +120,7 @@ def argument_parser() -> argparse.ArgumentParser:
         "--allow-missing", action="store_true", help="exit code 0 also if published rows have no certificate"
     )
     tables.add_argument("--quiet", action="store_true", help="no messages on standard error")
-    for command in (all_command, atlas_command, data_command, tori_command):
+    for command in (all_command, atlas_command, data_command, tori_command, interactive_command):
         command.add_parser(commands)
     return parser
 

@@ -7,6 +7,7 @@ from .family import Placement as Placement
 from .family import SampledFamily as SampledFamily
 from .family import assign as assign
 from .family import interpolate as interpolate
+from .family import level_of as level_of
 from .family import mark_candidates as mark_candidates
 from .family import state_on_fixed_set as state_on_fixed_set
 from .family_file import read_families as read_families

@@ -80,3 +80,37 @@ def test_command_draws_both_and_refuses_other_files(
     capsys.readouterr()
     assert main(["tori", str(other), "-o", str(tmp_path)]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[Path, Path], tmp_path: Path) -> None:
+    pytest.importorskip("plotly")
+    data = Path(__file__).parents[1] / "data"
+    page = tmp_path / "page.html"
+    words = [str(data / "figures-halo-family.json"), "--candidates", str(data / "figures-candidates.json")]
+    assert main(["interactive", *words, "-o", str(page)]) == 0
+    hollow = page.read_text()
+    assert "the certificate says proved" not in hollow
+    assert hollow.count("numerical, not proved") >= 20
+    assert "stability index" in hollow
+    assert "<script src=" not in hollow
+    assert (
+        main(["interactive", *words, "--certificates", str(data / "figures-certificates.json"), "-o", str(page)]) == 0
+    )
+    assert "the certificate says proved" in page.read_text()
+    assert main(["interactive", str(files[0]), "-o", str(page)]) == 0
+    assert "error of invariance" in page.read_text()
+
+
+def test_interactive_refuses_what_it_cannot_draw(
+    files: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("plotly")
+    page = tmp_path / "page.html"
+    for words, said in (
+        ([str(files[1])], "give families, the certificate of an atlas, or tori"),
+        ([str(files[0]), "--family", "L1"], "leave them out"),
+    ):
+        assert main(["interactive", *words, "-o", str(page)]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert said in line
+    assert not page.exists()
