@@ -117,11 +117,10 @@ class ReversibleSystem:
                 raise ValueError(f"{self.name}: the derived {name!r} is no fixed parameter")
         dimension = len(self.kernel_coordinates)
         if len(self.fixed_coordinates) != dimension + (self.family_parameter is None):
-            wanted = dimension + (self.family_parameter is None)
-            kind = "a first integral" if self.family_parameter is None else "a family parameter"
+            rule = "a first integral, as many" if self.family_parameter is None else "a family parameter, one less"
             raise ValueError(
-                f"{self.name}: Fix(R) has the wrong dimension: R fixes {len(self.fixed_coordinates)} coordinates; with "
-                f"{kind} it has to fix {wanted}, as R negates {dimension} besides the section"
+                f"{self.name}: Fix(R) has the wrong dimension: R fixes {len(self.fixed_coordinates)} coordinates and "
+                f"negates {dimension + 1}; with {rule} have to be fixed as negated"
             )
 
     @cached_property
