@@ -130,6 +130,9 @@ PYTHON = """\
 .. automodule:: orbitproof.verify
    :members:
    :exclude-members: InputError
+
+.. automodule:: orbitproof.figures.report
+   :members: check_files, report_of, write_report
 ```
 """
 
