@@ -78,7 +78,8 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
     blocks: list[Block] = [
         Paragraph((
             f"This report states {many}, each with its system, so that it can be read by itself. An interval [a, b] "
-            "is an enclosure: it contains the number, and its ends are rounded outward. Words and numbers are those of "
+            "is an enclosure: it contains the number, and its ends are rounded outward. A number written "
+            "0xMp-E is the hexadecimal integer M divided by 2 to the E, exactly. Words and numbers are those of "
             "the certificates, each of which was checked again before it was printed; what that check shows, and "
             "what it leaves to be believed, stands in ", Place("checked", "What was checked"), ". Names such as ",
             Code(name_of(proved[0]) if proved else "earth-moon-L1-halo-k1-1"),
@@ -93,7 +94,7 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
         rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (side,)))
     if rows:
         header = ("theorem", "about", "certificate", "bifurcation parameter", "new orbits")
-        blocks.append(Table(header, tuple(rows), "The theorems", (0.08, 0.2, 0.24, 0.32, 0.08)))
+        blocks.append(Table(header, tuple(rows), "The theorems", (0.1, 0.19, 0.24, 0.31, 0.08)))
     return Section("summary", "Summary", tuple(blocks))
 
 
