@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from math import cos, gcd, pi
@@ -311,6 +312,17 @@ def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_bo
 def test_only_systems_that_scale_have_own_units() -> None:
     assert all(scales(system) for system in AROUND.values())
     assert not scales(FALKNER_SKAN)
+
+
+@pytest.mark.parametrize("tube", [Fraction(1, 10**9), Fraction(1, 10**8)])
+def test_a_curve_beside_its_tube_is_refused(tube: Fraction) -> None:
+    """The polynomial is moved by 2e-8 across the curve: out of the tube, and in the wider one out of the half of it."""
+    piece = atlas().curve_pieces()[1]
+    ((first, *others),) = piece.polynomial
+    moved = replace(piece, polynomial=((first + Fraction(2, 10**8), *others),), tube=(tube,))
+    interval = (Fraction(1, 4), Fraction(1, 2))
+    with pytest.raises(IntegrationFailure, match="in its tube" if tube == Fraction(1, 10**8) else "analytic"):
+        orbit_functions(atlas().system, {}, moved, interval, PieceLimits(60, 24, 16), "physical")
 
 
 def constant(value: Fraction) -> BoundedFunction:

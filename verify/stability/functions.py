@@ -180,6 +180,11 @@ def _gap(part: arb) -> arb:
     return 1 - part.abs_upper()
 
 
+def bounded(element: Series) -> BoundedFunction:
+    """A function of tau that is enclosed in the algebra."""
+    return BoundedFunction(ball_polynomial(known_part(element, 0)), symmetric(error_of(element)).rad())
+
+
 def function_to_json(element: Series) -> dict[str, Any]:
     """The JSON object of a function that is enclosed in the algebra: dyadic coefficients, and a bound of the rest."""
     coefficients = known_part(element, 0)

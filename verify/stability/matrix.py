@@ -15,17 +15,18 @@ from math import floor, log2
 from typing import Any
 
 import numpy as np
-from flint import fmpq, fmpq_mat
+from flint import arb, fmpq, fmpq_mat
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic, recentred
 from orbitproof.verify.curve import BEYOND, Interval, PieceLimits, divided_by_wide, parameter_series, tube_points
-from orbitproof.verify.evidence import IntegrationFailure, guarded
+from orbitproof.verify.evidence import IntegrationFailure, guarded, is_inside
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.functions import (
     REACH,
+    bounded,
     determinant,
     error_of,
     function,
@@ -46,6 +47,10 @@ _SPARE_BITS = 48
 """The algebra of functions of sigma has so many bits more than the flow."""
 _MORE_BITS, _MORE_WIDTH = 32, 16
 """What is added to the settings with which a piece is proved."""
+_WIDER = 8
+"""The tube is followed about so many times as wide: at complex s the curve is farther from the polynomial."""
+_PARTS = [(arb(2 * part - 31) + arb(0, 1)) / 32 for part in range(32)]
+"""Balls that cover |tau| <= 1."""
 _FRAME = 2**16
 """Denominator of the frame at the other point."""
 
@@ -155,7 +160,7 @@ class _Integration:
     @property
     def widths(self) -> list[Fraction]:
         """dp_j/domega_j."""
-        return [Fraction(2) ** floor(log2(width)) for width in self.piece.tube]
+        return [_WIDER * Fraction(2) ** floor(log2(width)) for width in self.piece.tube]
 
     @cached_property
     def flow_arithmetic(self) -> WideArithmetic:
@@ -212,7 +217,12 @@ class _Integration:
                 divided_by_wide(equation) if signs[index] < 0 else equation
                 for index, equation in zip(system.kernel_coordinates, equations, strict=True)
             ]
-        return solve(self.arithmetic, equations)
+        curve = solve(self.arithmetic, equations)
+        for omega, width, tube in zip(curve.omega, self.widths, self.piece.tube, strict=True):
+            known = bounded(restricted(omega, SHARE))
+            if not all(is_inside(known.value(part), tube / width) for part in _PARTS):
+                raise IntegrationFailure("stability", "the curve is not shown to be in its tube", "give a wider tube")
+        return curve
 
     def _named(self, tube: Mapping[str, Series], state: Sequence[Series]) -> list[Series]:
         """The coordinates of a return in the order of the system's `centre_coordinates`."""
