@@ -170,6 +170,16 @@ def test_touch_and_go_is_proved_and_agrees() -> None:
 
 
 @pytest.mark.slow
+def test_a_centre_that_is_not_exact_is_refined() -> None:
+    """Its certificate proves nothing, from the same centre."""
+    certificate = CERTIFICATES["falkner-skan-odd-k4-1"]
+    result = second_proof(certificate)
+    assert isinstance(result, Proved), str(result)
+    assert (result.k, result.side) == (4, "above")
+    assert compare(certificate, result).verdict == "cannot follow"
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["earth-moon-L1-halo-k1-1", "earth-moon-L1-halo-k2-1", "earth-moon-L1-halo-k3-2"])
 def test_halo_bifurcation_is_proved_and_agrees(name: str) -> None:
     certificate = CERTIFICATES[name]

@@ -210,7 +210,7 @@ def take_step(
         slope_rest = arb(0, (found.bounds[statement.section] * steep).upper())
     expanded = expand(statement, state, zero, degree, length)
     rows = [
-        {a: arb_poly([*jet.get(a, [arb(0)] * length), rest[a]]) for a in rest}
+        {a: arb_poly([*jet.get(a, [arb(0)] * length), rest[a]]) for a in {*jet, *rest}}
         for jet, rest in zip(expanded, rests, strict=True)
     ]
     slope = arb_poly([k * c for k, c in enumerate(expanded[statement.section][zero])][1:] + [slope_rest])

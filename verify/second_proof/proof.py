@@ -28,7 +28,7 @@ from .jets import (
 )
 from .statement import Statement, read_statement
 
-WIDTHS, SECONDS, NEWTON_STEPS = (96, 240, 480), 3600.0, 8
+WIDTHS, SECONDS, NEWTON_STEPS = (96, 72, 240, 480), 3600.0, 8
 
 
 @dataclass(frozen=True)
@@ -127,8 +127,9 @@ def second_proof(certificate: Mapping[str, Any], seconds: float = SECONDS) -> Pr
         except (CannotFollow, ArithmeticError, ValueError, TypeError, MemoryError) as error:
             kind = "" if isinstance(error, CannotFollow) else f"{type(error).__name__}: "
             reasons.append(f"{kind}{error}")
-        # More bits do not help against the same obstacle twice.
-        if reasons[-1].split(":")[0] == reasons[-2].split(":")[0] or time.monotonic() > deadline:
+        # Other bits do not help against the same obstacle twice, but a box may be too small or too large for a centre.
+        again = reasons[-1].split(":")[0] == reasons[-2].split(":")[0] and "leaves" not in reasons[-1]
+        if again or time.monotonic() > deadline:
             break
     return NotProved("; ".join(f"{r} (R_1 = 2^-{w})" for r, w in zip(reasons[1:], WIDTHS, strict=False)))
 
