@@ -106,7 +106,8 @@ def parser() -> Parser:
         type=Path,
         metavar="FILE",
         help="CR3BP: write the orbits with the columns of the JPL three-body periodic orbit catalogue; of several "
-        "families each into a file of its own, its name put in front of the extension",
+        "families each into a file of its own, its name put in front of the extension; with "
+        "--from-catalogue all corrected orbits of that file",
     )
     family.add_argument(
         "--catalogue", type=Path, metavar="FILE", help="the same as JSON, like a response of the catalogue's interface"

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -173,12 +174,12 @@ def _finished(figure: Any, title: str, mass: float) -> Any:
             showlegend=False,
         )
     )  # fmt: skip
-    note = "blue and thick: certified, grey: numerical; unit of length: the distance of the primaries"
+    note = "blue and thick: certified, grey: numerical<br>unit of length: the distance of the primaries"
     axis = {"backgroundcolor": "white", "gridcolor": "#e4e4e4", "color": "#222222"}
     figure.update_layout(
-        title={"text": f"{escape(title)}<br><sub>{note}</sub>"},
+        title={"text": f"{'<br>'.join(wrap(escape(title), 44))}<br><sub>{note}</sub>", "font": {"size": 14}},
         scene={"aspectmode": "data", **{f"{name}axis": {"title": {"text": name}, **axis} for name in "xyz"}},
-        margin={"l": 0, "r": 0, "t": 70, "b": 0},
+        margin={"l": 0, "r": 0, "t": 110, "b": 0},
         paper_bgcolor="white",
     )
     return figure
@@ -186,4 +187,4 @@ def _finished(figure: Any, title: str, mass: float) -> Any:
 
 def html_of(figure: Any) -> str:
     """The figure as one HTML page that needs nothing else."""
-    return str(figure.to_html(include_plotlyjs=True, full_html=True, div_id="figure", default_height="97vh"))
+    return str(figure.to_html(include_plotlyjs=True, full_html=True, div_id="figure", default_height="94vh"))
