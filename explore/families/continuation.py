@@ -190,13 +190,13 @@ def extend(family: Family, course: Course) -> Family:
                 course.progress(orbit)
             if touches and control.until_tangency:
                 return ended("limit", tangency(problem, orbits[-2], orbit))
-            if _retraces(problem, orbits):
-                return ended("limit", f"{RETRACES} ({describe(problem, orbit)})")
             if _closes(problem, orbits):
                 return ended("closed", f"the family closes ({describe(problem, orbit)})")
             reason = course.stop(orbit, states)
             if reason is not None:
                 return ended("limit", f"{reason} ({describe(problem, orbit)})")
+            if _retraces(problem, orbits):
+                return ended("limit", f"{RETRACES} ({describe(problem, orbit)})")
             step = min(_longest(problem, orbit, control), step * growth)
     except KeyboardInterrupt:
         return ended("interrupted", f"interrupted ({describe(problem, orbits[-1])})")
