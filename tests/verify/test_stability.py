@@ -133,6 +133,18 @@ def test_confirmation_takes_an_enclosure_inside() -> None:
     assert not enclosed(coarse).contains(enclosed(other))
 
 
+def test_functions_without_error_are_confirmed_with_more_bits() -> None:
+    """What is lost by writing a function down is less with more precision."""
+    finer = WideArithmetic(Grading((1,), 0), 192, 0, 0, width=10)
+    coarse = WideArithmetic(Grading((1,), 0), 160, 0, 0, width=10)
+    stored, fresh = (
+        enclosed(inverse(function(a, [Fraction(3), Fraction(1, 9)], Fraction(0)))) for a in (coarse, finer)
+    )
+    linear = [enclosed(function(a, [Fraction(1, 3), Fraction(1, 7)], Fraction(0))) for a in (coarse, finer)]
+    assert linear[0].contains(linear[1])
+    assert stored.value(arb(0)).overlaps(fresh.value(arb(0)))
+
+
 @pytest.mark.parametrize("entry", [{"coefficients": ["1"], "error": "-1"}, {"coefficients": ["x"], "error": "0"}])
 def test_functions_that_are_none_are_refused(entry: dict[str, Any]) -> None:
     with pytest.raises(ValueError):

@@ -21,8 +21,8 @@ from orbitproof.verify.evidence import IntegrationFailure, is_below, symmetric, 
 REACH = Fraction(33, 32)
 """|tau| <= 1 exceeds the interval by this factor."""
 
-_BITS = 64
-"""Significant bits of stored coefficients."""
+_BITS, _BITS_LEFT_OUT = 64, 96
+"""Significant bits of stored coefficients: at least so many, and with more precision more of them."""
 _ERROR_BITS = 8
 """Significant bits of stored bounds."""
 _SPARE = 2
@@ -189,7 +189,7 @@ def function_to_json(element: Series) -> dict[str, Any]:
     """The JSON object of a function that is enclosed in the algebra: dyadic coefficients, and a bound of the rest."""
     coefficients = known_part(element, 0)
     largest = max((abs(value) for value in coefficients), default=Fraction(0))
-    unit = Fraction(2) ** (_exponent(largest) - _BITS)
+    unit = Fraction(2) ** (_exponent(largest) - max(_BITS, element.arithmetic.bits - _BITS_LEFT_OUT))
     rounded = [round(value / unit) * unit for value in coefficients]
     while rounded and not rounded[-1]:
         rounded.pop()
