@@ -15,6 +15,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.figures.model import Array, Curve, Stretch
+from orbitproof.figures.pictures.family import crowds
 from orbitproof.figures.style import (
     CURVE,
     INK,
@@ -138,7 +139,7 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
 
 
 def _magnify(axes: Axes, curve: Curve) -> None:
-    """An inset inside the loop around the longest run of marks that are close together."""
+    """Insets around the longest run of marks that are close together, and around those that it still hides."""
     places = np.array([curve.place_of(mark)[1][:2] for mark in curve.marks]).reshape(-1, 2)
     extent = np.ptp(np.concatenate([stretch.points[:, :2] for stretch in curve.stretches]), axis=0)
     runs: list[list[int]] = []
@@ -148,13 +149,23 @@ def _magnify(axes: Axes, curve: Curve) -> None:
     crowd = max(runs, key=len, default=[])
     if len(crowd) < _CROWD:
         return
-    inset = axes.inset_axes((0.34, 0.58, 0.36, 0.28))
+    _inset(axes, curve, places, crowd, 0.58)
+    # Marks that still hide one another there get an inset of their own.
+    groups = crowds(places[crowd] / np.ptp(places[crowd], axis=0))
+    hidden = [crowd[member] for member in max(groups, key=len)]
+    if len(hidden) > 1:
+        _inset(axes, curve, places, hidden, 0.2)
+
+
+def _inset(axes: Axes, curve: Curve, places: Array, members: Sequence[int], height: float) -> None:
+    """An inset inside the loop, at a height in parts of the axes, around some of the marks."""
+    inset = axes.inset_axes((0.34, height, 0.36, 0.28))
     for number, stretch in enumerate(curve.stretches):
         colour = (CURVE, _LIGHT)[number % 2] if stretch.is_proved else _UNPROVED
         inset.plot(stretch.points[:, 0], stretch.points[:, 1], color=colour, linewidth=1.6)
-    for index in crowd:
+    for index in members:
         draw_point(inset, places[index], curve.marks[index].k, True, curve.marks[index].id)
-    show_around(axes, inset, places[crowd], margin=0.12, ticks=(3, 4))
+    show_around(axes, inset, places[members], margin=0.12 if len(members) >= _CROWD else 0.4, ticks=(3, 4))
 
 
 _CLOSE = 0.2

@@ -181,10 +181,10 @@ def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement])
     axes.set_ylim(low, high)
     size = np.array([right - left, high - low])
     origin = np.array([left, low])
-    crowds = [members for members in _crowds(places / size) if len(members) > 1]
-    crowds.sort(key=lambda members: float(np.ptp(places[members] / size, axis=0).max()))
+    hidden = [members for members in crowds(places / size) if len(members) > 1]
+    hidden.sort(key=lambda members: float(np.ptp(places[members] / size, axis=0).max()))
     taken = (np.concatenate([curves, np.repeat(places, 40, axis=0)]) - origin) / size
-    for members in crowds[:_INSETS]:
+    for members in hidden[:_INSETS]:
         centre = (places[members].mean(axis=0) - origin) / size
         corner = min(_CORNERS, key=lambda c: (_inside(taken, c), float(np.linalg.norm(c + 0.5 * _INSET - centre))))
         inset = axes.inset_axes((*corner, *_INSET))
@@ -207,7 +207,7 @@ _HIDDEN = 0.03
 """Markers closer than this part of the axes hide one another."""
 
 
-def _crowds(places: Array) -> list[list[int]]:
+def crowds(places: Array) -> list[list[int]]:
     """Groups of points that hang together by distances below `_HIDDEN`, places in parts of the axes."""
     groups: list[list[int]] = []
     for index in range(len(places)):
