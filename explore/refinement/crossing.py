@@ -178,7 +178,11 @@ def _evaluate_program(
         return context.mpf(base) ** number(exponent)
 
     basis = arguments[0].basis
-    values = program.evaluate([*arguments, *(number(parameters[name]) for name in system.parameters)], number, power)
+    fixed = [number(parameters[name]) for name in system.parameters]
+    try:
+        values = program.evaluate([*arguments, *fixed], number, power)
+    except ZeroDivisionError:
+        raise IntegrationFailure("division by zero: the orbit meets a singularity") from None
     return [value if isinstance(value, Jet) else basis.constant(value) for value in values]
 
 

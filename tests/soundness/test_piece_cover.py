@@ -216,7 +216,7 @@ def test_initial_values_are_the_points_of_the_tube(interval: Interval, kind: str
         assert start <= interval[0] < interval[1] <= end
         if kind == "regular":
             assert (start, end) == interval
-        initial = proof._initial()
+        initial = proof.points()
         for share in (Fraction(0), Fraction(1), Fraction(1, 2), Fraction(1, 3)):
             s, sigma = start + (end - start) * share, END * (2 * share - 1)
             for w in ((0, 0), (1, 0), (-1, 1), (1, Fraction(-1, 3))):
@@ -240,7 +240,7 @@ def test_bounds_of_a_curve_that_is_known(monkeypatch: pytest.MonkeyPatch, interv
     )  # fmt: skip
 
     def half_return(proof: Any, *_: Any) -> tuple[list[Series], arb]:
-        point = proof._initial()
+        point = proof.points()
         a, constant = point["a"], proof.arithmetic.constant(Fraction(1, 16))
         return [point["c"] - constant - a.scaled(Fraction(1, 8)) - (a * a).scaled(Fraction(1, 64))], arb(3)
 

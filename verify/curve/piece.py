@@ -208,11 +208,14 @@ class _Proof:
             )
             require_piece(evidence, self.system, self.piece, self.symmetry)
 
+    def points(self) -> dict[str, Series]:
+        """The points of the tube, by the names of the coordinates, as elements in (sigma, omega)."""
+        return tube_points(self.arithmetic, self.system, self.piece, (self.middle, self.radius), self.tube)
+
     def _half_return(self, computation: Account, progress: Progress | None) -> tuple[list[Series], arb]:
         """The kernel coordinates at the first return, and the half periods."""
         system, arithmetic = self.system, self.arithmetic
-        tube = tube_points(arithmetic, system, self.piece, (self.middle, self.radius), self.tube)
-        point = {**parameter_series(arithmetic, system, self.parameters), **tube}
+        point = {**parameter_series(arithmetic, system, self.parameters), **self.points()}
         returns = Returns(system, arithmetic, point, self.piece.coordinates)
         computation["coordinates"] = returns.coordinates.name
 
