@@ -8,7 +8,7 @@ of the last iteration.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from math import ceil, inf, isfinite, log2
 from typing import Any
@@ -162,7 +162,12 @@ def refine(
             working_context(GEOMETRY_BITS),
             problem.regularisation,
         )
-        width = half_width(geometry, digits, k, solution.lost_bits, system.family_parameter is None)
+        lost_bits = solution.first.lost_bits
+        if regularisation is not None:
+            # How the box has to shrink was found from the bits that are lost in the system's own coordinates.
+            own = replace(problem, regularisation=None)
+            lost_bits = _first_step(own, solution.point, solution.first.slope).lost_bits
+        width = half_width(geometry, digits, k, lost_bits, system.family_parameter is None)
         if digits_for(width) > digits + MARGIN_DIGITS:
             solution = _solve(
                 problem,
@@ -230,11 +235,11 @@ class _FirstStep:
     lost_bits: int
 
 
-def _first_step(problem: Resonance, point: Sequence[Fraction]) -> _FirstStep:
+def _first_step(problem: Resonance, point: Sequence[Fraction], known_slope: list[Any] | None = None) -> _FirstStep:
     """Newton's correction at the guess, and the precision that the flow loses, from two evaluations."""
     for bits in (80, 160, 320):
         coarse, fine = (linearise(problem, point, b) for b in (bits, bits + 32))
-        slope = resonance_slope(problem, point, coarse, bits)
+        slope = resonance_slope(problem, point, coarse, bits) if known_slope is None else known_slope
         corrections = [newton_correction(problem, at, slope) for at in (coarse, fine)]
         difference = _relative_size([a - b for a, b in zip(*corrections, strict=True)], point)
         lost = bits + ceil(log2(max(difference, 2.0**-bits)))
@@ -252,7 +257,7 @@ class _Solution:
     frame: Frame
     residual: float
     iterations: tuple[tuple[int, float], ...]
-    lost_bits: int
+    first: _FirstStep
 
 
 def _solve(
@@ -293,7 +298,7 @@ def _solve(
             local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
             residual = float(max(abs(x) for x in local))
             if residual < 2.0**-enough:
-                return _Solution(point, at, frame, residual, tuple(iterations), first.lost_bits)
+                return _Solution(point, at, frame, residual, tuple(iterations), first)
             # The flow loses more digits than the guard bits allow for: carry more and go on.
             known = -log2(residual)
             guard += max(0, ceil(goal - known)) + 10
