@@ -16,14 +16,11 @@ import contextlib
 import itertools
 import json
 import math
-import multiprocessing
 import random
-import signal
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -55,7 +52,9 @@ from test_soundness_campaign import (  # noqa: E402
 
 import orbitproof.verify.certificate.rechecking as rechecking  # noqa: E402
 from orbitproof.shared.formats import Candidate, InputError, read_candidates  # noqa: E402
+from orbitproof.shared.interrupts import run_command  # noqa: E402
 from orbitproof.shared.numbers import round_dyadic  # noqa: E402
+from orbitproof.shared.processes import Failure, Report, Task, answers  # noqa: E402
 from orbitproof.shared.systems import ReversibleSystem  # noqa: E402
 from orbitproof.verify.atlas.recheck import atlas_of  # noqa: E402
 from orbitproof.verify.bifurcation import level_form  # noqa: E402
@@ -252,9 +251,11 @@ _CANDIDATES: list[Path] = []
 """The candidates file of this process."""
 
 
-def _begin(candidates: Path | None) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def batch(argument: tuple[str, int, Path | None], report: Report) -> dict[str, Any]:
+    """One batch of a part, by its seed; in a process of its own."""
+    part, seed, candidates = argument
     _CANDIDATES[:] = [] if candidates is None else [candidates]
+    return WORK[part](seed)
 
 
 @cache
@@ -374,28 +375,20 @@ def run(
         for _, part, number in every
         if f"{part} {seed * 1_000_000 + number}" not in batches
     ]
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, context, _begin, (candidates,)) as pool:
-        waiting = iter(missing)
-        running = {pool.submit(WORK[part], number): f"{part} {number}" for part, number in _first(waiting, 2 * jobs)}
-        try:
-            while running:
-                task = next(as_completed(running))
-                name = running.pop(task)
-                batches[name] = task.result()
-                output.write_text(json.dumps(state, indent=1))
-                print(f"{len(batches)} of {len(every)} batches, last {name}: {len(batches[name]['wrong'])} wrong",
-                      file=sys.stderr)  # fmt: skip
-                if time.monotonic() < deadline:
-                    running |= {pool.submit(WORK[p], n): f"{p} {n}" for p, n in _first(waiting, 1)}
-        except KeyboardInterrupt:
-            print("interrupted; the same command goes on from here", file=sys.stderr)
-            pool.shutdown(cancel_futures=True)
+    waiting = iter(missing)
+
+    def next_batch() -> Task | None:
+        part, number = next(waiting, ("", 0)) if time.monotonic() < deadline else ("", 0)
+        return Task(f"{part} {number}", (part, number, candidates)) if part else None
+
+    for answer in answers(batch, next_batch, lambda *_: None, jobs):
+        if isinstance(answer.result, Failure):
+            raise RuntimeError(f"{answer.task.name}: {answer.result.message}")
+        batches[answer.task.name] = answer.result
+        output.write_text(json.dumps(state, indent=1))
+        wrong = len(batches[answer.task.name]["wrong"])
+        print(f"{len(batches)} of {len(every)} batches, last {answer.task.name}: {wrong} wrong", file=sys.stderr)
     return state
-
-
-def _first(items: Any, count: int) -> list[Any]:
-    return [item for _, item in zip(range(count), items, strict=False)]
 
 
 def summary(state: dict[str, Any]) -> str:
@@ -440,4 +433,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    # By its name as a module: processes of their own do the work, and import it.
+    import campaign
+
+    sys.exit(run_command(campaign.main))
