@@ -13,9 +13,10 @@ from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orbitproof.shared.formats.candidates import candidate_from_json
+from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.certificate import rechecking
 from orbitproof.verify.certificate.certificate import Certificate, digest, write_certificates
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.precision import Limits
@@ -231,6 +232,17 @@ def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: C
     # With the tables of another box the hypotheses follow; that they are its own only an integration shows.
     borrowed = recheck(forged(refuted, lambda entry: fill(entry, True)))
     assert "results" in places(borrowed)
+
+
+def test_what_a_wider_enclosure_does_not_confirm_is_enclosed_once_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row of the fourth-order equation: beta comes out wider with more bits, and narrower with still more."""
+    (candidate,) = read_candidates(Path(__file__).parents[1] / "data" / "beam-candidate.json")
+    certificate = certify(candidate, Limits(max_precision=256))
+    assert recheck(certificate, integrate=True).stands
+    monkeypatch.setattr(rechecking, "_STILL_MORE_PRECISION", 0)
+    findings = recheck(certificate, integrate=True).findings
+    assert findings
+    assert all("does not confirm" in str(finding) for finding in findings)
 
 
 def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> None:

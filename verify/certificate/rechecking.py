@@ -9,7 +9,8 @@ order; they have to overlap the stored ones, prove the claim again, and confirm 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -52,6 +53,9 @@ _MORE_PRECISION = 8
 _LEAST_MORE_PRECISION = 32
 _MORE_ORDER = 6
 """The second integration has an eighth more bits, and a sixth more terms in time."""
+
+_STILL_MORE_PRECISION = 64
+"""What it does not confirm is enclosed once more, with so many more bits."""
 
 Entry = Mapping[str, Any]
 """A certificate as JSON."""
@@ -273,14 +277,26 @@ def _integration(
     if not isinstance(outcome, Proved):
         yield Finding(place, f"the claim is not proved again: {outcome.reason.condition}: {outcome.reason.message}")
         return
-    results, found = certificate["results"], outcome.results
-    if results["side"] != found.side:
-        yield Finding(f"{place}, side", f"stored is {results['side']!r}, found {found.side!r}")
-    yield from confirmed(ball_from_json(results["parameter"]), found.parameter, f"{place}, {found.parameter_name}")
+    results = certificate["results"]
+    if results["side"] != outcome.results.side:
+        yield Finding(f"{place}, side", f"stored is {results['side']!r}, found {outcome.results.side!r}")
+    unconfirmed = list(_unconfirmed(results, outcome.results, place))
+    if unconfirmed:
+        finer = replace(settings, precision=settings.precision + _STILL_MORE_PRECISION)
+        with suppress(IntegrationFailure), np.errstate(all="ignore"):
+            again = _conclude(stated.claim, finer.precision, enclose_iterates(stated.claim, finer, progress))
+            if isinstance(again, Proved):
+                unconfirmed = list(_unconfirmed(results, again.results, f"integration with {finer.precision} bits"))
+    yield from unconfirmed
+
+
+def _unconfirmed(stored: Entry, found: BifurcationResults, place: str) -> Iterator[Finding]:
+    """The numbers of the results that new ones do not confirm."""
+    yield from confirmed(ball_from_json(stored["parameter"]), found.parameter, f"{place}, {found.parameter_name}")
     for group, balls in (("point", found.point), ("normal_form", found.normal_form)):
         for name, ball in balls.items():
-            if name in results[group]:
-                yield from confirmed(ball_from_json(results[group][name]), ball, f"{place}, {name}")
+            if name in stored[group]:
+                yield from confirmed(ball_from_json(stored[group][name]), ball, f"{place}, {name}")
 
 
 def _contradictions(stored: Enclosures, fresh: Enclosures, place: str) -> Iterator[Finding]:
