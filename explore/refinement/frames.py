@@ -110,6 +110,48 @@ def bifurcation_frame(
     return _assemble(system, tangent, kernel, rows, range(n + 1), context)
 
 
+@dataclass(frozen=True)
+class Turning:
+    """How the bifurcation parameter changes along the curve of symmetric orbits, at a point.
+
+    Attributes:
+        tangent: unit tangent of the curve, 1 + n numbers.
+        multipliers: n numbers; the gradient of the parameter is their combination of the rows of D pi_q P, plus
+            `slope` times the tangent.
+        slope: derivative of the parameter along the tangent; it vanishes at a fold.
+    """
+
+    tangent: list[Any]
+    multipliers: list[Any]
+    slope: Any
+
+
+def turning(derivative: Any, level_gradient: Sequence[Any], context: mpmath.MPContext) -> Turning:
+    """From D pi_q P, n x (1 + n), and the gradient of the parameter. Raises `RefinementFailure` without a tangent."""
+    rows = _rows(derivative)
+    tangent = _family_tangent(rows, context)
+    try:
+        solution = context.lu_solve(context.matrix([*rows, tangent]).T, context.matrix(list(level_gradient)))
+    except ZeroDivisionError:
+        raise RefinementFailure("the curve of symmetric orbits has no unique tangent") from None
+    *multipliers, slope = list(solution)
+    return Turning(tangent, multipliers, slope)
+
+
+def fold_frame(
+    system: ReversibleSystem, derivative: Any, level_gradient: Sequence[Any], context: mpmath.MPContext
+) -> Frame:
+    """The frame at or near a fold: p_1 along the curve, p_0 across the levels of the parameter, p_2 across both.
+
+    Arguments as for `turning`. q_1 does not change to first order along the level. Raises `RefinementFailure`.
+    """
+    found = turning(derivative, level_gradient, context)
+    first = _normalised(context, found.multipliers)
+    rows = [first, *_complement(context, [first], len(first))]
+    across = _normalised(context, level_gradient)
+    return _assemble(system, across, found.tangent, rows, range(len(across)), context)
+
+
 def _family_tangent(derivative: list[list[Any]], context: mpmath.MPContext) -> list[Any]:
     _, _, right = np.linalg.svd(_floats(derivative)) if derivative else (0, 0, np.eye(1))
     return _normalised(context, _solve(context, derivative, right[-1]))

@@ -18,7 +18,14 @@ import numpy as np
 from orbitproof.explore.refinement.crossing import shorter_coordinates
 from orbitproof.explore.refinement.frames import Frame, Parity, RefinementFailure, parity_of
 from orbitproof.explore.refinement.half_return import LinearIterates
-from orbitproof.explore.refinement.reduction import BranchGeometry, box_radii, branch_geometry, digits_for, half_width
+from orbitproof.explore.refinement.reduction import (
+    BranchGeometry,
+    box_radii,
+    branch_geometry,
+    digits_for,
+    fold_geometry,
+    half_width,
+)
 from orbitproof.explore.refinement.resonance import (
     LinearisedResonance,
     Resonance,
@@ -28,7 +35,7 @@ from orbitproof.explore.refinement.resonance import (
     working_context,
 )
 from orbitproof.explore.refinement.taylor import IntegrationFailure
-from orbitproof.shared.formats import KINDS, Candidate
+from orbitproof.shared.formats import KINDS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -135,14 +142,14 @@ def refine(
     """Refine a float64 approximation of a bifurcation point and build the box for the verifier.
 
     Arguments:
-        kind, k: as in `shared.formats.candidates.Candidate`; k = 1 exactly for symmetry breaking.
+        kind, k: as in `shared.formats.candidates.Candidate`; k = 1 exactly for symmetry breaking and folds.
         guess: 1 + n numbers in the order of `centre_coordinates`, off by 1e-5 or less.
         digits: decimal digits of the centre; a box that has to be small for its orbit gets more.
-        symmetry: the symmetry that breaks, for k = 1; may be left out if the system has only one.
+        symmetry: the symmetry that breaks, for symmetry breaking; may be left out if the system has only one.
         progress: called with a message and the fraction done.
 
     Raises `RefinementFailure`, with one line of reason, if Newton's method does not converge or leaves the
-    neighbourhood of the guess, or if the point is not a simple 1:k resonance.
+    neighbourhood of the guess, or if the point is neither a simple 1:k resonance nor a fold.
     """
     report = progress if progress is not None else (lambda _message, _fraction: None)
     parity, symmetry = _checked(system, kind, k, guess, symmetry)
@@ -152,16 +159,12 @@ def refine(
         solution = _solve(problem, guess, digits, report)
         margins = _checked_iterates(problem, solution.frame, solution.at.iterates)
         report("curvatures", 0.85)
-        geometry = branch_geometry(
-            system,
-            problem.parameters,
-            solution.point,
-            solution.frame,
-            k,
-            problem.tangential,
-            working_context(GEOMETRY_BITS),
-            problem.regularisation,
-        )
+        about = system, problem.parameters, solution.point, solution.frame
+        context = working_context(GEOMETRY_BITS)
+        if problem.is_fold:
+            geometry = fold_geometry(*about, context, problem.regularisation)
+        else:
+            geometry = branch_geometry(*about, k, problem.tangential, context, problem.regularisation)
         lost_bits = solution.first.lost_bits
         if regularisation is not None:
             # How the box has to shrink was found from the bits that are lost in the system's own coordinates.
@@ -181,7 +184,7 @@ def refine(
     accuracy = max(solution.residual, 10.0 ** -(max(digits, digits_for(width) - MARGIN_DIGITS // 2) + MARGIN_DIGITS))
     value = None
     if system.first_integral is not None:
-        value = round_dyadic(_fraction(problem.level(point, at.context, False).coefficients[0]), at.context.prec)
+        value = round_dyadic(_fraction(problem.level(point, at.context, 0).coefficients[0]), at.context.prec)
     report("done", 1.0)
     return RefinedPoint(
         system=system,
@@ -206,12 +209,12 @@ def refine(
 def _checked(
     system: ReversibleSystem, kind: str, k: int, guess: Sequence[float], symmetry: str | None
 ) -> tuple[Parity | None, str | None]:
-    if kind not in KINDS or k < 1 or (kind == "symmetry_breaking") != (k == 1):
+    if kind not in KINDS or k < 1 or (kind in ONCE) != (k == 1):
         raise RefinementFailure(f"{kind} with k = {k} is not a bifurcation that can be refined")
     if len(guess) != len(system.centre_coordinates) or not all(isfinite(x) for x in guess):
         wanted = ", ".join(system.centre_coordinates)
         raise RefinementFailure(f"the guess needs finite numbers for {wanted}")
-    if k > 1:
+    if kind != "symmetry_breaking":
         return None, None
     if symmetry is None and len(system.symmetries) == 1:
         symmetry = next(iter(system.symmetries))

@@ -140,11 +140,47 @@ def branch_geometry(
     )
 
 
+def fold_geometry(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    centre: Sequence[Fraction],
+    frame: Frame,
+    context: mpmath.MPContext,
+    regularisation: Regularisation | None = None,
+) -> BranchGeometry:
+    """Curvatures of the curve of symmetric orbits at a fold, where it is a graph over p_1.
+
+    `branch_curvature` is its p_0''(p_1), `level_branch` the second derivative of the parameter along it.
+    Raises `IntegrationFailure`, or `RefinementFailure` if the second derivative vanishes.
+    """
+    n = len(system.kernel_coordinates)
+    basis = JetBasis.graded([2, 1, *[2] * (n - 1)], 2)
+    directions = [[frame.columns[i, j] for i in range(n + 1)] + [0] * n for j in range(n + 1)]
+    point = [context.mpf(u.numerator) / u.denominator for u in centre]
+    start, parameter = start_jets(system, point, directions, basis)
+    crossing = next(section_crossings(system, parameters, start, parameter, context, regularisation=regularisation))
+    kernel = section_jets(system, crossing, parameter)[n + 1 :]
+    equations = [sum((kernel[j] * frame.rows[i, j] for j in range(n)), basis.constant(0)) for i in range(n)]
+    line = JetBasis.graded([1], 2)
+    path = [line.constant(0), Jet(line, [0, 1, 0]), *[line.constant(0)] * (n - 1)]
+    curve = _implicit(equations, [0, *range(2, n + 1)], path, context)
+    level = level_jet(system, parameters, start, parameter, context)
+    level_slope = float(level.coefficients[basis.variable(0)])
+    bend = 2 * float(level.compose([curve[0], path[1], *curve[1:]]).coefficients[2])
+    if bend == 0:
+        raise RefinementFailure("the second derivative of the parameter along the curve vanishes")
+    across, *others = (2 * float(jet.coefficients[2]) for jet in curve)
+    most = max(map(abs, others), default=0.0)
+    return BranchGeometry(0.0, 0.0, None, 0.0, across, None, (most, 0.0, 0.0), level_slope, bend)
+
+
 def _without_constant(jet: Jet) -> Jet:
     return Jet(jet.basis, [0, *jet.coefficients[1:]])
 
 
-def _implicit(equations: list[Jet], unknowns: range, arguments: list[Jet], context: mpmath.MPContext) -> list[Jet]:
+def _implicit(
+    equations: list[Jet], unknowns: Sequence[int], arguments: list[Jet], context: mpmath.MPContext
+) -> list[Jet]:
     """Solve equations = 0 (constant terms dropped) for the arguments numbered `unknowns`, as series."""
     if not equations:
         return []

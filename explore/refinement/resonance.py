@@ -7,7 +7,9 @@ one), the equations are
 
 with g the Schur complement of D_(p1,p2) pi_q P^k, that is dG_k/dp_1 after the Lyapunov-Schmidt
 reduction; on the family it equals the reduced bifurcation function g_k. For k = 1 the symmetry S splits
-the equations: u is S-even, the S-even part of pi_q P and d(q odd)/d(p odd) vanish.
+the equations: u is S-even, the S-even part of pi_q P and d(q odd)/d(p odd) vanish. At a fold, k = 1 without a
+symmetry, g is the derivative of the bifurcation parameter along the unit tangent t of the curve; with the
+multipliers l of its gradient in the rows of D pi_q P, dg = D^2 parameter (t, .) - l D^2 pi_q P(t, .).
 """
 
 from __future__ import annotations
@@ -21,7 +23,14 @@ import mpmath
 import numpy as np
 
 from orbitproof.explore.refinement.crossing import level_jet
-from orbitproof.explore.refinement.frames import Frame, Parity, RefinementFailure, bifurcation_frame
+from orbitproof.explore.refinement.frames import (
+    Frame,
+    Parity,
+    RefinementFailure,
+    bifurcation_frame,
+    fold_frame,
+    turning,
+)
 from orbitproof.explore.refinement.half_return import (
     HalfReturn,
     LinearIterates,
@@ -43,7 +52,7 @@ def working_context(bits: int) -> mpmath.MPContext:
 
 @dataclass(frozen=True)
 class Resonance:
-    """What is to be solved: a 1:k resonance of the symmetric orbits of a system.
+    """What is to be solved: a 1:k resonance of the symmetric orbits of a system, or a fold.
 
     `tangential`: the new branch is tangent to a level set of the bifurcation parameter; see
     `explore.refinement.frames.bifurcation_frame`. `parity` is set for symmetry breaking (k = 1) only.
@@ -56,6 +65,11 @@ class Resonance:
     tangential: bool
     parity: Parity | None
     regularisation: Regularisation | None = None
+
+    @property
+    def is_fold(self) -> bool:
+        """Whether the parameter is to have an extremum along the curve of symmetric orbits."""
+        return self.k == 1 and self.parity is None
 
     @property
     def unknowns(self) -> tuple[int, ...]:
@@ -72,14 +86,16 @@ class Resonance:
         self, point: Sequence[Fraction], iterates: LinearIterates, context: mpmath.MPContext, tangential: bool
     ) -> Frame:
         """The frame at a point, from the derivatives there."""
-        gradient = self.level(point, context, True).coefficients[1:]
+        gradient = self.level(point, context, 1).coefficients[1:]
         first, last = iterates.matrices[0], iterates.matrices[-1]
+        if self.is_fold:
+            return fold_frame(self.system, first, gradient, context)
         return bifurcation_frame(self.system, first, last, gradient, tangential, self.parity, context)
 
-    def level(self, point: Sequence[Fraction], context: mpmath.MPContext, gradient: bool) -> Jet:
-        """The bifurcation parameter at a point of Fix(R), with its gradient in u if asked for."""
+    def level(self, point: Sequence[Fraction], context: mpmath.MPContext, degree: int) -> Jet:
+        """The bifurcation parameter at a point of Fix(R), as a jet in u of this degree."""
         size = len(point)
-        basis = JetBasis.graded([1] * size, int(gradient))
+        basis = JetBasis.graded([1] * size, degree)
         n = size - 1
         unit = [[context.mpf(int(i == j)) for i in range(size + n)] for j in range(size)]
         values = [context.mpf(u.numerator) / u.denominator for u in point]
@@ -87,10 +103,24 @@ class Resonance:
         # Monomials of degree 1 come in the order of the variables, so these are the value and the gradient.
         return level_jet(self.system, self.parameters, start, parameter, context)
 
+    def level_bend(self, point: Sequence[Fraction], direction: Sequence[Any], context: mpmath.MPContext) -> list[Any]:
+        """The second derivatives of the bifurcation parameter in a direction and each coordinate u."""
+        size = len(point)
+        jet = self.level(point, context, 2)
+
+        def second(i: int, j: int) -> Any:
+            monomial = tuple((v == i) + (v == j) for v in range(size))
+            return jet.coefficients[jet.basis.index[monomial]] * (1 + (i == j))
+
+        return [sum(direction[i] * second(i, j) for i in range(size)) for j in range(size)]
+
 
 @dataclass(frozen=True)
 class LinearisedResonance:
-    """The equations at a point: first-order data, frame, and the Schur complement g of D_(p1,p2) pi_q P^k."""
+    """The equations at a point: first-order data, frame, and the Schur complement g of D_(p1,p2) pi_q P^k.
+
+    The derivative of g is that of left * D pi_q P^k * right for constant vectors; for a fold see above.
+    """
 
     half: HalfReturn
     iterates: LinearIterates
@@ -112,6 +142,10 @@ def linearise(problem: Resonance, point: Sequence[Fraction], bits: int) -> Linea
         iterates = linear_iterates(half, problem.k, context)
         # p_1 tangent to the level set lies in the resonant plane of DP^2, which keeps few second derivatives.
         frame = problem.frame(point, iterates, context, True)
+        if problem.is_fold:
+            found = turning(iterates.matrices[0], problem.level(point, context, 1).coefficients[1:], context)
+            minus = [-value for value in found.multipliers]
+            return LinearisedResonance(half, iterates, frame, minus, found.tangent, found.slope, context)
         left, right = _schur_vectors(frame, iterates.matrices[-1], context)
     except ZeroDivisionError:
         raise RefinementFailure("the kernel of D pi_q P^k is not simple") from None
@@ -156,6 +190,9 @@ def resonance_slope(problem: Resonance, point: Sequence[Fraction], at: Linearise
             for factor, value in zip(combination, values, strict=True):
                 total += factor * sum(c * x for c, x in zip(term.covector, value, strict=True))
         slope.append(total)
+    if problem.is_fold:
+        bend = problem.level_bend(point, [context.mpf(x) for x in at.right], context)
+        slope = [a + b for a, b in zip(slope, bend, strict=True)]
     return slope
 
 

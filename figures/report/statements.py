@@ -24,6 +24,7 @@ _SHORT = 12
 
 _KINDS = {
     "symmetry_breaking": "Symmetry breaking",
+    "fold": "Fold",
     "period_tupling": "Period {k}-tupling",
     "touch_and_go": "Touch-and-go of order {k}",
 }

@@ -31,6 +31,7 @@ _MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
 _COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
 _KINDS = {
     "symmetry_breaking": "symmetry breaking",
+    "fold": "fold",
     "period_tupling": "period tupling",
     "touch_and_go": "touch-and-go",
 }

@@ -9,6 +9,7 @@ from orbitproof.verify.evidence import certain_digits
 NONE = "-"
 KINDS = {
     "symmetry_breaking": "symmetry breaking",
+    "fold": "fold",
     "period_tupling": "period tupling",
     "touch_and_go": "touch-and-go",
 }

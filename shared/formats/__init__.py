@@ -2,7 +2,9 @@
 
 from orbitproof.shared.formats.atlas import SURFACE, Atlas, Claim, Covers, atlas_from_json, read_atlas, write_atlas
 from orbitproof.shared.formats.candidates import (
+    FOLD,
     KINDS,
+    ONCE,
     Candidate,
     InputError,
     candidate_from_json,
@@ -19,7 +21,9 @@ from orbitproof.shared.formats.pieces import Piece, SurfacePiece, evaluate, is_r
 from orbitproof.shared.formats.systems import load_system
 
 __all__ = [
+    "FOLD",
     "KINDS",
+    "ONCE",
     "SURFACE",
     "Atlas",
     "Candidate",

@@ -26,7 +26,10 @@ if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import ValidationError
 
-KINDS = ("symmetry_breaking", "period_tupling", "touch_and_go")
+FOLD = "fold"
+ONCE = ("symmetry_breaking", FOLD)
+"""Kinds of bifurcations of period-two points, k = 1; all others have k > 1."""
+KINDS = (*ONCE, "period_tupling", "touch_and_go")
 
 
 class InputError(Exception):
@@ -42,7 +45,7 @@ class Candidate:
         system: the reversible system.
         parameters: exact values of the system's fixed parameters, by name.
         kind: one of `KINDS`.
-        k: multiplicity; 1 exactly for symmetry breaking.
+        k: multiplicity; 1 exactly for symmetry breaking and folds.
         symmetry: name of the symmetry that breaks, for symmetry breaking.
         centre: shape (1 + n,), in the order of `coordinates`.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
@@ -331,8 +334,8 @@ def candidate_from_json(
     system, parameters = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]
     symmetry = entry.get("symmetry")
-    if (kind == "symmetry_breaking") != (k == 1):
-        refuse("k", f"{kind} with k = {k}", "symmetry_breaking has k = 1, the other kinds have k > 1")
+    if (kind in ONCE) != (k == 1):
+        refuse("k", f"{kind} with k = {k}", f"{' and '.join(ONCE)} have k = 1, the other kinds have k > 1")
     level_sign = entry.get("level_sign")
     if (entry.get("parameter") is None) != (level_sign is None):
         refuse("parameter", "parameter and level_sign belong together", "give both or none")

@@ -6,7 +6,7 @@ Each check adds one hypothesis to the checklist and returns what the next ones b
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -129,7 +129,7 @@ def check_family(checklist: Checklist, problem: Problem) -> PeriodTwoFamily:
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 1, 1, "P")
         evidence.require(graph.is_regular(), "D_(p_1, p_2) pi_q P may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:1]), start=1):
-            _require_inside(evidence, f"p_{position}", ball, problem, position, 0)
+            require_inside(evidence, f"p_{position}", ball, problem, position, 0)
     return PeriodTwoFamily(graph)
 
 
@@ -156,9 +156,9 @@ def check_reduction(checklist: Checklist, problem: Problem, family: Family | Non
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 2, 2, f"P^{problem.k}")
         evidence.require(graph.is_regular(), "D_p2 pi_q2 P^k may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:2]), start=2):
-            _require_inside(evidence, f"p_{position}^H", ball, problem, position, 1)
+            require_inside(evidence, f"p_{position}^H", ball, problem, position, 1)
         slope = arb(0) if family is None else family.over(problem.box[0])[1]
-        _require_inside(evidence, "p_1(P_0)", slope, problem, 1, 0)
+        require_inside(evidence, "p_1(P_0)", slope, problem, 1, 0)
     return BifurcationFunction(component, graph)
 
 
@@ -176,9 +176,9 @@ def check_reduced_function(
             likely = -reduced.at_centre(p_1) / arb(reduced.slope.mid())
             if is_outside(arb(likely.abs_upper()), problem.radii[0]):
                 evidence.suggest(remedies.of_image(0, 1, likely, problem.radii))
-        _require_nonzero(evidence, "g_0 = ", evidence.record("g_0", reduced.slope))
+        require_nonzero(evidence, "g_0 = ", evidence.record("g_0", reduced.slope))
         evidence.record("g(0, P_1)", reduced.at_centre(p_1))
-        _require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem, 0, 1)
+        require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem, 0, 1)
 
 
 def check_transversality(
@@ -189,7 +189,7 @@ def check_transversality(
     with checklist.hypothesis(f"{problem.prefix}C4", "8.5", statement, "choose smaller radii") as evidence:
         crossing = _crossing(problem.box[0], family, reduction)
         evidence.record("G_01 + G_11 p_1'", crossing)
-        _require_nonzero(evidence, "", crossing)
+        require_nonzero(evidence, "", crossing)
 
 
 def _crossing(p_0: arb, family: Family, reduction: BifurcationFunction) -> arb:
@@ -204,23 +204,36 @@ def locate(checklist: Checklist, problem: Problem, family: Family, reduction: Bi
     statement = "interval Newton for G_1(p_0, p_1(p_0)) gives the bifurcation point, inside the box"
     remedy = "move the centre to the bifurcation point"
     with checklist.hypothesis("point", "8.7", statement, remedy) as evidence:
-        p_0 = problem.box[0]
-        for _ in range(_NEWTON_STEPS):
-            middle = p_0.mid()
-            if not is_inside(middle, problem.radii[0]):
-                break
-            value = reduction.jet(family.over(middle)).derivative(0, 1)
-            # The segment from the middle to the zero lies in p_0 and in P_0.
-            narrower = meet(p_0, middle - value / _crossing(p_0, family, reduction))
-            progress = is_below(narrower.rad() * 2, p_0.rad())
-            p_0 = narrower
-            if not progress:
-                break
+        p_0 = narrowed_zero(
+            problem,
+            0,
+            lambda middle: reduction.jet(family.over(middle)).derivative(0, 1),
+            lambda ball: _crossing(ball, family, reduction),
+        )
         where = family.over(p_0)
         for position, ball in enumerate(where):
-            _require_inside(evidence, f"p_{position}", ball, problem, position)
+            require_inside(evidence, f"p_{position}", ball, problem, position)
         crossing = evidence.record("G_01 + G_11 p_1'", _crossing(p_0, family, reduction))
     return Point(where, crossing)
+
+
+def narrowed_zero(problem: Problem, position: int, value: Callable[[arb], arb], slope: Callable[[arb], arb]) -> arb:
+    """A ball for the one zero in P_i, i = `position`, of a function of p_i, by interval Newton, repeated.
+
+    `value` encloses the function at a point of P_i, `slope` its derivative over a part of P_i.
+    """
+    p = problem.box[position]
+    for _ in range(_NEWTON_STEPS):
+        middle = p.mid()
+        if not is_inside(middle, problem.radii[position]):
+            break
+        # The segment from the middle to the zero lies in p and in P_i.
+        narrower = meet(p, middle - value(middle) / slope(p))
+        progress = is_below(narrower.rad() * 2, p.rad())
+        p = narrower
+        if not progress:
+            break
+    return p
 
 
 def _record_matrix(
@@ -231,7 +244,7 @@ def _record_matrix(
             evidence.record(f"d q_{row}({iterate}) / d p_{column}", ball)
 
 
-def _require_inside(
+def require_inside(
     evidence: Evidence, name: str, ball: arb, problem: Problem, position: int, over: int | None = None
 ) -> None:
     """Require that the ball lies inside P_i, i = `position`; with `over` = j it is that of p_i over P_j."""
@@ -250,7 +263,7 @@ def _require_inside(
     )
 
 
-def _require_nonzero(evidence: Evidence, name: str, ball: arb) -> None:
+def require_nonzero(evidence: Evidence, name: str, ball: arb) -> None:
     """Require that the ball, which holds over the box, excludes 0."""
     if not excludes_zero(ball):
         evidence.suggest(remedies.of_sign(ball))

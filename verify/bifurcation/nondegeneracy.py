@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from flint import arb
@@ -35,7 +35,7 @@ def _require_nonzero(checklist: Checklist, problem: Problem, name: str, section:
         evidence.require(excludes_zero(ball), f"{show(ball)} may be zero", needs_precision=True)
 
 
-def _side(second_derivative: arb) -> str:
+def side_of(second_derivative: arb) -> str:
     """Side of the new orbits for a branch whose parameter has an extremum with this second derivative."""
     return {1: "above", -1: "below", 0: "not known"}[sign(second_derivative)]
 
@@ -58,7 +58,16 @@ def check_family_of_maps(
     _require_nonzero(checklist, problem, "G_01", "9.2", "G_01", mixed)
     _require_nonzero(checklist, problem, "G_111", "9.2", "G_111", third)
     curvature = -third / (3 * mixed)
-    return Nondegeneracy(_side(curvature), {"alpha": mixed, "beta": curvature / 2})
+    return Nondegeneracy(side_of(curvature), {"alpha": mixed, "beta": curvature / 2})
+
+
+def check_level_slope(checklist: Checklist, problem: Problem, where: Sequence[arb]) -> None:
+    """The level of H is a coordinate near the point: dH/dp_0 is not zero."""
+    integral = problem.first_integral
+    if integral is None:
+        raise ValueError("a Hamiltonian problem has a first integral")
+    slope = integral.gradient(where, 0)[0]
+    _require_nonzero(checklist, problem, "dH/dp_0", "9.3", "the derivative of H in p_0", slope)
 
 
 def check_hamiltonian(
@@ -72,7 +81,7 @@ def check_hamiltonian(
     jet, level, curve = reduction.jet(where), reduction.restrict(integral, where), family.jet(where)
     k_0, k_1 = level.derivative(1, 0), level.derivative(0, 1)
 
-    _require_nonzero(checklist, problem, "dH/dp_0", "9.3", "the derivative of H in p_0", integral.gradient(where, 0)[0])
+    check_level_slope(checklist, problem, where)
     family_slope = k_0 + k_1 * curve.slope
     _require_nonzero(checklist, problem, "h_fp'", "9.3", "the derivative of H along the family", family_slope)
 
@@ -105,6 +114,6 @@ def check_hamiltonian(
         checklist, problem, "h_b''", "9.4", "the second derivative of H along the branch", branch_curvature
     )
     return Nondegeneracy(
-        _side(branch_curvature),
+        side_of(branch_curvature),
         {"alpha": alpha, "beta": branch_curvature / 2, "h_b''": branch_curvature, "h_fp'": family_slope},
     )

@@ -8,9 +8,8 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import FOLD, ONCE, Candidate
 from orbitproof.verify.bifurcation.conditions import (
-    Point,
     Problem,
     check_enclosures,
     check_family,
@@ -20,6 +19,7 @@ from orbitproof.verify.bifurcation.conditions import (
     check_transversality,
     locate,
 )
+from orbitproof.verify.bifurcation.fold import check_fold
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
 from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
 from orbitproof.verify.bifurcation.sharpened import sharpened
@@ -86,8 +86,8 @@ def theorem_of(candidate: Candidate, form: Candidate | None = None) -> Theorem |
         theorem = theorem_of(form)
         return theorem if isinstance(theorem, Reason) else in_own_box(theorem)
     kind, k = candidate.kind, candidate.k
-    if (kind == "symmetry_breaking") != (k == 1):
-        return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking has k = 1, the other kinds k > 1")
+    if (kind in ONCE) != (k == 1):
+        return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking and fold have k = 1, the other kinds k > 1")
     if kind == "touch_and_go" and k % 2 == 0:
         return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
     if k == 3 and kind == "period_tupling":
@@ -109,8 +109,10 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
     prefix = "H" if hamiltonian else ""
     names = ["symmetries", "frames"]
     names += ["level"] if candidate.level_sign is not None else []
-    names += ["adapted-frames"] if k == 1 else []
+    names += ["adapted-frames"] if candidate.kind == "symmetry_breaking" else []
     names += ["poincare-map"]
+    if candidate.kind == FOLD:
+        return (*names, "curve", "extremum", "point", *(["dH/dp_0"] if hamiltonian else []))
     names += ["family", *(f"regular-{i}" for i in range(1, k))] if k > 1 else []
     names += [f"{prefix}C2", f"{prefix}C3", f"{prefix}C4", "point"]
     if hamiltonian:
@@ -127,10 +129,23 @@ def _statement(candidate: Candidate) -> str:
     where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
     origin = (
         f"the R-symmetric period-two points of the Poincare map P of the {where} in the box are one regular curve"
-        if k > 1
+        if candidate.kind != "symmetry_breaking"
         else f"the R- and {candidate.symmetry}-symmetric period-two points of the Poincare map P of the {where} "
         "in the box are one regular curve"
     )
+    others = f"In the box there is no further R-symmetric point x with P^{2 * k}(x) = x" + (
+        f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
+    )
+    if candidate.level_sign is not None:
+        sign = ">" if candidate.level_sign > 0 else "<"
+        names = ", ".join(candidate.coordinates)
+        others += f" The box is in the coordinates {names}, with {system.level_coordinate} {sign} 0."
+    if candidate.kind == FOLD:
+        return (
+            f"{origin}; at exactly one point of it, the bifurcation point, it undergoes a fold, the parameter being "
+            f"the {parameter}: the derivative of the parameter along the curve vanishes there and nowhere else in the "
+            f"box, and the second derivative is not zero. {others}"
+        )
     tupled = (
         f"an R-symmetric orbit of period {k} of P^2 that meets Fix(R) twice near the point branches off"
         if k % 2 == 0
@@ -143,13 +158,6 @@ def _statement(candidate: Candidate) -> str:
         "touch_and_go": f"a touch-and-go bifurcation of P^2 of order {k}: a curve of R-symmetric points of period "
         f"{k} of P^2 crosses it",
     }[candidate.kind]
-    others = f"In the box there is no further R-symmetric point x with P^{2 * k}(x) = x" + (
-        f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
-    )
-    if candidate.level_sign is not None:
-        sign = ">" if candidate.level_sign > 0 else "<"
-        names = ", ".join(candidate.coordinates)
-        others += f" The box is in the coordinates {names}, with {system.level_coordinate} {sign} 0."
     return (
         f"{origin}; at exactly one point of it, the bifurcation point, the parameter being the {parameter}, it "
         f"undergoes {branch}. {others}"
@@ -202,7 +210,7 @@ def prepare(candidate: Candidate, checklist: Checklist) -> None:
     check_frames(checklist, candidate)
     if candidate.level_sign is not None:
         check_level(checklist, candidate)
-    if candidate.k == 1:
+    if candidate.kind == "symmetry_breaking":
         check_adapted_frames(checklist, candidate)
 
 
@@ -225,6 +233,8 @@ def _fails_sharpened(candidate: Candidate, problem: Problem, condition: str) -> 
 
 def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
     k = candidate.k
+    if candidate.kind == FOLD:
+        return _results(candidate, problem, *check_fold(checklist, problem))
     family: Family
     if k > 1:
         family = check_family(checklist, problem)
@@ -241,19 +251,19 @@ def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> Bifu
         conclusion = check_family_of_maps(checklist, problem, family, reduction, point)
     else:
         conclusion = check_hamiltonian(checklist, problem, family, reduction, point)
-    return _results(candidate, problem, point, conclusion)
+    return _results(candidate, problem, point.where, conclusion)
 
 
-def _results(candidate: Candidate, problem: Problem, point: Point, conclusion: Nondegeneracy) -> BifurcationResults:
+def _results(
+    candidate: Candidate, problem: Problem, where: tuple[arb, ...], conclusion: Nondegeneracy
+) -> BifurcationResults:
     coordinates = [
-        enclose(origin) + dot([enclose(value) for value in row], point.where)
+        enclose(origin) + dot([enclose(value) for value in row], where)
         for origin, row in zip(candidate.centre, candidate.frame, strict=True)
     ]
     named = dict(zip(candidate.coordinates, coordinates, strict=True))
     if candidate.level_sign is not None:
         named = point_on_fixed_set(candidate, named)
-    parameter = coordinates[0] if problem.first_integral is None else problem.first_integral.value(point.where)
+    parameter = coordinates[0] if problem.first_integral is None else problem.first_integral.value(where)
     normal_form = {name: ball for name, ball in conclusion.normal_form.items() if ball.is_finite()}
-    return BifurcationResults(
-        named, parameter_name(candidate), parameter, conclusion.side, normal_form, tuple(point.where)
-    )
+    return BifurcationResults(named, parameter_name(candidate), parameter, conclusion.side, normal_form, tuple(where))

@@ -42,7 +42,12 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.poincare import Enclosures
 
 _SHOWN_DIGITS = 34
-_KINDS = {"symmetry_breaking": "symmetry breaking", "period_tupling": "tupling", "touch_and_go": "touch-and-go"}
+_KINDS = {
+    "symmetry_breaking": "symmetry breaking",
+    "fold": "fold",
+    "period_tupling": "tupling",
+    "touch_and_go": "touch-and-go",
+}
 _SYMBOLS = {"Jacobi constant": "C"}
 
 

@@ -54,7 +54,7 @@ _MOST_BITS_ACROSS = 32
 
 _AT_THE_PARAMETER = (
     *("level-box", "candidate-box", "C2", "C3", "C4", "HC2", "HC3", "HC4", "point"),
-    *("dH/dp_0", "h_fp'", "h_b'", "h_b''", "G_11", "G_01", "G_111"),
+    *("curve", "extremum", "dH/dp_0", "h_fp'", "h_b'", "h_b''", "G_11", "G_01", "G_111"),
 )
 """Hypotheses that depend on what the bifurcation parameter is; the others fail in both forms."""
 

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from flint import arb
 
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import FOLD, Candidate
 from orbitproof.verify.claim import inverse, setting
 from orbitproof.verify.evidence import (
     Theorem,
@@ -61,7 +61,7 @@ def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, foun
         lines = [*setting(candidate.system, candidate.parameters, candidate.symmetry), *_box(claim, form is not None)]
         if form is not None:
             lines += ["The candidate's own box:", *_set(candidate, "candidate")]
-    lines += ["Theorem.", theorem.statement, _definition(claim), *_found(found)]
+    lines += ["Theorem.", theorem.statement, _definition(claim), *_found(found, claim)]
     return "\n".join(lines)
 
 
@@ -108,6 +108,12 @@ def _below(value: Fraction) -> str:
 
 def _definition(claim: Candidate) -> str:
     k = claim.k
+    if claim.kind == FOLD:
+        return (
+            "Fold means: on one side of the value of the parameter at the bifurcation point the box contains no point "
+            "x of Fix(R) with P^2(x) = x; for every value on the other side that is near enough it contains exactly "
+            "two, on two different orbits, and they merge at the bifurcation point."
+        )
     along = "near the bifurcation point the family has one point for every value of the parameter near its value there"
     if claim.kind == "touch_and_go":
         return (
@@ -135,11 +141,11 @@ _SIDES = {
 }
 
 
-def _found(found: Located) -> Sequence[str]:
+def _found(found: Located, claim: Candidate) -> Sequence[str]:
     where = ", ".join(f"{name} in {interval_text(ball, _DIGITS)}" for name, ball in found.point.items())
     parameter = "not finite" if found.parameter is None else decimal_interval(found.parameter, _DIGITS)
     return [
         f"The bifurcation point has {where}.",
         f"The parameter there, {found.parameter_name}, lies in {parameter}.",
-        f"The new orbits exist {_SIDES[str(found.side)]}.",
+        f"The {'two' if claim.kind == FOLD else 'new'} orbits exist {_SIDES[str(found.side)]}.",
     ]
