@@ -26,7 +26,7 @@ from orbitproof.explore.refinement import (
     section_crossings,
     start_jets,
 )
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import FOLD, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -101,6 +101,8 @@ class BranchPoint:
 
 def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
+    if candidate.kind == FOLD:
+        raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
     context = mpmath.MPContext()
     context.prec = BITS
     system, parameters = candidate.system, candidate.parameters

@@ -23,6 +23,8 @@ from orbitproof.explore.families import CONTROL
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS
 from orbitproof.shared.systems import MASS_PARAMETERS
 
+_FOLDS = "look for folds as well: extrema of the family parameter or first integral along the family"
+
 _EXAMPLES = """\
 examples:
   orbitproof explore candidates --preset tables -o tables.json --family-output families.json
@@ -74,8 +76,10 @@ def parser() -> Parser:
         nargs="+",
         type=common.multiplicity,
         metavar="K",
-        help="multiplicities: 1 symmetry breaking, k > 1 the 1:k resonances (default: 2 3 4, or the preset's)",
+        help="multiplicities: 1 symmetry breaking, k > 1 the 1:k resonances (default: 2 3 4, or the preset's; "
+        "with --folds none)",
     )
+    candidates.add_argument("--folds", action="store_true", help=_FOLDS)
     candidates.add_argument(
         "--digits",
         type=common.digits,
@@ -100,6 +104,7 @@ def parser() -> Parser:
     family = common.add_command(commands, "family", "trace families and their resonances in float64", _EXAMPLES)
     _family_options(family)
     family.add_argument("-k", nargs="+", type=common.multiplicity, metavar="K", help="locate these resonances as well")
+    family.add_argument("--folds", action="store_true", help=_FOLDS)
     common.add_output(family, "family file")
     family.add_argument(
         "--csv",

@@ -7,12 +7,13 @@ from typing import Any
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.names import given_parameters, label_of, place_of, system_named
-from orbitproof.shared.formats import KINDS, InputError, check_writable, read_candidates, write_candidates
+from orbitproof.shared.formats import FOLD, KINDS, InputError, check_writable, read_candidates, write_candidates
 
 _EXAMPLES = """\
 examples:
   orbitproof explore refine --system mine.py -k 3 --point c=0.27634 y=0.52554 -o candidate.json
   orbitproof explore refine --system mine.py -k 4 --point c=0.22544 y=0.43305 --append -o candidate.json
+  orbitproof explore refine --system mine.py -k 1 --kind fold --point c=1.26623 y=1.35911 -o fold.json
   orbitproof verify candidate.json -o certificate.json
 
 The point has to be good to five digits or so. Exit codes: 0 refined, 1 not, 2 bad input.
@@ -29,7 +30,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("-k", type=common.multiplicity, required=True, metavar="K", help="multiplicity")
     parser.add_argument("--kind", choices=KINDS, help="of the bifurcation (default: the generic one of that K)")
     parser.add_argument(
-        "--symmetry", metavar="NAME", help="for K = 1: the symmetry that breaks (default: the only one)"
+        "--symmetry", metavar="NAME", help="for symmetry breaking: the symmetry that breaks (default: the only one)"
     )
     parser.add_argument(
         "--point",
@@ -58,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     place = place_of(system, "--point", options.point, complete=True)
     label = label_of(system, options.mass, options.parameter) or system.name
     kept = read_candidates(options.output) if options.append and options.output.exists() else []
-    name = options.id or f"{label}-k{options.k}"
+    name = options.id or f"{label}-{FOLD if options.kind == FOLD else f'k{options.k}'}"
     if any(candidate.id == name for candidate in kept):
         raise InputError(f"--id {name}: is in {options.output} already; choose another name")
 

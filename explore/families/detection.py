@@ -1,8 +1,9 @@
-"""Resonances and symmetry breakings along a family of symmetric periodic orbits.
+"""Resonances, symmetry breakings and folds along a family of symmetric periodic orbits.
 
 A 1:k resonance, k > 1, is a zero of det(Sigma - c) along the family, c = cos(2 pi j/k), with the
 stability matrix Sigma of `explore.orbits.stability`; along an orbit family in Fix(S) symmetry breaks where the
-S-odd block of D_p pi_q P is singular. Both are smooth functions of the arclength, and every
+S-odd block of D_p pi_q P is singular; a fold is a zero of the derivative of the bifurcation parameter, family
+parameter or first integral, along the unit tangent. All are smooth functions of the arclength, and every
 evaluation corrects onto the family: a zero is the solution of the shooting equations together with
 the resonance condition.
 """
@@ -27,8 +28,12 @@ from orbitproof.explore.orbits import (
     SymmetricOrbit,
     tupling_sides,
 )
+from orbitproof.shared.formats import FOLD
 
 BREAKS = "the symmetry breaks"
+
+_DIFFERENCE = 1e-5
+"""In scaled arclength: rounding and truncation leave ten digits of a derivative."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +41,8 @@ class LocatedResonance:
     """A bifurcation of symmetric orbits, located in float64.
 
     Attributes:
-        k: multiplicity, 1 for symmetry breaking.
-        kind: "symmetry_breaking", "touch_and_go" (k = 3) or "period_tupling".
+        k: multiplicity, 1 for symmetry breaking and folds.
+        kind: "symmetry_breaking", "fold", "touch_and_go" (k = 3) or "period_tupling".
         symmetry: the symmetry that breaks, or `None`.
         orbit: the resonant orbit.
         side: the point of the orbit on Fix(R) near which new orbits meet Fix(R).
@@ -89,12 +94,17 @@ def _resonance_function(coefficients: Vector, value: float) -> float:
 
 
 def detect(
-    family: Family, multiplicities: Iterable[int], *, progress: Callable[[float], None] | None = None
+    family: Family,
+    multiplicities: Iterable[int],
+    *,
+    with_folds: bool = False,
+    progress: Callable[[float], None] | None = None,
 ) -> Detection:
     """All 1:k resonances of a family for the given k, and for k = 1 its symmetry breakings.
 
     Arguments:
         multiplicities: the k to look for, each at least 1.
+        with_folds: whether to look for folds as well.
         progress: called with the arclength that has been searched.
     """
     wanted = sorted(set(multiplicities))
@@ -102,6 +112,8 @@ def detect(
     undecided: list[str] = []
     if 1 in wanted:
         found += symmetry_breakings(family)
+    if with_folds:
+        found += folds(family)
     orbits: tuple[SymmetricOrbit, ...] = ()
     extrema: list[Extremum] = []
     if any(k > 1 for k in wanted):
@@ -203,6 +215,45 @@ def symmetry_breakings(family: Family) -> list[LocatedResonance]:
 
     zeros = find_zeros(function, family.arclengths, values).zeros if len(orbits) > 1 else ()
     return [_breaking(family.orbit_at(place), problem.symmetry) for place in zeros]
+
+
+def folds(family: Family) -> list[LocatedResonance]:
+    """Extrema of the bifurcation parameter, family parameter or first integral, along a family.
+
+    Ends of the family in Fix(S) are left out: there symmetry breaks, and the parameter has an extremum for that reason.
+    """
+    problem, values = family.problem, list[float]()
+    for orbit, tangent in zip(family.orbits, family.tangents, strict=True):
+        values.append(_level_slope(problem, orbit.unknowns, tangent))
+    breaking = [id(found.orbit) for found in symmetry_breakings(family)] if problem.symmetry is None else []
+    kept = [i for i, orbit in enumerate(family.orbits) if id(orbit) not in breaking]
+    places = [family.arclengths[i] for i in kept]
+
+    def function(arclength: float) -> float:
+        try:
+            orbit = family.orbit_at(arclength)
+            _, jacobian, _ = problem.evaluate(orbit.unknowns)
+            nearest = min(kept, key=lambda i: abs(family.arclengths[i] - arclength))
+            return _level_slope(problem, orbit.unknowns, problem.tangent(jacobian, family.tangents[nearest]))
+        except (CorrectionFailure, FlowFailure):
+            return float(np.interp(arclength, places, [values[i] for i in kept]))
+
+    zeros = find_zeros(function, places, [values[i] for i in kept]).zeros if len(kept) > 1 else ()
+    return [LocatedResonance(1, FOLD, None, family.orbit_at(place), "first", True, 1.0) for place in zeros]
+
+
+def _level_slope(problem: ShootingProblem, unknowns: Vector, tangent: Vector) -> float:
+    """Derivative of the bifurcation parameter along a scaled tangent."""
+    direction = tangent * problem.scales
+    integral = problem.system.first_integral
+    if integral is None:
+        return float(direction[0])
+
+    def value(shift: float) -> float:
+        moved = unknowns + shift * direction
+        return float(integral(problem.initial_state(moved), problem.parameter_values(moved))[0])
+
+    return (value(_DIFFERENCE) - value(-_DIFFERENCE)) / (2 * _DIFFERENCE)
 
 
 def _breaking(orbit: SymmetricOrbit, symmetry: str) -> LocatedResonance:

@@ -31,6 +31,7 @@ class TraceTask:
         name, system, parameters, mirrored: as for `explore.families.named.trace_family`.
         label: the parameters as the user named them, or "".
         multiplicities: the k to look for.
+        folds: whether to look for folds as well.
         start: a part that is traced already.
         both_ways: whether that part is continued at both of its ends.
         first: an approximate first orbit, in place of `start`, for a family that has no name of its own.
@@ -43,6 +44,7 @@ class TraceTask:
     parameters: Mapping[str, Fraction]
     limits: Limits
     multiplicities: tuple[int, ...]
+    folds: bool = False
     mirrored: bool = False
     start: Family | None = None
     both_ways: bool = False
@@ -125,13 +127,14 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
         item = TracedFamily(name, task.label, family)
         if family.outcome == "interrupted":
             return result(interrupted=True)
-        if task.multiplicities:
+        if task.multiplicities or task.folds:
             length = family.orbits[-1].arclength or 1.0
 
             def searching(place: float) -> None:
                 progress("resonances", TRACING_SHARE + (1 - TRACING_SHARE) * place / length)
 
-            item = replace(item, detection=detect(family, task.multiplicities, progress=searching))
+            detection = detect(family, task.multiplicities, with_folds=task.folds, progress=searching)
+            item = replace(item, detection=detection)
         return result()
     except (FamilyFailure, CorrectionFailure) as error:
         return result(failure=str(error))

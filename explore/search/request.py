@@ -117,7 +117,8 @@ def check(options: argparse.Namespace) -> Request:
                 raise InputError(f"{option}: given by --preset {options.preset}; leave out one of the two")
     multiplicities = options.k
     if multiplicities is None:
-        multiplicities = preset.multiplicities if preset else ((2, 3, 4) if options.command == "candidates" else ())
+        default = (2, 3, 4) if options.command == "candidates" and not options.folds else ()
+        multiplicities = preset.multiplicities if preset else default
     points = getattr(options, "points", None) or (preset.points if preset else "one")
     families = _families(options, preset)
     system = families[0].system if families else None if options.system is None else system_named(options.system)

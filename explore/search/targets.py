@@ -11,7 +11,7 @@ from orbitproof.explore.families import LocatedResonance, TracedFamily
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.orbits import Side
 from orbitproof.explore.refinement import Task
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import FOLD, Candidate
 
 SAME_POINT = 1e-6
 """Largest distance, relative where a coordinate exceeds 1, of a refined point from its float64 approximation."""
@@ -64,16 +64,17 @@ class Target:
 def targets_of(item: TracedFamily, points: str) -> list[Target]:
     """The points to refine, in order along the family; `points` is one of `explore.names.family_names.POINTS`.
 
-    The ids count the resonances of a multiplicity from the birth of the family: they do not depend on
+    The ids count the resonances of a multiplicity, and the folds, from the birth of the family: they do not depend on
     which other multiplicities or points were asked for, nor on how far the family was traced.
     """
     label = "-".join(part for part in (item.label or item.system.name, item.name) if part)
-    counts: dict[int, int] = {}
+    counts: dict[str, int] = {}
     result: list[Target] = []
     for resonance in item.detection.resonances:
         k = resonance.k
-        counts[k] = counts.get(k, 0) + 1
-        id = f"{label}-k{k}-{counts[k]}"
+        what = FOLD if resonance.kind == FOLD else f"k{k}"
+        counts[what] = counts.get(what, 0) + 1
+        id = f"{label}-{what}-{counts[what]}"
         result.append(Target(item, resonance, resonance.side, id))
         # For odd k both points belong to the same new orbits, for even k >= 4 to different ones.
         distinct = points == "distinct" and k % 2 == 0

@@ -15,7 +15,7 @@ import numpy as np
 from flint import arb
 
 from orbitproof.figures.model.family import Array
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
+from orbitproof.shared.formats import FOLD, Candidate, InputError, candidate_from_json, validate_document
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,
     DoublySymmetricFamily,
@@ -69,6 +69,8 @@ class CertifiedCurves:
         document = {"format": "orbitproof-candidates", "version": 1, "candidates": [stated]}
         validate_document(document, "candidates", f"{where}.statement.candidate")
         candidate = candidate_from_json(stated, f"{where}.statement.candidate")
+        if candidate.kind == FOLD:
+            raise InputError(f"{where}: a fold has one curve and not two that cross; choose another certificate")
         claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
         try:
             if claim is None:
