@@ -29,7 +29,7 @@ from orbitproof.figures.style import (
     use_style,
     verdict_handles,
 )
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import FOLD, InputError
 from orbitproof.verify.certificate import read_certificates
 
 _WIDTH = 7.2
@@ -37,14 +37,17 @@ _CONTINUED = (0, (3, 1.6))
 
 
 def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Path]:
-    """Write a picture of each proved point of a certificates file as PDF and PNG.
+    """Write a picture of each proved point of a certificates file, folds left out, as PDF and PNG.
 
     Branch files, if given, add the orbits that the search found. Raises `InputError` for bad files, and if no
     certificate proves anything.
     """
-    entries = {name: entry.to_json() for name, entry in read_certificates(certificates).items() if entry.proved}
-    if not entries:
+    proved = {name: entry for name, entry in read_certificates(certificates).items() if entry.proved}
+    if not proved:
         raise InputError(f'{certificates}: no certificate says "proved"; there is nothing certified to draw')
+    entries = {name: entry.to_json() for name, entry in proved.items() if entry.kind != FOLD}
+    if not entries:
+        raise InputError(f"{certificates}: folds only, which have one curve; give certificates of two that cross")
     records = {record.id: record for path in branches for record in read_branches(path)}
     drawn = {
         name: CertifiedCurves.of(entry, f"{certificates}: certificate {name!r}") for name, entry in entries.items()

@@ -14,6 +14,7 @@ from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
+from orbitproof.shared.formats import FOLD
 from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS
 from orbitproof.verify.atlas import AtlasCertificate
 
@@ -22,13 +23,13 @@ _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the tr
 
 
 def pictures_of(entry: Checked) -> tuple[Picture, ...]:
-    """The pictures of a proved theorem; none of a system that is not known here."""
+    """The pictures of a proved theorem; none of a fold, nor of a system that is not known here."""
     with use_style():
         return _of_row(entry) if isinstance(entry, CheckedRow) else _of_atlas(entry)
 
 
 def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
-    if entry.candidate.system.name not in SYSTEMS:
+    if entry.candidate.system.name not in SYSTEMS or entry.candidate.kind == FOLD:
         return ()
     name = entry.certificate.id
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)

@@ -1,0 +1,242 @@
+"""Folds as claims: true ones are proved with the numbers of the curve, everything else is refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction as F
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support.claims import distances, known, moved, shifted, verdict_of, with_radii
+from support.closed_form_maps import claim, description, table, verdict
+from support.map_cases import failed, proof
+
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates
+from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.bifurcation import BifurcationResults
+from orbitproof.verify.certificate import Certificate, Limits, recheck
+from orbitproof.verify.certificate.certificate import digest
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.evidence import bounds
+from orbitproof.verify.evidence.outcome import Outcome
+
+Function = Callable[[Sequence[Any], Callable[[F], Any]], Any]
+
+R = F(1, 2**10)
+RADII = (8 * R * R, R)
+RADII_2 = (8 * R * R, R, 8 * R * R)
+FOLDS = Path(__file__).parents[1] / "data" / "known-folds.json"
+ACCURACY = F(1, 10**48)
+EXTREMA = {
+    "earth-moon-L1-halo-fold-1": ("above", "2.9978432075945873"),
+    "earth-moon-L1-halo-fold-2": ("below", "3.0040154236632148"),
+    "earth-moon-L2-halo-fold-1": ("above", "3.0151775942626558"),
+    "michelson-family-fold-1": ("below", "1.2662323370691989"),
+}
+"""Side and first digits of the parameter."""
+
+
+@pytest.fixture(autouse=True)
+def precision() -> Any:
+    with ctx.workprec(300):
+        yield
+
+
+def upward(p: Sequence[Any], c: Callable[[F], Any]) -> Any:
+    """p_0 = p_1^2 + p_1^3 + p_0 p_1."""
+    return p[0] + p[1] * p[1] * c(F(-1)) + p[1] * p[1] * p[1] * c(F(-1)) + p[0] * p[1] * c(F(-1))
+
+
+def downward(p: Sequence[Any], c: Callable[[F], Any]) -> Any:
+    return p[0] + p[1] * p[1]
+
+
+def across(p: Sequence[Any], c: Callable[[F], Any]) -> Any:
+    """p_2 = 2 p_0 + p_1^2 / 2."""
+    return p[2] + p[0] * c(F(-2)) + p[1] * p[1] * c(F(-1, 2))
+
+
+def outcome(
+    equations: Sequence[Function], radii: Sequence[F], level: Function | None = None
+) -> Outcome[BifurcationResults]:
+    tables = [[table(equation, radii) for equation in equations]]
+    integral = None if level is None else table(level, radii)
+    candidate = claim(description(len(radii) - 1, level is not None), "fold", 1, radii)
+    return verdict(candidate, tables, integral)
+
+
+@pytest.mark.parametrize("equation, side, beta", [(upward, "above", 1), (downward, "below", -1)])
+def test_a_curve_that_turns_back_in_the_parameter_is_a_fold(equation: Function, side: str, beta: int) -> None:
+    for equations, radii in (([equation], RADII), ([equation, across], RADII_2)):
+        found = proof(outcome(equations, radii))
+        assert [h.name for h in found.hypotheses][-3:] == ["curve", "extremum", "point"]
+        assert found.results.side == side
+        assert found.results.parameter.contains(0)
+        assert found.results.normal_form["beta"].contains(beta)
+        assert found.results.normal_form["beta"].rad() < 1e-2
+
+
+def test_the_level_of_a_first_integral_turns_back_where_its_restriction_to_the_curve_does() -> None:
+    # On p_0 = p_1^2, p_2 = 5 p_1^2 / 2 the level 2 p_0 - 3 p_1^2 + p_0 p_2 + 4 p_2 is 9 p_1^2 to second order.
+    def level(p: Sequence[Any], c: Callable[[F], Any]) -> Any:
+        return p[0] * c(F(2)) + p[1] * p[1] * c(F(-3)) + p[0] * p[2] + p[2] * c(F(4))
+
+    found = proof(outcome([lambda p, c: p[0] + p[1] * p[1] * c(F(-1)), across], RADII_2, level))
+    assert found.hypotheses[-1].name == "dH/dp_0"
+    assert found.results.side == "above"
+    assert found.results.normal_form["beta"].contains(9)
+
+
+def test_the_extremum_beside_the_centre_is_enclosed() -> None:
+    # p_0 = (p_1 - R/4)^2 - R^2/16: least at p_1 = R/4.
+    found = proof(outcome([lambda p, c: p[0] + p[1] * c(R / 2) + p[1] * p[1] * c(F(-1))], RADII)).results
+    assert found.local[1].contains(arb(2) ** -12)
+    assert found.local[1].rad() < arb(2) ** -80
+    assert found.parameter.contains(-(arb(2) ** -24))
+
+
+@pytest.mark.parametrize(
+    "equation, condition",
+    [
+        (lambda p, c: p[0] + p[1] * c(-4 * R) + p[1] * p[1] * c(F(-1)), "extremum"),
+        (lambda p, c: p[0] + p[1] * p[1] * p[1] * c(F(-1)), "extremum"),
+        (lambda p, c: p[0], "extremum"),
+        (lambda p, c: p[0] + p[1] * p[1] * c(F(-9)), "curve"),
+        (lambda p, c: p[1] * (p[0] + p[1] * p[1] * c(F(-1))), "curve"),
+        (lambda p, c: p[0] * p[0] + p[1] * p[1] * c(F(-1)), "curve"),
+        (lambda p, c: p[1] + p[0] * p[0], "curve"),
+    ],
+    ids=["no extremum", "inflection", "constant", "leaves the box", "pitchfork", "crossing", "graph over the parameter"],
+)  # fmt: skip
+def test_what_is_no_fold_is_refused(equation: Function, condition: str) -> None:
+    failed(outcome([equation], RADII), condition)
+
+
+def test_an_extremum_that_lies_outside_the_box_is_excluded() -> None:
+    steep = failed(outcome([lambda p, c: p[0] + p[1] * c(-4 * R) + p[1] * p[1] * c(F(-1))], RADII), "extremum")
+    assert steep.reason.excluded
+
+
+def test_a_first_integral_without_a_slope_is_no_parameter() -> None:
+    # The square of a first integral has an extremum wherever that vanishes, also where no curve turns back.
+    def square(p: Sequence[Any], c: Callable[[F], Any]) -> Any:
+        return (p[0] + p[1]) * (p[0] + p[1])
+
+    failed(outcome([lambda p, c: p[0] + p[1] * p[1] * c(F(-1))], RADII, square), "dH/dp_0")
+
+
+@cache
+def folds() -> dict[str, Candidate]:
+    return {candidate.id: candidate for candidate in read_candidates(FOLDS)}
+
+
+@cache
+def certified(name: str, level: str = "auto") -> Certificate:
+    return certify(folds()[name], Limits(max_precision=256, level=level))
+
+
+@pytest.mark.parametrize("name", EXTREMA)
+def test_an_extremum_along_a_real_family_is_proved_and_enclosed(name: str) -> None:
+    certificate = certified(name)
+    side, digits = EXTREMA[name]
+    assert verdict_of(certificate) == "proved"
+    assert certificate.side == side
+    assert max(distances(certificate, folds()[name].centre)) <= ACCURACY
+    assert certificate.parameter is not None
+    lower, upper = bounds(certificate.parameter)
+    assert F(digits) - F(1, 10**16) < lower <= upper < F(digits) + F(2, 10**16)
+    assert "Fold means" in certificate.statement["in_full"]
+    assert "fold, proved" in str(certificate)
+
+
+def test_both_forms_of_the_parameter_prove_the_same_fold() -> None:
+    forms = [certified("earth-moon-L1-halo-fold-1", level) for level in ("coordinates", "integral")]
+    assert [certificate.proved for certificate in forms] == [True, True]
+    first, second = (certificate.parameter for certificate in forms)
+    assert first is not None and second is not None
+    assert first.overlaps(second)
+    assert forms[0].side == forms[1].side
+    assert forms[0].normal_form["beta"].overlaps(forms[1].normal_form["beta"])
+
+
+def refusal(candidate: Candidate, level: str = "coordinates") -> str:
+    return verdict_of(certify(candidate, Limits(max_precision=256, level=level)))
+
+
+@pytest.mark.parametrize("name", ["michelson-family-fold-1", "earth-moon-L1-halo-fold-1"])
+def test_a_box_beside_the_fold_is_refused(name: str) -> None:
+    fold = folds()[name]
+    assert refusal(moved(fold, 0, 3)) == "curve"
+    assert refusal(moved(fold, 0, -3)) == "curve"
+    # Wide enough across for the curve to stay inside, but a regular piece of it.
+    beside = shifted(fold, (F(0), 3 * fold.radii[1], *[F(0)] * (len(fold.radii) - 2)))
+    assert refusal(with_radii(beside, 16, 1, *[16] * (len(fold.radii) - 2))) == "extremum"
+
+
+def test_a_fold_is_no_symmetry_breaking_and_no_resonance() -> None:
+    fold = folds()["earth-moon-L1-halo-fold-1"]
+    assert refusal(replace(fold, kind="symmetry_breaking", symmetry="S")) == "adapted-frames"
+    assert refusal(replace(fold, kind="period_tupling", k=2)) != "proved"
+    assert refusal(replace(fold, k=2)) == "theorem"
+
+
+def test_a_symmetry_breaking_and_a_resonance_are_no_folds() -> None:
+    assert refusal(replace(known("em1"), kind="fold", symmetry=None)) == "curve"
+    assert refusal(replace(known("fs2"), kind="fold", k=1)) in ("curve", "extremum")
+    assert refusal(replace(known("fs3"), kind="fold", k=1)) in ("curve", "extremum")
+
+
+def test_a_fold_with_another_multiplicity_is_no_claim() -> None:
+    entry = folds()["earth-moon-L1-halo-fold-1"].to_json() | {"k": 2}
+    with pytest.raises(InputError, match="k: fold with k = 2"):
+        candidate_from_json(entry, "claim")
+
+
+def _entry() -> dict[str, Any]:
+    return certified("michelson-family-fold-1").to_json()
+
+
+def _other_side(entry: dict[str, Any]) -> None:
+    entry["results"]["side"] = "above"
+
+
+def _other_words(entry: dict[str, Any]) -> None:
+    entry["statement"]["in_full"] = entry["statement"]["in_full"].replace("less than that", "greater than that")
+
+
+def _without_extremum(entry: dict[str, Any]) -> None:
+    entry["hypotheses"] = [item for item in entry["hypotheses"] if item["name"] != "extremum"]
+
+
+def _other_curvature(entry: dict[str, Any]) -> None:
+    extremum = next(item for item in entry["hypotheses"] if item["name"] == "extremum")
+    extremum["enclosures"]["g''(P_1)"]["mid"] = "0x1"
+
+
+def _other_kind(entry: dict[str, Any]) -> None:
+    entry["statement"]["candidate"] |= {"kind": "period_tupling", "k": 2}
+
+
+def _other_box(entry: dict[str, Any]) -> None:
+    fold = folds()["michelson-family-fold-1"]
+    entry["statement"]["candidate"]["centre"] = [format_exact(value) for value in moved(fold, 1, 3).centre]
+
+
+def test_the_certificate_of_a_fold_stands_at_every_level() -> None:
+    for name in ("michelson-family-fold-1", "earth-moon-L1-halo-fold-1"):
+        found = recheck(certified(name), True)
+        assert found.findings == ()
+
+
+@pytest.mark.parametrize(
+    "forge", [_other_side, _other_words, _without_extremum, _other_curvature, _other_kind, _other_box]
+)
+def test_a_forged_certificate_of_a_fold_is_found(forge: Callable[[dict[str, Any]], None]) -> None:
+    entry = _entry()
+    forge(entry)
+    entry["digest"] = digest(entry)
+    assert recheck(Certificate.from_json(entry), True).findings
