@@ -12,7 +12,7 @@ from flint import arb
 from orbitproof.verify.evidence import bounds
 
 _IN_THE_BOX = re.compile(r"p_(?P<index>[0-9])(\^H|\(P_[0-9]\)|$| of the candidate's box$)")
-_NOT_ZERO = re.compile(r"b|g_0|G_[01]+|G_01 \+ .*|d q_2\(P\^[0-9]+\) / d p_2|dH/dp_0|h_.*")
+_NOT_ZERO = re.compile(r"b|g_0|G_[01]+|G_01 \+ .*|d q_2\(P\^[0-9]+\) / d p_2|dH/dp_0|h_.*|g''.*")
 
 
 def margin_of(hypothesis: str, name: str, ball: arb, radii: Mapping[str, Sequence[Fraction]]) -> str:

@@ -110,7 +110,7 @@ def test_the_extremum_beside_the_centre_is_enclosed() -> None:
         (lambda p, c: p[0] * p[0] + p[1] * p[1] * c(F(-1)), "curve"),
         (lambda p, c: p[1] + p[0] * p[0], "curve"),
     ],
-    ids=["no extremum", "inflection", "constant", "leaves the box", "pitchfork", "crossing", "graph over the parameter"],
+    ids=["no extremum", "inflection", "constant", "leaves the box", "pitchfork", "crossing", "graph over p_0"],
 )  # fmt: skip
 def test_what_is_no_fold_is_refused(equation: Function, condition: str) -> None:
     failed(outcome([equation], RADII), condition)
@@ -157,7 +157,8 @@ def test_both_forms_of_the_parameter_prove_the_same_fold() -> None:
     forms = [certified("earth-moon-L1-halo-fold-1", level) for level in ("coordinates", "integral")]
     assert [certificate.proved for certificate in forms] == [True, True]
     first, second = (certificate.parameter for certificate in forms)
-    assert first is not None and second is not None
+    assert first is not None
+    assert second is not None
     assert first.overlaps(second)
     assert forms[0].side == forms[1].side
     assert forms[0].normal_form["beta"].overlaps(forms[1].normal_form["beta"])
