@@ -64,7 +64,7 @@ def draw_pieces(curve: Curve) -> Figure:
     heights = {stretch.piece: axis.half_width(stretch) for stretch in curve.stretches}
     for mark in curve.marks:
         stretch = next(stretch for stretch in curve.stretches if stretch.piece == mark.piece)
-        draw_point(widths, (axis.at(stretch, mark.s), heights[mark.piece]), mark.k, True, mark.id)
+        draw_point(widths, (axis.at(stretch, mark.s), heights[mark.piece]), mark.k, True, mark.id, mark.kind)
     for axes in (widths, tubes):
         axes.set_yscale("log")
         axes.grid(visible=False, axis="x")
@@ -122,7 +122,7 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
             line.set_label(f"image under ${curve.atlas.claim.symmetry}$")
             handles.setdefault(str(line.get_label()), line)
     for mark in curve.marks:
-        draw_point(axes, curve.place_of(mark)[1][:2], mark.k, True, mark.id)
+        draw_point(axes, curve.place_of(mark)[1][:2], mark.k, True, mark.id, mark.kind)
     if curve.atlas.claim.kind == "symmetric-loop":
         _magnify(axes, curve)
     if names[:2] == ("x", "z"):
@@ -164,7 +164,8 @@ def _inset(axes: Axes, curve: Curve, places: Array, members: Sequence[int], heig
         colour = (CURVE, _LIGHT)[number % 2] if stretch.is_proved else _UNPROVED
         inset.plot(stretch.points[:, 0], stretch.points[:, 1], color=colour, linewidth=1.6)
     for index in members:
-        draw_point(inset, places[index], curve.marks[index].k, True, curve.marks[index].id)
+        mark = curve.marks[index]
+        draw_point(inset, places[index], mark.k, True, mark.id, mark.kind)
     show_around(axes, inset, places[members], margin=0.12 if len(members) >= _CROWD else 0.4, ticks=(3, 4))
 
 

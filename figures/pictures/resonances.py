@@ -129,7 +129,7 @@ def _draw_place(axes: Axes, item: Place, height: float | None = None) -> None:
     if item.mark is not None:
         draw_mark(axes, position, item.mark)
         return
-    marker, colour = marker_of(item.k)
+    marker, colour = marker_of(item.k, item.kind)
     axes.plot(*position, marker=marker, color=colour, markerfacecolor="white", linestyle="none", zorder=6)
 
 

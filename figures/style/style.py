@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from orbitproof.explore.names import resonant_values
 from orbitproof.figures.model import MarkedPoint
+from orbitproof.shared.formats import FOLD
 from orbitproof.shared.systems import ReversibleSystem
 
 INK = "#222222"
@@ -29,6 +30,7 @@ SECOND_CURVE = "#a8a8a8"
 _LEGEND_ROW, _LEGEND_FOOT, _LABEL_HEIGHT = 0.2, 0.05, 0.44
 _MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
 _COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
+_FOLD_MARKER = "v"
 _KINDS = {
     "symmetry_breaking": "symmetry breaking",
     "fold": "fold",
@@ -54,21 +56,26 @@ def use_style() -> Any:
     return plt.style.context(str(resources.files("orbitproof.figures.style").joinpath("orbitproof.mplstyle")))
 
 
-def marker_of(k: int) -> tuple[str, str]:
-    """Marker and colour of multiplicity k. The shape alone tells k, so that grey prints stay readable."""
-    return _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
+def marker_of(k: int, kind: str = "") -> tuple[str, str]:
+    """Marker and colour of multiplicity k, or of a fold. The shape alone tells k, so that grey prints stay readable."""
+    return _FOLD_MARKER if kind == FOLD else _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
 
 
 def draw_mark(axes: Axes, position: Sequence[float] | NDArray[np.float64], mark: MarkedPoint) -> Line2D:
     """Draw one bifurcation, in two or three dimensions: filled if certified, hollow if numerical."""
-    return draw_point(axes, position, mark.k, mark.certified, mark.candidate.id)
+    return draw_point(axes, position, mark.k, mark.certified, mark.candidate.id, mark.candidate.kind)
 
 
 def draw_point(
-    axes: Axes, position: Sequence[float] | NDArray[np.float64], k: int, certified: bool, identifier: str
+    axes: Axes,
+    position: Sequence[float] | NDArray[np.float64],
+    k: int,
+    certified: bool,
+    identifier: str,
+    kind: str = "",
 ) -> Line2D:
-    """As `draw_mark`, for a point that is known by its multiplicity, verdict and id only."""
-    marker, colour = marker_of(k)
+    """As `draw_mark`, for a point that is known by its multiplicity, verdict, id and perhaps kind only."""
+    marker, colour = marker_of(k, kind)
     coordinates = [[value] for value in position]
     (line,) = axes.plot(
         *coordinates,
@@ -95,7 +102,7 @@ def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
     """One legend entry for each claim (k, kind), by k."""
     handles = []
     for k, kind in sorted(set(claims)):
-        marker, colour = marker_of(k)
+        marker, colour = marker_of(k, kind)
         label = f"$k={k}$, " + _KINDS[kind]
         handles.append(
             Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=_size(marker), label=label)
