@@ -160,7 +160,7 @@ class ResonantOrbit:
     Attributes:
         id: which one it is: system or mass, family, k, and its number along the family.
         kind: one of `shared.KINDS`.
-        k: multiplicity, 1 for symmetry breaking.
+        k: multiplicity, 1 for symmetry breaking and folds.
         orbit: the orbit itself.
         point: shape (1 + n,), where it meets Fix(R) and new orbits appear, in the order of `system.centre_coordinates`.
     """
@@ -310,12 +310,18 @@ def trace_from(
 
 
 def resonances(
-    family: OrbitFamily, k: int | Iterable[int] = (1, 2, 3, 4), *, points: str = "one", quiet: bool = False
+    family: OrbitFamily,
+    k: int | Iterable[int] = (1, 2, 3, 4),
+    *,
+    folds: bool = False,
+    points: str = "one",
+    quiet: bool = False,
 ) -> list[ResonantOrbit]:
     """The orbits of a family at which it is in 1:k resonance, for k = 1 those at which its symmetry breaks.
 
     Arguments:
         k: one multiplicity or several, each at least 1.
+        folds: whether the extrema of the family parameter or first integral along the family are wanted too.
         points: "one", "distinct" or "all": whether a claim about the other point of an orbit on Fix(R) is wanted too,
             where new orbits appear at both.
         quiet: nothing on standard error.
@@ -334,7 +340,7 @@ def resonances(
         wanted = [value for value in wanted if value > 1]
     with Reporter(quiet) as report:
         report.stage(f"{family.name}: resonances")
-        detection = detect(traced.family, wanted)
+        detection = detect(traced.family, wanted, with_folds=folds)
         for line in detection.undecided:
             report.message(line)
     return [

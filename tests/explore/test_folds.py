@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from support.claims import EARTH_MOON
 
+from orbitproof import explore, shared
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches.start import NoBranch, branch_point
 from orbitproof.explore.families.detection import folds
@@ -86,6 +87,15 @@ def test_the_command_finds_the_fold_of_an_own_system(tmp_path: Path, capsys: Any
     assert (found.id, found.kind, found.k) == ("michelson-family-fold-1", "fold", 1)
     known = KNOWN["michelson-family-fold-1"].centre
     assert np.allclose([float(value) for value in found.centre], [float(value) for value in known], atol=1e-15)
+
+
+def test_a_script_has_folds_only_if_it_asks_for_them() -> None:
+    start = {"c": 1.2662323, "y": 1.359106}
+    family = explore.trace_from(shared.load_system(MICHELSON), start, max_orbits=8, quiet=True)
+    assert explore.resonances(family, (), quiet=True) == []
+    found = explore.resonances(family, (), folds=True, quiet=True)
+    assert [(item.kind, item.k) for item in found] == [("fold", 1)]
+    assert explore.refine(found[0], quiet=True).kind == "fold"
 
 
 def test_a_point_near_a_fold_is_refined_by_the_command(tmp_path: Path) -> None:
