@@ -32,7 +32,7 @@ from support.flow_checks import initial_state, kernel_values, orbits
 from support.new_orbits import side_of
 
 from orbitproof.explore.refinement.newton import refine
-from orbitproof.shared.formats.candidates import KINDS, Candidate
+from orbitproof.shared.formats.candidates import KINDS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
@@ -140,7 +140,7 @@ def perturbed_multiplicity(name: str, source: random.Random) -> Trial:
 def perturbed_kind(name: str, source: random.Random) -> Trial:
     claim = known(name)
     kind = source.choice([kind for kind in KINDS if kind != claim.kind])
-    k = 1 if kind == "symmetry_breaking" else source.choice((claim.k, claim.k, 3, 4)) if claim.k > 1 else 2
+    k = 1 if kind in ONCE else source.choice((claim.k, claim.k, 3, 4)) if claim.k > 1 else 2
     same = kind == claim.kind and k == claim.k
     return Trial("kind", relabelled(claim, k, kind), claim.centre if same else None)
 
