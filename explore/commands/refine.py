@@ -33,6 +33,13 @@ def add_parser(commands: Any) -> None:
         "--symmetry", metavar="NAME", help="for symmetry breaking: the symmetry that breaks (default: the only one)"
     )
     parser.add_argument(
+        "--crossings",
+        type=common.multiplicity,
+        default=1,
+        metavar="M",
+        help="how often the half orbit, from Fix(R) to Fix(R), meets the section, its end included (default: 1)",
+    )
+    parser.add_argument(
         "--point",
         nargs="+",
         required=True,
@@ -78,6 +85,7 @@ def run(options: argparse.Namespace) -> int:
         guess=tuple(place[each] for each in system.centre_coordinates),
         digits=options.digits,
         provenance={"float64_point": list(place.values())},
+        crossings=options.crossings,
     )
     with Reporter(options.quiet) as report:
         report.stage(f"refining {name}")

@@ -113,7 +113,10 @@ class Family:
             length * (arclength - left.arclength) / (right.arclength - left.arclength),
         )
         correction = self.problem.correct(prediction * scales, chord)
-        return self.problem.orbit(correction, arclength, left.crossings)
+        number = left.crossings
+        if right.crossings != number:
+            number = crossings(self.problem, _samples(self.problem, correction))
+        return self.problem.orbit(correction, arclength, number)
 
 
 @dataclass(frozen=True)

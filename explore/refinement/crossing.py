@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import count
 from math import comb
 from typing import Any
 
@@ -59,8 +60,9 @@ def section_crossings(
     tolerance_bits: int | None = None,
     regularisation: Regularisation | None = None,
     maximal_steps: int = MAXIMAL_STEPS,
+    every: int = 1,
 ) -> Iterator[Crossing]:
-    """Crossings of the section by the solution through `start`, one after another.
+    """Crossings of the section by the solution through `start`, one after another; of `every` m only the m-th.
 
     `start` holds a jet of mpmath numbers for each state coordinate, zero in the section coordinate;
     `parameter_jet` is that of the family parameter, if the system has one. The working precision is
@@ -81,7 +83,7 @@ def section_crossings(
         program, section = regularisation.program, regularisation.section_index
     stepper = JetStepper(Tape(program, parameters), len(jets), basis, bits, order, tolerance_bits)
     exponent, time, steps = -3, 0.0, 0
-    while True:
+    for number in count(1):
         state = [_to_fixed(jet, context) for jet in jets]
         fixed_parameters = [] if constant is None else [_to_fixed(constant, context)]
         side = 0
@@ -108,6 +110,8 @@ def section_crossings(
             raise IntegrationFailure(f"no return to the section within time {time:.3g}")
         time += float(Fraction(crossing, 1 << bits)) * 2.0**result.exponent
         jets = _project(result, crossing, section, basis, context)
+        if number % every:
+            continue
         if regularisation is None:
             yield Crossing(tuple(jets), time, steps)
         else:
@@ -116,9 +120,10 @@ def section_crossings(
 
 
 def shorter_coordinates(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float], every: int = 1
 ) -> Regularisation | None:
     """The regularisation of the system, if the half return of a point of Fix(R) is sooner followed in it.
+    The half return crosses the section `every` so many times.
 
     `point` is in the order of `centre_coordinates`. Raises `IntegrationFailure` if the orbit does not return.
     """
@@ -134,7 +139,7 @@ def shorter_coordinates(
 
     def steps(coordinates: Regularisation | None, most: int) -> int:
         crossings = section_crossings(
-            system, parameters, start, None, context, regularisation=coordinates, maximal_steps=most
+            system, parameters, start, None, context, regularisation=coordinates, maximal_steps=most, every=every
         )
         return next(crossings).steps
 

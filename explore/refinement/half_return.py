@@ -73,8 +73,11 @@ def half_return(
     point: Sequence[Fraction],
     context: mpmath.MPContext,
     regularisation: Regularisation | None = None,
+    every: int = 1,
 ) -> HalfReturn:
     """P and DP at `point`, the orbit followed in regularised coordinates if there are any.
+
+    With `every` = m it is P^m that is meant here, in `HalfReturn` and in what is made of it.
 
     Raises `IntegrationFailure` if the orbit does not return to the section.
     """
@@ -82,7 +85,7 @@ def half_return(
     size = 1 + 2 * n
     basis = JetBasis.graded((1,) * size, 1)
     unit = [[int(i == j) for j in range(size)] for i in range(size)]
-    image, time = _image(system, parameters, point, unit, basis, context, regularisation)
+    image, time = _image(system, parameters, point, unit, basis, context, regularisation, every)
     derivative = context.matrix([[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in image])
     return HalfReturn([jet.coefficients[0] for jet in image[1 + n :]], derivative, time)
 
@@ -95,6 +98,7 @@ def second_derivatives(
     others: Sequence[Sequence[Any]],
     context: mpmath.MPContext,
     regularisation: Regularisation | None = None,
+    every: int = 1,
 ) -> list[list[list[Any]]]:
     """D^2 P(v, w), 1 + 2n numbers, for each v of `directions` (outer list) and w of `others` (inner list).
 
@@ -109,7 +113,7 @@ def second_derivatives(
 
     linear = JetBasis.graded((1,) * size, 1).monomials
     basis = JetBasis.of([*linear, *(square(i, j) for i in range(len(directions)) for j in numbers)])
-    image, _ = _image(system, parameters, point, vectors, basis, context, regularisation)
+    image, _ = _image(system, parameters, point, vectors, basis, context, regularisation, every)
     return [
         [[jet.coefficients[basis.index[square(i, j)]] * (1 + (i == j)) for jet in image] for j in numbers]
         for i in range(len(directions))
@@ -124,10 +128,13 @@ def _image(
     basis: JetBasis,
     context: mpmath.MPContext,
     regularisation: Regularisation | None,
+    every: int,
 ) -> tuple[list[Jet], float]:
     values = [context.mpf(u.numerator) / u.denominator for u in point]
     start, parameter = start_jets(system, values, directions, basis)
-    crossing = next(section_crossings(system, parameters, start, parameter, context, regularisation=regularisation))
+    crossing = next(
+        section_crossings(system, parameters, start, parameter, context, regularisation=regularisation, every=every)
+    )
     return section_jets(system, crossing, parameter), crossing.time
 
 

@@ -70,7 +70,7 @@ class RefinedPoint:
     """A bifurcation point to high precision, with the box in which it is to be proved.
 
     Attributes:
-        system, parameters, kind, k, symmetry: what was asked for.
+        system, parameters, kind, k, symmetry, crossings: what was asked for.
         centre: the point, dyadic, in the order of `ReversibleSystem.centre_coordinates`.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
         kernel_frame: shape (n, n), rows.
@@ -78,7 +78,7 @@ class RefinedPoint:
         residual: Newton correction at the centre, in the frame's coordinates, from a last evaluation.
         digits: accuracy asked for.
         iterations: (bits of working precision, size of the correction) of each Newton step.
-        half_period: time from the centre to the next crossing of the section, nondimensional.
+        half_period: time from the centre to the end of the half orbit, nondimensional.
         first_integral: its value at the centre, or `None` if the system has none.
         geometry: slopes and curvatures of the two branches.
         margins: for i = 1 .. k - 1 how far D_(p1,p2) pi_q P^i is from singular: the smallest part of a column
@@ -101,6 +101,7 @@ class RefinedPoint:
     first_integral: Fraction | None
     geometry: BranchGeometry
     margins: tuple[float, ...] = field(default=())
+    crossings: int = 1
 
     def to_candidate(self, id: str, provenance: Mapping[str, Any]) -> Candidate:
         """The claim for the verifier; `provenance` is extended by what the refinement found."""
@@ -124,6 +125,7 @@ class RefinedPoint:
             kernel_frame=self.kernel_frame,
             radii=self.radii,
             symmetry=self.symmetry,
+            crossings=self.crossings,
             provenance={**found, **provenance},
         )
 
@@ -137,6 +139,7 @@ def refine(
     *,
     digits: int = 50,
     symmetry: str | None = None,
+    crossings: int = 1,
     progress: Callable[[str, float], None] | None = None,
 ) -> RefinedPoint:
     """Refine a float64 approximation of a bifurcation point and build the box for the verifier.
@@ -146,6 +149,7 @@ def refine(
         guess: 1 + n numbers in the order of `centre_coordinates`, off by 1e-5 or less.
         digits: decimal digits of the centre; a box that has to be small for its orbit gets more.
         symmetry: the symmetry that breaks, for symmetry breaking; may be left out if the system has only one.
+        crossings: of the section in the half orbit, its end included.
         progress: called with a message and the fraction done.
 
     Raises `RefinementFailure`, with one line of reason, if Newton's method does not converge or leaves the
@@ -154,17 +158,17 @@ def refine(
     report = progress if progress is not None else (lambda _message, _fraction: None)
     parity, symmetry = _checked(system, kind, k, guess, symmetry)
     try:
-        regularisation = shorter_coordinates(system, parameters, guess)
-        problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity, regularisation)
+        regularisation = shorter_coordinates(system, parameters, guess, crossings)
+        problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity, regularisation, crossings)
         solution = _solve(problem, guess, digits, report)
         margins = _checked_iterates(problem, solution.frame, solution.at.iterates)
         report("curvatures", 0.85)
         about = system, problem.parameters, solution.point, solution.frame
         context = working_context(GEOMETRY_BITS)
         if problem.is_fold:
-            geometry = fold_geometry(*about, context, problem.regularisation)
+            geometry = fold_geometry(*about, context, problem.regularisation, crossings)
         else:
-            geometry = branch_geometry(*about, k, problem.tangential, context, problem.regularisation)
+            geometry = branch_geometry(*about, k, problem.tangential, context, problem.regularisation, crossings)
         lost_bits = solution.first.lost_bits
         if regularisation is not None:
             # How the box has to shrink was found from the bits that are lost in the system's own coordinates.
@@ -203,6 +207,7 @@ def refine(
         first_integral=value,
         geometry=geometry,
         margins=margins,
+        crossings=crossings,
     )
 
 

@@ -66,10 +66,12 @@ def branch_geometry(
     tangential: bool,
     context: mpmath.MPContext,
     regularisation: Regularisation | None = None,
+    every: int = 1,
 ) -> BranchGeometry:
     """Slopes and curvatures of the branches, from jets of P^k integrated along all k half returns.
 
-    With a `regularisation` of the system the orbits are followed in its coordinates.
+    With a `regularisation` of the system the orbits are followed in its coordinates; half returns cross the section
+    `every` so many times.
 
     Raises `IntegrationFailure`, or `RefinementFailure` if a nondegeneracy condition fails.
     """
@@ -81,7 +83,9 @@ def branch_geometry(
     point = [context.mpf(u.numerator) / u.denominator for u in centre]
     start, parameter = start_jets(system, point, directions, basis)
     iterates = []
-    for crossing in section_crossings(system, parameters, start, parameter, context, regularisation=regularisation):
+    for crossing in section_crossings(
+        system, parameters, start, parameter, context, regularisation=regularisation, every=every
+    ):
         kernel = section_jets(system, crossing, parameter)[n + 1 :]
         iterates.append([sum((kernel[j] * frame.rows[i, j] for j in range(n)), basis.constant(0)) for i in range(n)])
         if len(iterates) == k:
@@ -147,6 +151,7 @@ def fold_geometry(
     frame: Frame,
     context: mpmath.MPContext,
     regularisation: Regularisation | None = None,
+    every: int = 1,
 ) -> BranchGeometry:
     """Curvatures of the curve of symmetric orbits at a fold, where it is a graph over p_1.
 
@@ -158,7 +163,9 @@ def fold_geometry(
     directions = [[frame.columns[i, j] for i in range(n + 1)] + [0] * n for j in range(n + 1)]
     point = [context.mpf(u.numerator) / u.denominator for u in centre]
     start, parameter = start_jets(system, point, directions, basis)
-    crossing = next(section_crossings(system, parameters, start, parameter, context, regularisation=regularisation))
+    crossing = next(
+        section_crossings(system, parameters, start, parameter, context, regularisation=regularisation, every=every)
+    )
     kernel = section_jets(system, crossing, parameter)[n + 1 :]
     equations = [sum((kernel[j] * frame.rows[i, j] for j in range(n)), basis.constant(0)) for i in range(n)]
     line = JetBasis.graded([1], 2)

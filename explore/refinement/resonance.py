@@ -57,6 +57,7 @@ class Resonance:
     `tangential`: the new branch is tangent to a level set of the bifurcation parameter; see
     `explore.refinement.frames.bifurcation_frame`. `parity` is set for symmetry breaking (k = 1) only.
     `regularisation`: the coordinates in which the orbits are followed, if not the system's own.
+    `crossings`: of the section in a half orbit, m; P^m stands for P.
     """
 
     system: ReversibleSystem
@@ -65,6 +66,7 @@ class Resonance:
     tangential: bool
     parity: Parity | None
     regularisation: Regularisation | None = None
+    crossings: int = 1
 
     @property
     def is_fold(self) -> bool:
@@ -137,7 +139,7 @@ def linearise(problem: Resonance, point: Sequence[Fraction], bits: int) -> Linea
     Raises `IntegrationFailure`, or `RefinementFailure` if the kernel is not simple.
     """
     context = working_context(bits)
-    half = half_return(problem.system, problem.parameters, point, context, problem.regularisation)
+    half = half_return(problem.system, problem.parameters, point, context, problem.regularisation, problem.crossings)
     try:
         iterates = linear_iterates(half, problem.k, context)
         # p_1 tangent to the level set lies in the resonant plane of DP^2, which keeps few second derivatives.
@@ -181,7 +183,7 @@ def resonance_slope(problem: Resonance, point: Sequence[Fraction], at: Linearise
     unit = [[context.mpf(int(i == j)) for i in range(1 + 2 * n)] for j in problem.unknowns]
     # Each chosen vector lies in Fix(R), where it is a combination of the unknowns' directions, or not.
     second = second_derivatives(
-        problem.system, problem.parameters, point, unit, chosen, context, problem.regularisation
+        problem.system, problem.parameters, point, unit, chosen, context, problem.regularisation, problem.crossings
     )
     slope = []
     for values in second:

@@ -33,6 +33,7 @@ class Task:
     guess: tuple[float, ...]
     digits: int
     provenance: Mapping[str, Any]
+    crossings: int = 1
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
             task.guess,
             digits=task.digits,
             symmetry=task.symmetry,
+            crossings=task.crossings,
             progress=progress,
         )
     except RefinementFailure as error:

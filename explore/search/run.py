@@ -234,19 +234,14 @@ def _refine_all(
     """Refine what the output file does not hold yet; every point is written as soon as it is refined."""
     options = request.options
     known = {candidate.id: candidate for candidate in kept}
-    found = [target for item in traced for target in targets_of(item, request.points)]
-    targets = [target for target in found if target.resonance.orbit.crossings == 1]
-    for target in found:
-        crossings = target.resonance.orbit.crossings
-        if crossings != 1:
-            report.error(f"{target.id}: not refined: its half orbit crosses the section {crossings} times, not once")
+    targets = [target for item in traced for target in targets_of(item, request.points)]
     tasks = [target.task(options.digits) for target in targets]
     done = {i: known[task.id] for i, task in enumerate(tasks) if task.id in known and is_refined(task, known[task.id])}
     missing = [i for i in range(len(tasks)) if i not in done]
     if done:
         report.message(f"{len(done)} points are refined in {options.output} already")
     new: dict[int, Candidate] = {}
-    code = 0 if len(targets) == len(found) else 1
+    code = 0
     try:
         if missing:
             report.stage(f"refining {len(missing)} points")

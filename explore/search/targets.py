@@ -44,6 +44,7 @@ class Target:
             guess=tuple(float(value) for value in self.guess),
             digits=digits,
             provenance=self._provenance(),
+            crossings=resonance.orbit.crossings,
         )
 
     def _provenance(self) -> Mapping[str, Any]:
@@ -85,7 +86,8 @@ def targets_of(item: TracedFamily, points: str) -> list[Target]:
 
 def is_refined(task: Task, candidate: Candidate) -> bool:
     """Whether a candidate of the task's id is what the task would find."""
-    if (candidate.system, candidate.kind, candidate.k) != (task.system, task.kind, task.k):
+    wanted = (task.system, task.kind, task.k, task.crossings)
+    if (candidate.system, candidate.kind, candidate.k, candidate.crossings) != wanted:
         return False
     digits = candidate.provenance.get("digits")
     if dict(candidate.parameters) != dict(task.parameters) or not isinstance(digits, int) or digits < task.digits:

@@ -30,6 +30,8 @@ _TOLERANCE = 1e-9
 _STEPS = 20_000
 _ROWS = 80
 _CLOSED = 1e-3
+_CROSSINGS = 8
+_ON_FIXED_SET = 1e-2
 
 
 class OrbitNotClosed(Exception):
@@ -49,7 +51,7 @@ def symmetric_orbit(
     """
     values = parameter_values(system, parameters, point)
     try:
-        half = _to_section(system, values, state_on_fixed_set(system, point), longest_step)
+        half = _to_fixed_set(system, values, state_on_fixed_set(system, point), longest_step)
     except (ZeroDivisionError, OverflowError):
         raise OrbitNotClosed("the orbit runs into a singularity of the vector field") from None
     mirrored = half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)
@@ -110,6 +112,18 @@ def orbit_through(
         raise OrbitNotClosed("the orbit runs into a singularity of the vector field") from None
     half = np.vstack([*(piece[:-1] for piece in pieces[:-1]), pieces[-1]])
     return np.vstack([half, half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)])
+
+
+def _to_fixed_set(
+    system: ReversibleSystem, values: Sequence[float], start: Sequence[float], longest_step: float
+) -> Array:
+    """To the first crossing of the section close to Fix(R); to the first of all if none of the next ones is."""
+    first = half = _to_section(system, values, start, longest_step)
+    for _ in range(_CROSSINGS):
+        if np.abs(half[-1][list(system.kernel_coordinates)]).max() < _ON_FIXED_SET * (1.0 + np.abs(half).max()):
+            return half
+        half = np.vstack([half[:-1], _to_section(system, values, list(half[-1]), longest_step)])
+    return first
 
 
 def _side_by_side(system: ReversibleSystem, values: Array, states: Array, times: Array) -> list[Array]:

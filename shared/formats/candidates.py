@@ -54,6 +54,8 @@ class Candidate:
         provenance: free-form, ignored by the verifier.
         level_sign: `None`, or, if the first integral is the first coordinate, the sign of the system's
             level coordinate, which follows from it on Fix(R).
+        crossings: m, how often a half orbit, from Fix(R) to Fix(R), meets the section after its start; P^m then
+            stands for P.
     """
 
     id: str
@@ -68,6 +70,7 @@ class Candidate:
     symmetry: str | None = None
     provenance: Mapping[str, Any] = field(default_factory=dict)
     level_sign: int | None = None
+    crossings: int = 1
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
@@ -81,6 +84,8 @@ class Candidate:
             refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join(KINDS)}")
         if not isinstance(self.k, int) or self.k < 1:
             refuse("k", f"{self.k!r} is no multiplicity", "give an integer, at least 1")
+        if not isinstance(self.crossings, int) or self.crossings < 1:
+            refuse("crossings", f"{self.crossings!r} is no number of crossings", "give an integer, at least 1")
         if self.symmetry is not None and self.symmetry not in self.system.symmetries:
             known = ", ".join(self.system.symmetries) or "none"
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
@@ -140,6 +145,8 @@ class Candidate:
         }
         if self.level_sign is not None:
             result |= {"parameter": "first integral", "level_sign": self.level_sign}
+        if self.crossings != 1:
+            result["crossings"] = self.crossings
         if provenance:
             result["provenance"] = dict(self.provenance)
         return result
@@ -346,6 +353,7 @@ def candidate_from_json(
             id=entry["id"], system=system, parameters=parameters, kind=kind, k=k, symmetry=symmetry,
             centre=_vector(entry["centre"]), frame=_matrix(entry["frame"]), radii=_vector(entry["radii"]),
             kernel_frame=_matrix(entry["kernel_frame"]), provenance=entry.get("provenance", {}), level_sign=level_sign,
+            crossings=entry.get("crossings", 1),
         )  # fmt: skip
     except InputError as error:
         raise InputError(f"{source}.{error}") from None

@@ -192,10 +192,13 @@ def every_crossing_in_a_step_is_seen(package: ModuleType) -> None:
     height = arb_poly([0, 2, -3, 1])
     step = flow.Step(arb(3), [{(0,): height}], height.derivative())
     for sign in (0, 1):
-        (a, b), after = crossing.first_crossing(step, (0,), 0, sign, arb(2.5))
+        (a, b), after = crossing.first_crossing(step, (0,), 0, sign, arb(0), arb(2.5))
         assert a < 1 < b < 2
         assert after == -1
-    assert crossing.first_crossing(step, (0,), 0, 0, arb(0.5)) == (None, 1)
+        (a, _), after = crossing.first_crossing(step, (0,), 0, after, b, arb(2.5))
+        assert b <= a < 2
+        assert after == 1
+    assert crossing.first_crossing(step, (0,), 0, 0, arb(0), arb(0.5)) == (None, 1)
 
 
 def wrong_first_integral_is_noticed(package: ModuleType) -> None:

@@ -43,7 +43,8 @@ class Problem:
         k: multiplicity.
         radii: half-widths of P_0, P_1, P_2, exactly.
         box: balls that contain P_0, P_1, P_2.
-        iterates: iterates[i-1][j] is q_{j+1} of P^i, for i = 1 .. k and j = 0 .. n-1.
+        iterates: iterates[i-1][j] is q_{j+1} of P^i, for i = 1 .. k and j = 0 .. n-1; P^m stands for P if half
+            orbits meet the section m times (section 8.8).
         first_integral: H on Fix(R), or `None` for maps with a parameter.
     """
 
@@ -80,14 +81,16 @@ def check_enclosures(
     return_times: Sequence[arb] = (),
 ) -> Problem:
     """Every derivative that the conditions use is there and finite, and its two enclosures meet."""
-    k, radii = candidate.k, candidate.radii
+    k, radii, crossings = candidate.k, candidate.radii, candidate.crossings
     size = len(radii)
-    statement = f"P to P^{k} exist on the box with finite enclosures of their derivatives up to order {MAX_ORDER}"
+    statement = (
+        f"P to P^{k * crossings} exist on the box with finite enclosures of their derivatives up to order {MAX_ORDER}"
+    )
     with checklist.hypothesis("poincare-map", "6", statement, "smaller radii or more precision") as evidence:
         for number, time in enumerate(return_times, start=1):
             evidence.record(f"time of crossing {number}", time)
         evidence.require(
-            len(iterates) == k and all(len(components) == size - 1 for components in iterates),
+            len(iterates) == k * crossings and all(len(components) == size - 1 for components in iterates),
             "an iterate or a component is missing",
         )
         evidence.require(
@@ -111,13 +114,29 @@ def check_enclosures(
                 all(t.box[index].overlaps(t.centre[index]) is True for t in tables for index in indices),
                 "an enclosure at the centre is disjoint from that over the box; a bound is wrong",
             )
+    if crossings > 1:
+        _check_half_orbit(checklist, iterates[: crossings - 1])
     return Problem(
         k=k,
         radii=radii,
         box=tuple(symmetric(radius) for radius in radii),
-        iterates=tuple(tuple(BoxFunction(table) for table in components) for components in iterates),
+        iterates=tuple(
+            tuple(BoxFunction(table) for table in components) for components in iterates[crossings - 1 :: crossings]
+        ),
         first_integral=None if first_integral is None else BoxFunction(first_integral),
     )
+
+
+def _check_half_orbit(checklist: Checklist, before: Sequence[Sequence[DerivativeTable]]) -> None:
+    """No point of the box is mapped into Fix(R) `before` its half orbit is said to end (section 8.8)."""
+    statement = f"no point of the box has P^i in Fix(R) for an i <= {len(before)}: some q_j of P^i has no zero there"
+    with checklist.hypothesis("half-orbit", "8.8", statement, "claim fewer crossings, or a smaller box") as evidence:
+        for i, components in enumerate(before, start=1):
+            values = [table.box[(0,) * len(next(iter(table.box)))] for table in components]
+            apart = [j for j, value in enumerate(values) if excludes_zero(value)]
+            for j in apart[:1] or range(len(values)):
+                evidence.record(f"q_{j + 1}(P^{i})", values[j])
+            evidence.require(bool(apart), f"P^{i} may map points of the box into Fix(R)")
 
 
 def check_family(checklist: Checklist, problem: Problem) -> PeriodTwoFamily:

@@ -111,6 +111,7 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
     names += ["level"] if candidate.level_sign is not None else []
     names += ["adapted-frames"] if candidate.kind == "symmetry_breaking" else []
     names += ["poincare-map"]
+    names += ["half-orbit"] if candidate.crossings > 1 else []
     if candidate.kind == FOLD:
         return (*names, "curve", "extremum", "point", *(["dH/dp_0"] if hamiltonian else []))
     names += ["family", *(f"regular-{i}" for i in range(1, k))] if k > 1 else []
@@ -126,16 +127,22 @@ def _statement(candidate: Candidate) -> str:
     system, k = candidate.system, candidate.k
     parameter = parameter_name(candidate)
     fixed = ", ".join(candidate.parameters)
-    where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
+    m = candidate.crossings
+    power = "Poincare map P" if m == 1 else f"power P = (Poincare map)^{m}"
+    where = f"{power} of the {system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
     origin = (
-        f"the R-symmetric period-two points of the Poincare map P of the {where} in the box are one regular curve"
+        f"the R-symmetric period-two points of the {where} in the box are one regular curve"
         if candidate.kind != "symmetry_breaking"
-        else f"the R- and {candidate.symmetry}-symmetric period-two points of the Poincare map P of the {where} "
-        "in the box are one regular curve"
+        else f"the R- and {candidate.symmetry}-symmetric period-two points of the {where} in the box are one regular "
+        "curve"
     )
     others = f"In the box there is no further R-symmetric point x with P^{2 * k}(x) = x" + (
         f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
     )
+    if m > 1:
+        others += (
+            f" No orbit that starts in the box is in Fix(R) when it meets the section for the first {m - 1} times."
+        )
     if candidate.level_sign is not None:
         sign = ">" if candidate.level_sign > 0 else "<"
         names = ", ".join(candidate.coordinates)

@@ -58,11 +58,15 @@ def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, foun
     """
     claim = form or candidate
     with guarded(_BITS):
-        lines = [*setting(candidate.system, candidate.parameters, candidate.symmetry), *_box(claim, form is not None)]
+        lines = [*_setting(candidate), *_box(claim, form is not None)]
         if form is not None:
             lines += ["The candidate's own box:", *_set(candidate, "candidate")]
     lines += ["Theorem.", theorem.statement, _definition(claim), *_found(found, claim)]
     return "\n".join(lines)
+
+
+def _setting(candidate: Candidate) -> Sequence[str]:
+    return setting(candidate.system, candidate.parameters, candidate.symmetry, candidate.crossings)
 
 
 def _box(claim: Candidate, is_form: bool) -> Iterator[str]:

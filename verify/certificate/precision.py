@@ -81,7 +81,7 @@ def first_precision(candidate: Candidate, digits: int) -> int:
     first grade of a series is known to 5/6 of its bits.
     """
     value, slope = accuracy_bits(candidate, digits)
-    reserve = _RESERVE + _RESERVE_PER_RETURN * candidate.k
+    reserve = _RESERVE + _RESERVE_PER_RETURN * candidate.crossings * candidate.k
     # A box much smaller than the digits ask for was made for an orbit along which errors grow.
     growth = max(0, slope - ceil(digits * _BITS_PER_DIGIT)) // 3
     wanted = max(value + reserve, (slope + reserve) * 6 // 5 + growth)

@@ -101,12 +101,15 @@ def _unused(inputs: Sequence[str]) -> list[str]:
     return [*letters, *(f"u{number}" for number in range(1, 1000))]
 
 
-def setting(system: ReversibleSystem, parameters: Mapping[str, Fraction], symmetry: str | None) -> list[str]:
+def setting(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], symmetry: str | None, crossings: int = 1
+) -> list[str]:
     """Lines that say what the system is, its symmetries and first integral, the section and the map P.
 
     Args:
         parameters: the values that are given; a name that is not among them stays a name.
         symmetry: the name of S, if the theorem uses one.
+        crossings: P is the map to the crossing of this number.
     """
     left = [f"{name}'" for name in system.state]
     lines = [f"The {system.title}:", *(f"  {line}" for line in equations(system.program, left))]
@@ -118,6 +121,12 @@ def setting(system: ReversibleSystem, parameters: Mapping[str, Fraction], symmet
     lines.append(f"R({state}) = ({_image(system, system.reversing_symmetry)}) reverses the flow.")
     if symmetry is not None and symmetry in system.symmetries:
         lines.append(f"{symmetry}({state}) = ({_image(system, system.symmetries[symmetry])}) commutes with it.")
+    if crossings > 1:
+        lines.append(
+            f"The Poincare map takes a point of the section {{{system.section} = 0}} that its orbit crosses to the "
+            f"next point in which the orbit crosses the section, in either direction; P is its power {crossings}."
+        )
+        return lines
     lines.append(
         f"P maps a point of the section {{{system.section} = 0}} that its orbit crosses to the next point in which "
         f"the orbit crosses the section, which is in the opposite direction."

@@ -115,6 +115,9 @@ def place_bifurcation(
     if not examined.stands:
         found = examined.findings[0]
         return replace(entry, reason=f"the certificate does not stand: {found.place}: {found.message}")
+    crossings = candidate.get("crossings", 1)
+    if crossings != 1:
+        return replace(entry, reason=f"its half orbits meet the section {crossings} times, those of the curve once")
     names = certified_system(atlas.system).centre_coordinates
     if not set(names) <= set(certificate.point):
         return replace(entry, reason="the certificate does not have all coordinates of the point")

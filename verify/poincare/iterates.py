@@ -1,7 +1,7 @@
 """Iterates of the Poincare map on a box of Fix(R), with derivatives (sections 5 and 6).
 
-`enclose_iterates` takes a candidate's box to its first k crossings of the section and returns, for
-each, enclosures of the derivatives up to order 3 of the coordinates that vanish on Fix(R).
+`enclose_iterates` takes a candidate's box to its first m k crossings of the section, m those of a half orbit,
+and returns, for each, enclosures of the derivatives up to order 3 of the coordinates that vanish on Fix(R).
 """
 
 from __future__ import annotations
@@ -73,9 +73,9 @@ class Enclosures:
     """What one integration proves about a candidate's box.
 
     Attributes:
-        iterates: ``iterates[i - 1][j]`` holds the derivatives of the component q_{j+1} of P^i.
+        iterates: ``iterates[i - 1][j]`` holds the derivatives of the component q_{j+1} of P^i, i = 1 .. m k.
         first_integral: derivatives of the first integral on Fix(R); `None` without one.
-        return_times: the times of the crossings 1 .. k, over the box.
+        return_times: the times of the crossings 1 .. m k, over the box.
         order: degree of the time expansions.
         precision: bits of the fixed-point format.
         steps: number of integration steps.
@@ -105,7 +105,7 @@ def grading_for(kind: str, k: int, dimension: int) -> Grading:
 def enclose_iterates(
     candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None = None
 ) -> Enclosures:
-    """Enclose P, P^2, .., P^k and their derivatives on the candidate's box.
+    """Enclose P, P^2, .., P^(m k) and their derivatives on the candidate's box.
 
     `progress` is called after every step with a rough fraction of the work done; what it raises
     passes through. Raises `IntegrationFailure` if something could not be enclosed.
@@ -163,6 +163,7 @@ class _Integration:
         box = _box(candidate, settings.precision, order)
         _check_size(box.arithmetic.grading, box.scales)
         self.candidate = candidate
+        self.crossings = candidate.crossings * candidate.k
         self.progress = progress
         self.scales = box.scales
         self.arithmetic = box.arithmetic
@@ -175,7 +176,7 @@ class _Integration:
         self.return_times: list[arb] = []
 
     def run(self) -> Enclosures:
-        iterates = tuple(self._crossing(number) for number in range(1, self.candidate.k + 1))
+        iterates = tuple(self._crossing(number) for number in range(1, self.crossings + 1))
         return Enclosures(
             iterates,
             self.first_integral,
@@ -190,15 +191,15 @@ class _Integration:
         if steps == 1:
             self.first_error_bits = self._error_bits()
         if self.progress is not None:
-            self.progress((len(self.return_times) + 0.5) / self.candidate.k)
+            self.progress((len(self.return_times) + 0.5) / self.crossings)
 
     def _crossing(self, number: int) -> tuple[DerivativeTable, ...]:
         """Derivatives of the kernel coordinates at crossing `number`."""
         state, time = self.returns.next_crossing(self._after_step)
         self.return_times.append(time)
         if self.progress is not None:
-            self.progress(number / self.candidate.k)
-        if number < self.candidate.k:
+            self.progress(number / self.crossings)
+        if number < self.crossings:
             self._check_accuracy(number)
         kernel = kernel_components(self.candidate.system, self.candidate.kernel_frame, state)
         return tuple(derivative_table(component, self.scales, BOX_RATIO) for component in kernel)
@@ -218,12 +219,12 @@ class _Integration:
 
         Errors differ between the two ends of a half return; after two returns they compare best.
         """
-        k = self.candidate.k
-        if self.accuracy is None or number != min(2, k - 1):
+        last = self.crossings
+        if self.accuracy is None or number != min(2, last - 1):
             return
         missing = 0
         for begin, now, wanted in zip(self.first_error_bits, self._error_bits(), self.accuracy, strict=True):
-            missing = max(missing, ceil(wanted - begin + (begin - now) * k / number))
+            missing = max(missing, ceil(wanted - begin + (begin - now) * last / number))
         if missing > 0:
             raise IntegrationFailure(
                 "precision",

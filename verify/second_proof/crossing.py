@@ -1,4 +1,4 @@
-"""The first crossing of the section: found, shown to be the first, and the Poincare map there. README, section 4."""
+"""The crossing of the section that ends a half orbit: found, counted, and the Poincare map there. README, section 4."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def sign_of(value: arb) -> int:
 
 
 def first_crossing(
-    step: Step, zero: Exponents, section: int, sign: int, end: arb
+    step: Step, zero: Exponents, section: int, sign: int, begin: arb, end: arb
 ) -> tuple[tuple[arb, arb] | None, int]:
-    """An interval with the first zero of the section coordinate in (0, end], or None; the sign after it.
+    """An interval with the first zero of the section coordinate in (begin, end], or None; the sign after it.
 
-    `sign` is that of the coordinate at time 0; 0 says that it vanishes there exactly.
+    `sign` is that of the coordinate at `begin`; 0 says that it vanishes there exactly.
     """
     height = step.polynomials[section][zero]
-    todo = [(arb(0), end, 0)]
+    todo = [(begin, end, 0)]
     with precision(SIGN_BITS):
         while todo:
             a, b, depth = todo.pop()
@@ -90,8 +90,11 @@ def follow(
     bits: int,
     deadline: float | None = None,
 ) -> tuple[list[Jet], arb, int]:
-    """Jets of the state at the first crossing after the start on the section, its time, and the number of steps."""
-    state, sign, now, guess, steps = list(start), 0, arb(0), arb(1) / 2, 0
+    """Jets of the state at the crossing after the start on the section that is claimed, its time, the number of steps.
+
+    At the crossings before it no orbit is in Fix(R).
+    """
+    state, sign, now, guess, steps, left = list(start), 0, arb(0), arb(1) / 2, 0, statement.crossings
     while True:
         if deadline is not None and time.monotonic() > deadline:
             raise CannotFollow(f"time is up after {steps} steps, at time {float(now):.4f}")
@@ -101,8 +104,13 @@ def follow(
             end = (end * 7 / 8).mid()
             if end < step.duration / 16:
                 raise CannotFollow("no step ends away from the section")
-        piece, sign = first_crossing(step, zero, statement.section, sign, end)
-        if piece is not None:
+        piece, sign = first_crossing(step, zero, statement.section, sign, arb(0), end)
+        while piece is not None:
             found, moment = crossing_state(statement, step, piece, zero, degree)
-            return found, now + moment, steps
+            left -= 1
+            if left == 0:
+                return found, now + moment, steps
+            if not any(sign_of(found[i].get(zero, arb(0))) for i in statement.kernel):
+                raise CannotFollow("the half orbit may end before the crossing that is claimed")
+            piece, sign = first_crossing(step, zero, statement.section, sign, piece[1], end)
         state, now = step.at(end), now + end

@@ -313,7 +313,9 @@ def _prove(statement: Statement, width: int, symmetric: Hypothesis, deadline: fl
     regular = arb_mat(rows).det(), arb_mat(columns).det()
     says = "the frames of p and q are regular"
     frames = certain(all(nonzero(d) for d in regular), "frames", says, p=regular[1], q=regular[0])
-    says = "P exists on the box; it is the first crossing there, and every iterate stays where P is known"
+    m = statement.crossings
+    which = "the first crossing" if m == 1 else f"crossing {m}, the first one that may be in Fix(R),"
+    says = f"P exists on the box; it is {which} there, and every iterate stays where P is known"
     crossings = certain(True, "crossings", says, time=crossed)
     at_centre, first = iterates(poincare, columns, [arb(0)] * size)
     over_box, around = iterates(poincare, columns, [arb(0, r) for r in radii])

@@ -68,6 +68,7 @@ class Statement:
         reversing, symmetry: m signs of R and, for symmetry breaking, of S.
         fixed: indices of the coordinates of Fix(R), n + 1 of them; `kernel`: of the n others, without the section.
         centre: values of the coordinates in `fixed`.
+        crossings: of the section in a half orbit, its end included.
     """
 
     state: tuple[str, ...]
@@ -82,6 +83,7 @@ class Statement:
     kind: str
     k: int
     centre: tuple[Fraction, ...]
+    crossings: int = 1
 
 
 def exact(text: object, field: str) -> Fraction:
@@ -126,11 +128,14 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     try:
         words, claim = certificate["statement"], certificate["statement"]["candidate"]
         kind, k, centre, given = claim["kind"], claim["k"], claim["centre"], claim["parameters"]
+        crossings = claim.get("crossings", 1)
         text, signs = words["vector_field"], words["reversing_symmetry"]
     except (KeyError, TypeError) as error:
         raise BadCertificate(f"statement: {error} is missing") from None
     if type(k) is not int or not 1 <= k <= 100 or not isinstance(centre, list) or not isinstance(given, dict):
         raise BadCertificate("statement.candidate: k, centre or parameters are of the wrong type")
+    if type(crossings) is not int or not 1 <= crossings <= 100:
+        raise BadCertificate("statement.candidate.crossings: no number of crossings")
     if claim.get("parameter"):
         raise BadCertificate("statement.candidate.parameter: a centre with a level instead of a coordinate is not read")
     field = program(text, "statement.vector_field")
@@ -162,4 +167,5 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     if len(fixed) != len(kernel) + 1 or len(centre) != len(fixed):
         raise BadCertificate("statement.candidate.centre: not one number for each coordinate of Fix(R)")
     point = tuple(exact(value, "statement.candidate.centre") for value in centre)
-    return Statement(state, parameters, field, integral, reversing, symmetry, section, fixed, kernel, kind, k, point)
+    claimed = (kind, k, point, crossings)
+    return Statement(state, parameters, field, integral, reversing, symmetry, section, fixed, kernel, *claimed)

@@ -1,0 +1,154 @@
+"""Half orbits that meet the section several times: the power of the map, counted, is part of what is proved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction as F
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support.closed_form_maps import claim, description, table, tables_of_maps, verdict
+from support.map_cases import CASES, failed, proof
+
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates
+from orbitproof.verify.certificate.certificate import Certificate, digest
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
+from orbitproof.verify.certificate.rechecking import recheck
+from orbitproof.verify.second_proof.proof import Proved, second_proof
+
+DATA = Path(__file__).parents[1] / "data" / "known-crossings.json"
+
+VALUES = {
+    "michelson-family-k3-3": ("both", "0.584301704433260816"),
+    "michelson-family-k2-3": ("above", "0.579430540053051315"),
+}
+"""Side and first digits of c, where half orbits meet the section twice."""
+
+
+@cache
+def claims() -> dict[str, Candidate]:
+    return {candidate.id: candidate for candidate in read_candidates(DATA)}
+
+
+@cache
+def certified(name: str) -> Certificate:
+    return certify(claims()[name], Limits(max_precision=512))
+
+
+def refusal(candidate: Candidate) -> str:
+    certificate = certify(candidate, Limits(max_precision=256))
+    return "proved" if certificate.reason is None else certificate.reason.condition
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_a_bifurcation_of_orbits_that_meet_the_section_twice_in_half_a_period_is_proved(name: str) -> None:
+    certificate = certified(name)
+    side, digits = VALUES[name]
+    assert certificate.proved, certificate.reason
+    assert certificate.side == side
+    assert certificate.parameter is not None
+    with ctx.workprec(200):
+        assert certificate.parameter.overlaps(arb(digits) + arb(0, "1e-17"))
+    assert "half-orbit" in [hypothesis.name for hypothesis in certificate.hypotheses]
+    assert "power P = (Poincare map)^2" in str(certificate.theorem)
+    assert "P is its power 2" in certificate.statement["in_full"]
+    assert recheck(certificate, integrate=True).findings == ()
+
+
+@pytest.mark.slow
+def test_a_bifurcation_of_a_vertical_family_is_proved() -> None:
+    certificate = certified("earth-moon-L3-vertical-k7-1")
+    assert certificate.proved, certificate.reason
+    assert certificate.parameter is not None
+    with ctx.workprec(200):
+        assert certificate.parameter.overlaps(arb("-1.31458653212797447") + arb(0, "1e-17"))
+
+
+def test_a_second_proof_counts_the_crossings_itself() -> None:
+    entry = certified("michelson-family-k2-3").to_json()
+    result = second_proof(entry)
+    assert isinstance(result, Proved)
+    assert result.side == "above"
+    del entry["statement"]["candidate"]["crossings"]
+    assert not isinstance(second_proof(entry), Proved)
+
+
+@pytest.mark.parametrize("name", VALUES)
+@pytest.mark.parametrize("crossings, condition", [(1, "family"), (3, "half-orbit")])
+def test_another_number_of_crossings_is_refused(name: str, crossings: int, condition: str) -> None:
+    assert refusal(replace(claims()[name], crossings=crossings)) == condition
+
+
+def test_a_multiple_of_the_number_of_crossings_is_refused_for_the_half_orbit_alone() -> None:
+    quadrupling = claims()["michelson-family-k4-1"]
+    assert refusal(quadrupling) == "proved"
+    # P^2 has a period doubling where P has a quadrupling; but its half orbits end at the first crossing.
+    assert refusal(replace(quadrupling, k=2, crossings=2)) == "half-orbit"
+
+
+def _once(entry: dict[str, Any]) -> None:
+    del entry["statement"]["candidate"]["crossings"]
+
+
+def _thrice(entry: dict[str, Any]) -> None:
+    entry["statement"]["candidate"]["crossings"] = 3
+
+
+def _without_half_orbit(entry: dict[str, Any]) -> None:
+    entry["hypotheses"] = [item for item in entry["hypotheses"] if item["name"] != "half-orbit"]
+
+
+def _other_words(entry: dict[str, Any]) -> None:
+    entry["statement"]["theorem"] = entry["statement"]["theorem"].replace("^2 of", "^4 of")
+
+
+def _ends_before(entry: dict[str, Any]) -> None:
+    entry["enclosures"]["iterates"][0][0]["box"][0] = "0x0 +- 0x1p-4"
+
+
+@pytest.mark.parametrize("forge", [_once, _thrice, _without_half_orbit, _other_words, _ends_before])
+def test_a_forged_number_of_crossings_is_found(forge: Callable[[dict[str, Any]], None]) -> None:
+    entry = certified("michelson-family-k2-3").to_json()
+    forge(entry)
+    entry["digest"] = digest(entry)
+    assert not recheck(Certificate.from_json(entry)).stands
+
+
+@pytest.mark.parametrize("name", ["k=2", "k=3", "k=4, n=2"])
+def test_crossings_between_are_left_out_and_may_not_be_on_the_fixed_set(name: str) -> None:
+    system, kind, k, radii = CASES[name]
+    with ctx.workprec(300):
+        iterates, _ = tables_of_maps(system, k, radii)
+        away = table(lambda p, c: p[0] + c(F(1)), radii)
+        touching = table(lambda p, c: p[0], radii)
+        candidate = claim(description(len(radii) - 1, False), kind, k, radii, crossings=3)
+
+        def with_between(first: Any, second: Any) -> Any:
+            between = [[component] * (len(radii) - 1) for component in (first, second)]
+            return verdict(candidate, [row for power in iterates for row in (*between, power)], None)
+
+        assert "half-orbit" in [hypothesis.name for hypothesis in proof(with_between(away, away)).hypotheses]
+        failed(with_between(away, touching), "half-orbit")
+        failed(with_between(touching, away), "half-orbit")
+        failed(verdict(candidate, iterates, None), "poincare-map")
+
+
+@pytest.mark.parametrize("wrong", [0, -1, 101, "2", 1.5])
+def test_what_is_no_number_of_crossings_is_bad_input(wrong: Any, tmp_path: Path) -> None:
+    path = tmp_path / "claims.json"
+    path.write_text(DATA.read_text().replace('"crossings": 2', f'"crossings": {wrong!r}'.replace("'", '"')))
+    with pytest.raises(InputError, match="crossings"):
+        read_candidates(path)
+
+
+def test_one_crossing_is_the_default_and_is_not_written() -> None:
+    once = claims()["michelson-family-k4-1"]
+    assert "crossings" not in once.to_json()
+    assert candidate_from_json({**once.to_json(), "crossings": 1}, "claim").to_json() == once.to_json()
+    twice = claims()["michelson-family-k2-3"]
+    assert candidate_from_json(twice.to_json(), "claim").crossings == 2
