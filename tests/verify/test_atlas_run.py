@@ -167,3 +167,29 @@ def test_a_cluster_without_workers_or_with_other_software_is_refused(
         assert "install the same version everywhere" in refused(
             capsys, source, "--scheduler", cluster.scheduler_address
         )
+
+
+def test_an_interval_on_which_a_list_is_open_is_tried_again_and_halved() -> None:
+    """With more precision, then twice as narrow; in the end what is proved counts."""
+    piece = CURVE.pieces[1]
+    attempts = [{"precision": 80}, {"precision": 128}]
+
+    def entry(interval: tuple[str, str], precision: int) -> dict[str, Any]:
+        computation = {"precision": precision, "seconds": 0.0}
+        return {"piece": piece.id, "interval": list(interval), "verdict": "proved", "computation": computation}
+
+    def left(results: list[dict[str, Any]], condition: str, settled: int = 0) -> Any:
+        return plan(piece, results, attempts, 6, lambda result: "" if result in results[:settled] else condition)
+
+    whole_one = [entry(("-1", "1"), 80)]
+    assert left(whole_one, "", 1).is_proved
+    assert left(whole_one, "zeros").missing == (((Fraction(-1), Fraction(1)), 1),)
+    assert [attempt for _, attempt in left(whole_one, "stability").missing] == [0, 0]
+    results = [entry(("-1", "1"), precision) for precision in (80, 128)]
+    first, second = (interval for interval, _ in left(results, "zeros").missing)
+    assert (first, second) == halves((Fraction(-1), Fraction(1)))
+    for interval in (first, second, *halves(first), *halves(second)):
+        names = (format_exact(interval[0]), format_exact(interval[1]))
+        results += [entry(names, precision) for precision in (80, 128)]
+    assert left(results, "zeros").is_proved
+    assert left(results, "zeros").missing == ()

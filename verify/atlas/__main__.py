@@ -158,7 +158,7 @@ def _limits(options: argparse.Namespace, atlas: Atlas) -> RunLimits:
     given = {name: getattr(options, name) for name in ("precision", "order", "width")}
     limits = RunLimits(
         {name: value for name, value in given.items() if value is not None}, options.timeout, options.max_splits,
-        options.complete is not None,
+        options.complete is not None, options.complete or 1,
     )  # fmt: skip
     try:
         attempts_of(atlas, limits)

@@ -11,6 +11,7 @@ from orbitproof.verify.atlas.splitting import Plan, interval_of, plan, whole
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task, result_of, task_of
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.engines import Answer, Display, Engine, Task, Work
+from orbitproof.verify.stability import open_on
 
 _STEPS_AT_FIRST = 16
 """The number of integration steps that progress reckons with before the first result."""
@@ -34,9 +35,10 @@ class AtlasRun:
         for result in earlier:
             self._results[result["piece"]].append(result)
         self._pieces = {piece.id: piece for piece in atlas.pieces}
-        self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
+        self._lacking: dict[int, tuple[Result, str]] = {}
         self._begun: set[tuple[str, Interval, int]] = set()
         self._told: set[str] = set()
+        self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
 
     @property
     def results(self) -> list[Result]:
@@ -73,7 +75,17 @@ class AtlasRun:
         engine.run(work, self._next, progress, finished)
 
     def _plan(self, piece: Piece | SurfacePiece) -> Plan:
-        return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits)
+        return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits, self._lacks)
+
+    def _lacks(self, result: Result) -> str:
+        """What a list of resonances leaves open on a proved interval."""
+        piece = self._pieces[result["piece"]]
+        if not self.limits.stability or isinstance(piece, SurfacePiece):
+            return ""
+        if id(result) not in self._lacking:
+            # The result is kept with it, so that its identity is not given to another one.
+            self._lacking[id(result)] = (result, open_on(piece, result, self.limits.order))
+        return self._lacking[id(result)][1]
 
     def _next(self) -> Task | None:
         """The first interval along the curve that nobody works on; so halves come before pieces further on."""

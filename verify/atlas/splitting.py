@@ -6,7 +6,7 @@ intervals show together is decided by `verify.curve.theorem`, from the intervals
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -21,8 +21,11 @@ _OVERLAP = Fraction(1, 64)
 NOT_FOR_SPLITTING = ("process",)
 """Conditions that a shorter interval does not mend."""
 
-FOR_SPLITTING = ("time", "collision", "section", "crossing count")
+FOR_SPLITTING = ("time", "collision", "section", "crossing count", "stability")
 """Conditions that more precision does not mend: the interval takes too long, or its orbits differ too much."""
+
+_SPLITS_FOR_LIST = 2
+"""How often an interval that is proved is halved at most for what a list leaves open on it."""
 
 Settings = Mapping[str, int]
 """Of the integrator, by name, as they stand in a result's ``computation``."""
@@ -66,41 +69,62 @@ def halves(interval: Interval) -> tuple[Interval, Interval]:
 
 
 def plan(
-    piece: Piece | SurfacePiece, results: Sequence[Mapping[str, Any]], attempts: Sequence[Settings], max_splits: int
+    piece: Piece | SurfacePiece,
+    results: Sequence[Mapping[str, Any]],
+    attempts: Sequence[Settings],
+    max_splits: int,
+    lacks: Callable[[Mapping[str, Any]], str] = lambda result: "",
 ) -> Plan:
     """What is left to do for a piece, given the results of its intervals.
 
     Each interval is tried with one of the `attempts` after the other, and then halved, at most `max_splits` times.
+
+    Args:
+        lacks: what else is wanted of a proved result and is not there, as a condition; empty for nothing.
     """
-    proved = [interval_of(result) for result in results if result["verdict"] == "proved"]
-    failures: dict[Interval, list[Mapping[str, Any]]] = {}
+    proved, enough = [], []
+    against: dict[Interval, list[tuple[Mapping[str, Any], str]]] = {}
     for result in results:
-        if result["verdict"] != "proved":
-            failures.setdefault(interval_of(result), []).append(result)
+        is_proved = result["verdict"] == "proved"
+        condition = lacks(result) if is_proved else condition_of(result)
+        if is_proved:
+            proved.append(interval_of(result))
+        if is_proved and not condition:
+            enough.append(interval_of(result))
+        else:
+            against.setdefault(_asked(piece, interval_of(result)), []).append((result, condition))
     done: list[Interval] = []
     missing: list[tuple[Interval, int]] = []
     failed: list[Interval] = []
 
     def walk(interval: Interval, splits: int) -> None:
-        if covers(proved, interval):
+        if covers(enough, interval):
             done.append(interval)
             return
-        against = failures.get(interval, [])
-        if any(condition_of(result) in NOT_FOR_SPLITTING for result in against):
-            failed.append(interval)
+        only_lacks = covers(proved, interval)
+        conditions = [condition for _, condition in against.get(interval, [])]
+        if any(condition in NOT_FOR_SPLITTING for condition in conditions):
+            (done if only_lacks else failed).append(interval)
             return
-        wide = any(condition_of(result) in FOR_SPLITTING for result in against)
-        untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in against)]
+        wide = any(condition in FOR_SPLITTING for condition in conditions)
+        tried = [result for result, _ in against.get(interval, [])]
+        untried = [n for n, settings in enumerate(attempts) if not any(made_with(r, settings) for r in tried)]
         if untried and not wide:
             missing.append((interval, untried[0]))
-        elif splits == max_splits:
-            failed.append(interval)
+        elif splits >= (min(max_splits, _SPLITS_FOR_LIST) if only_lacks else max_splits):
+            (done if only_lacks else failed).append(interval)
         else:
             for half in halves(interval):
                 walk(half, splits + 1)
 
     walk(whole(piece), 0)
     return Plan(tuple(done), tuple(missing), tuple(failed))
+
+
+def _asked(piece: Piece | SurfacePiece, interval: Interval) -> Interval:
+    """What was asked for: a proof on a symmetric piece about 0 is one on both sides of it."""
+    start, end = interval
+    return (Fraction(0), end) if piece.kind == "symmetric" and start == -end else interval
 
 
 def made_with(result: Mapping[str, Any], settings: Settings) -> bool:

@@ -15,7 +15,7 @@ from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
 from orbitproof.verify.engines import Answer, Failure, Report, Task
 from orbitproof.verify.evidence import Proved
-from orbitproof.verify.stability import stability_to_json
+from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
 from orbitproof.verify.surface import SurfaceLimits, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -31,12 +31,14 @@ class RunLimits:
         timeout: seconds for an interval, or `None`.
         max_splits: how often an interval is halved at most.
         stability: whether the stability of the orbits on proved intervals is enclosed as well.
+        order: up to which k all resonances are wanted then.
     """
 
     integrator: Mapping[str, int]
     timeout: float | None = None
     max_splits: int = 6
     stability: bool = False
+    order: int = 1
 
 
 def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
@@ -46,12 +48,15 @@ def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
     setting is out of range.
     """
     kind = SurfaceLimits if atlas.is_surface else PieceLimits
-    first = asdict(kind(**limits.integrator))
+    given = {**(_FOR_STABILITY if limits.stability else {}), **limits.integrator}
+    first = asdict(kind(**given))
     more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
 
 
 _MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
+_FOR_STABILITY = {"precision": 96, "order": 40, "width": 48}
+"""More digits than a proof takes: of n parameters of stability one may be small and the others large."""
 
 
 def task_of(
@@ -100,13 +105,14 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
             ).to_json()
         parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
         limits = PieceLimits(**argument["integrator"])
-        found = prove_piece(system, parameters, piece, (start, end), limits, stepped, argument["symmetry"])
+        bits = {"slope_bits": SLOPE_BITS} if argument.get("stability") else {}
+        found = prove_piece(system, parameters, piece, (start, end), limits, stepped, argument["symmetry"], **bits)
         result = found.to_json()
         if argument.get("stability") and isinstance(found.outcome, Proved):
             known = found.outcome.results
             result["stability"] = stability_to_json(
                 system, parameters, piece, (known.start, known.end), limits, str(found.computation["coordinates"]),
-                argument["symmetry"], stepped,
+                argument["symmetry"], stepped, known.half_return,
             )  # fmt: skip
             result["computation"]["seconds"] = round(time.monotonic() - began, 3)
         return result

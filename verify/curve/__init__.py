@@ -3,7 +3,7 @@
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import hypotheses_of as curve_hypotheses
-from orbitproof.verify.curve.equation import BEYOND, divided_by_wide, tube_points
+from orbitproof.verify.curve.equation import BEYOND, HalfReturn, divided_by_wide, tube_points
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.curve.lyapunov_family import point_name
@@ -19,6 +19,7 @@ __all__ = [
     "Chain",
     "Conclusion",
     "Ends",
+    "HalfReturn",
     "Interval",
     "PieceLimits",
     "PieceResult",

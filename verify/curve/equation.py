@@ -6,7 +6,8 @@ proved is proved for |sigma| <= 1/BEYOND, and |omega_j| <= TUBE is the tube.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import arb, arb_poly
@@ -15,6 +16,7 @@ from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, recentred, values_around
 from orbitproof.verify.evidence import enclose
+from orbitproof.verify.poincare import Returns
 
 BEYOND = Fraction(17, 16)
 TUBE = Fraction(1, 2)
@@ -48,6 +50,52 @@ def tube_points(
             terms[tuple(int(i == j) for i in range(count))] = row[j + 1] * widths[j]
         result[name] = arithmetic.polynomial(terms)
     return result
+
+
+@dataclass(frozen=True)
+class HalfReturn:
+    """The orbits of a tube, from Fix(R) to their first return.
+
+    Attributes:
+        start: the points of the tube and the parameters, by name.
+        widths: dp_j/domega_j.
+        state: the system's state at the first return.
+        time: the system's time there.
+        time_of_all: encloses it for all orbits.
+        steps: of the integration.
+    """
+
+    start: Mapping[str, Series]
+    widths: tuple[Fraction, ...]
+    state: tuple[Series, ...]
+    time: Series
+    time_of_all: arb
+    steps: int
+
+    @classmethod
+    def of(
+        cls,
+        system: ReversibleSystem,
+        start: Mapping[str, Series],
+        widths: Sequence[Fraction],
+        coordinates: str,
+        begun: Callable[[str], None] | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> HalfReturn:
+        """Integrate.
+
+        Args:
+            coordinates: "physical", "regularised" or "auto".
+            begun: called with the name of the coordinates that are integrated.
+            progress: called after every step with the number of steps; what it raises passes through.
+
+        Raises `IntegrationFailure`.
+        """
+        returns = Returns(system, next(iter(start.values())).arithmetic, start, coordinates)
+        if begun is not None:
+            begun(returns.coordinates.name)
+        state, time = returns.next_crossing(progress)
+        return cls(start, tuple(widths), tuple(state), returns.return_time, time, returns.steps)
 
 
 class Equation:

@@ -21,6 +21,7 @@ from orbitproof.verify.curve.equation import (
     BEYOND,
     TUBE,
     Equation,
+    HalfReturn,
     divided_by_wide,
     halves,
     parts_of_interval,
@@ -42,7 +43,7 @@ from orbitproof.verify.evidence import (
     is_inside,
 )
 from orbitproof.verify.newton import is_regular, newton_image
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED
 
 Progress = Callable[[float], None]
 
@@ -52,7 +53,7 @@ _MARGIN = 16
 _PARTS, _HALVINGS = 8, 6
 """The Newton operator is evaluated on so many parts of the interval of s, each halved at most so often."""
 
-_SLOPE_BITS = 52
+SLOPE_BITS = 52
 """Significant bits of the derivatives across the curve; what a Newton operator needs of them is little."""
 
 _MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
@@ -92,6 +93,7 @@ def prove_piece(
     limits: PieceLimits | None = None,
     progress: Progress | None = None,
     symmetry: str | None = None,
+    slope_bits: int = SLOPE_BITS,
 ) -> PieceResult[ProvedInterval]:
     """Prove the claim of a piece for s in an interval within [-1, 1], or say why it is not proved.
 
@@ -99,8 +101,10 @@ def prove_piece(
         parameters: exact values of the system's fixed parameters.
         progress: called after every step with the number of steps; what it raises passes through.
         symmetry: name of the symmetry of a symmetric piece.
+        slope_bits: significant bits of the derivatives across the curve.
     """
-    proof = _Proof(system, parameters, piece, interval, PieceLimits() if limits is None else limits, symmetry)
+    limits = PieceLimits() if limits is None else limits
+    proof = _Proof(system, parameters, piece, interval, limits, symmetry, slope_bits)
     found = proof.result(progress)
     in_physical = found.computation["coordinates"] == PHYSICAL and system.name in REGULARISATIONS
     mended = isinstance(found.outcome, NotProved) and found.outcome.reason.condition in _MENDED_BY_COORDINATES
@@ -120,6 +124,7 @@ class _Proof:
     asked: Interval
     limits: PieceLimits
     symmetry: str | None
+    slope_bits: int
 
     @property
     def divided(self) -> bool:
@@ -150,7 +155,7 @@ class _Proof:
     def arithmetic(self) -> Arithmetic:
         """The format, of a piece that has passed `check`."""
         limits, tube = self.limits, self.tube
-        grade_bits = floor(-log2(max(tube))) - max(0, limits.precision - _SLOPE_BITS)
+        grade_bits = floor(-log2(max(tube))) - max(0, limits.precision - self.slope_bits)
         grading = Grading((1,) * len(tube), 1)
         return WideArithmetic(grading, limits.precision, grade_bits, limits.order, width=limits.width)
 
@@ -172,7 +177,9 @@ class _Proof:
         with checklist.hypothesis(
             "half-return", "15.1", "the orbits of the tube meet the section again and are enclosed", "a narrower piece"
         ) as evidence:
-            equations, time = self._half_return(computation, progress)
+            half = self._half_return(computation, progress)
+            equations = [half.state[index] for index in self.system.kernel_coordinates]
+            time = half.time_of_all
             evidence.record("half period", time)
             evidence.require(len(equations) == len(self.tube), "an equation is missing")
             evidence.require(time.is_finite(), "the half periods are not enclosed")
@@ -195,7 +202,7 @@ class _Proof:
         if self.piece.kind == "symmetric" and not self.divided:
             nearest = min(abs(end) for end in self.interval)
             slope_deviation = [bound / enclose(nearest) for bound in slope_deviation]
-        return ProvedInterval(*self.interval, self._in_units(deviation), self._in_units(slope_deviation), time)
+        return ProvedInterval(*self.interval, self._in_units(deviation), self._in_units(slope_deviation), time, half)
 
     def check_claim(self, checklist: Checklist) -> None:
         """The exact conditions on the piece."""
@@ -212,20 +219,19 @@ class _Proof:
         """The points of the tube, by the names of the coordinates, as elements in (sigma, omega)."""
         return tube_points(self.arithmetic, self.system, self.piece, (self.middle, self.radius), self.tube)
 
-    def _half_return(self, computation: Account, progress: Progress | None) -> tuple[list[Series], arb]:
-        """The kernel coordinates at the first return, and the half periods."""
-        system, arithmetic = self.system, self.arithmetic
-        point = {**parameter_series(arithmetic, system, self.parameters), **self.points()}
-        returns = Returns(system, arithmetic, point, self.piece.coordinates)
-        computation["coordinates"] = returns.coordinates.name
+    def _half_return(self, computation: Account, progress: Progress | None) -> HalfReturn:
+        """The orbits of the tube up to their first return."""
+        point = {**parameter_series(self.arithmetic, self.system, self.parameters), **self.points()}
+
+        def begun(coordinates: str) -> None:
+            computation["coordinates"] = coordinates
 
         def after_step(steps: int) -> None:
             computation["steps"] = steps
             if progress is not None:
                 progress(steps)
 
-        state, when = returns.next_crossing(after_step)
-        return [state[index] for index in system.kernel_coordinates], when
+        return HalfReturn.of(self.system, point, self.tube, self.piece.coordinates, begun, after_step)
 
     def _images(self, equations: Sequence[Equation]) -> list[tuple[list[arb], list[arb]]]:
         """Newton images and slopes of omega on parts that cover the interval of sigma."""

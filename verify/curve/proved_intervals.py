@@ -11,6 +11,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify.curve.equation import HalfReturn
 from orbitproof.verify.curve.piece_result import Interval, interval_to_json
 from orbitproof.verify.evidence import Reason, ball_from_json, ball_to_json
 
@@ -27,6 +28,7 @@ class ProvedInterval:
         deviation: shape (n,), bounds of |d_j|, smaller than the tube.
         slope_deviation: shape (n,), bounds of |d_j'|, of |d_j'(s)/s| for a symmetric piece.
         time: half periods of the orbits, not finite if they were not given.
+        half_return: how the tube returns, if this comes from an integration.
     """
 
     start: Fraction
@@ -34,6 +36,7 @@ class ProvedInterval:
     deviation: tuple[Fraction, ...]
     slope_deviation: tuple[Fraction, ...]
     time: arb = field(default_factory=lambda: arb(float("nan")))
+    half_return: HalfReturn | None = field(default=None, compare=False, repr=False)
 
     def to_json(self) -> dict[str, Any]:
         """Its part of the JSON object of a result; all numbers that carry proof are exact."""

@@ -28,6 +28,9 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
+PRECISION = 192
+"""Bits of the ball arithmetic."""
+
 FOLD, LOSS, SYMMETRIC = "fold", "loss of R", "symmetric point"
 HERE, THERE, RESONANCE, UNKNOWN = "doubling at this point", "doubling at the other point", "resonance", "undecided"
 COLLISION = "Krein collision"
@@ -221,10 +224,21 @@ def complete_list(
     )
 
 
+@dataclass(frozen=True)
+class _Known:
+    """What a result knows on an interval; of two of them that with the smaller rank, the narrower one, is taken."""
+
+    low: Fraction
+    high: Fraction
+    entry: Mapping[str, Any]
+    mirrored: bool
+    rank: tuple[Fraction, int]
+
+
 def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, Any]]) -> tuple[list[Segment], list[Gap]]:
     """The parts of a stretch on which functions are known, from its beginning to its end, and the rest."""
     piece = stretch.tube.piece
-    known: list[tuple[Fraction, Fraction, Mapping[str, Any], bool]] = []
+    known: list[_Known] = []
     reasons: list[tuple[Fraction, Fraction, str]] = []
     for result in results:
         if result.get("piece") != piece.id or result.get("verdict") != "proved":
@@ -237,21 +251,25 @@ def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, An
             if "reason" in entry:
                 reasons.append((low, high, str(entry["reason"]["message"])))
             elif _is_proved(stretch, low, high):
-                known.append((low, high, entry, mirrored))
+                digits = int(result.get("computation", {}).get("precision", 0))
+                known.append(_Known(low, high, entry, mirrored, (high - low, -digits)))
     segments: list[Segment] = []
     gaps: list[Gap] = []
     reached = stretch.enters
     while reached < stretch.leaves:
-        here = [item for item in known if item[0] <= reached < item[1]]
+        here = [item for item in known if item.low <= reached < item.high]
+        later = [item for item in known if item.low > reached]
         if not here:
-            end = min([item[0] for item in known if item[0] > reached] + [stretch.leaves])
+            end = min([item.low for item in later] + [stretch.leaves])
             why = next((text for low, high, text in reasons if low <= reached <= high), "nothing is known there")
             gaps.append(Gap(number, piece.id, reached, end, "everything", why))
         else:
-            low, high, entry, mirrored = max(here, key=lambda item: item[1])
-            end = min(high, stretch.leaves)
+            best = min(here, key=lambda item: item.rank)
+            end = min([best.high, stretch.leaves] + [item.low for item in later if item.rank < best.rank])
             entered = min(max(reached, stretch.entered), end)
-            segments.append(_segment(number, (reached, entered, end), (low, high), entry, mirrored))
+            segments.append(
+                segment_of(number, (reached, entered, end), (best.low, best.high), best.entry, best.mirrored)
+            )
         reached = end
     return segments, gaps
 
@@ -261,13 +279,20 @@ def _is_proved(stretch: Stretch, low: Fraction, high: Fraction) -> bool:
     return any((part.start, part.end) == (low, high) for part in stretch.run.intervals)
 
 
-def _segment(
+def segment_of(
     number: int,
     places: tuple[Fraction, Fraction, Fraction],
     interval: tuple[Fraction, Fraction],
     entry: Mapping[str, Any],
     mirrored: bool,
 ) -> Segment:
+    """A part of the curve with what a result on an interval of its piece knows.
+
+    Args:
+        places: where it begins, is surely entered, and ends.
+        entry: the stored functions.
+        mirrored: whether they are those of -s.
+    """
     low, high = interval
     names = ("level", "half_period", "first_factor")
     functions = [function_from_json(part) for part in (*entry["characteristic"], *(entry[name] for name in names))]

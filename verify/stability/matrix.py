@@ -1,7 +1,7 @@
 """The stability matrix along a proved interval of a piece (section 18.3).
 
 The flow of the tube is followed to its second return: its derivative across the curve, modulo the direction of the
-curve, is the stability matrix Sigma(s) of the orbits.
+curve, is the stability matrix Sigma(s) of the orbits. The proof of the piece has followed it to the first one.
 """
 
 from __future__ import annotations
@@ -20,7 +20,15 @@ from flint import arb, fmpq, fmpq_mat
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic, recentred
-from orbitproof.verify.curve import BEYOND, Interval, PieceLimits, divided_by_wide, parameter_series, tube_points
+from orbitproof.verify.curve import (
+    BEYOND,
+    HalfReturn,
+    Interval,
+    PieceLimits,
+    divided_by_wide,
+    parameter_series,
+    tube_points,
+)
 from orbitproof.verify.evidence import IntegrationFailure, guarded, is_inside
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
@@ -41,14 +49,13 @@ from orbitproof.verify.stability.units import in_own_units
 SHARE = 1 / BEYOND * REACH
 """sigma = SHARE tau."""
 
-_SLOPE_BITS = 64
+SLOPE_BITS = 64
 """Significant bits of the derivatives across the curve."""
 _SPARE_BITS = 48
 """The algebra of functions of sigma has so many bits more than the flow."""
-_MORE_BITS, _MORE_WIDTH = 32, 16
-"""What is added to the settings with which a piece is proved."""
 _WIDER = 8
-"""The tube is followed about so many times as wide: at complex s the curve is farther from the polynomial."""
+"""A tube about so many times as wide is followed where the piece's own does not do: at complex s the curve is farther
+from the polynomial."""
 _PARTS = [(arb(2 * part - 31) + arb(0, 1)) / 32 for part in range(32)]
 """Balls that cover |tau| <= 1."""
 _FRAME = 2**16
@@ -90,16 +97,17 @@ def stability_to_json(
     coordinates: str,
     symmetry: str | None = None,
     progress: Callable[[float], None] | None = None,
+    half: HalfReturn | None = None,
 ) -> dict[str, Any]:
     """The functions of section 18.3 as JSON, or the reason why there are none; arguments as `orbit_functions`.
 
-    `limits` and `coordinates` are those with which the piece is proved. More digits are wanted here: of n parameters of
-    stability one may be small and the others large.
+    `limits`, `coordinates` and `half` are those with which the piece is proved.
     """
-    more = PieceLimits(limits.precision + _MORE_BITS, limits.order, limits.width + _MORE_WIDTH)
     followed = PHYSICAL if coordinates == PHYSICAL else REGULARISED
     try:
-        return orbit_functions(system, parameters, piece, interval, more, followed, symmetry, progress).to_json()
+        return orbit_functions(
+            system, parameters, piece, interval, limits, followed, symmetry, progress, half
+        ).to_json()
     except IntegrationFailure as error:
         return {"reason": error.reason.to_json()}
     except (ArithmeticError, ValueError) as error:
@@ -116,6 +124,7 @@ def orbit_functions(
     coordinates: str,
     symmetry: str | None = None,
     progress: Callable[[float], None] | None = None,
+    half: HalfReturn | None = None,
 ) -> OrbitFunctions:
     """The functions of section 18.3 on an interval of a piece that is proved there.
 
@@ -124,11 +133,18 @@ def orbit_functions(
         limits, coordinates: how to integrate.
         symmetry: name of the symmetry of a symmetric piece.
         progress: called after every step with the number of steps; what it raises passes through.
+        half: the return of the tube, if it is known already, with these limits.
 
     Raises `IntegrationFailure`.
     """
     with guarded(limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
-        return _Integration(system, parameters, piece, interval, limits, coordinates, symmetry).functions(progress)
+        work = _Integration(system, parameters, piece, interval, limits, coordinates, symmetry)
+        try:
+            return work.functions(work.wider(progress) if half is None else half, progress)
+        except IntegrationFailure:
+            if half is None:
+                raise
+            return work.functions(work.wider(progress), progress)
 
 
 @dataclass(frozen=True)
@@ -157,60 +173,54 @@ class _Integration:
         """ds/dsigma."""
         return (self.interval[1] - self.interval[0]) / 2 * BEYOND
 
-    @property
-    def widths(self) -> list[Fraction]:
-        """dp_j/domega_j."""
-        return [_WIDER * Fraction(2) ** floor(log2(width)) for width in self.piece.tube]
-
-    @cached_property
-    def flow_arithmetic(self) -> WideArithmetic:
-        """The algebra in (sigma, omega)."""
-        limits, widths = self.limits, self.widths
-        bits = floor(-log2(max(widths))) - max(0, limits.precision - _SLOPE_BITS)
-        grading = Grading((1,) * len(widths), 1)
-        return WideArithmetic(grading, limits.precision, bits, limits.order, width=limits.width)
+    def wider(self, progress: Callable[[float], None] | None) -> HalfReturn:
+        """The return of a wider tube."""
+        limits, system = self.limits, self.system
+        widths = [_WIDER * Fraction(2) ** floor(log2(width)) for width in self.piece.tube]
+        bits = floor(-log2(max(widths))) - max(0, limits.precision - SLOPE_BITS)
+        flow = WideArithmetic(Grading((1,) * len(widths), 1), limits.precision, bits, limits.order, width=limits.width)
+        tube = tube_points(flow, system, self.piece, (self.middle, self.radius), widths)
+        start = {**parameter_series(flow, system, self.parameters), **tube}
+        return HalfReturn.of(system, start, widths, self.coordinates, None, progress)
 
     @cached_property
     def arithmetic(self) -> WideArithmetic:
         """The algebra in sigma, or tau."""
         return WideArithmetic(Grading((1,), 0), self.limits.precision + _SPARE_BITS, 0, 0, width=self.limits.width)
 
-    def functions(self, progress: Callable[[float], None] | None) -> OrbitFunctions:
-        """All functions, from the two half orbits."""
-        system, flow, widths = self.system, self.flow_arithmetic, self.widths
-        tube = tube_points(flow, system, self.piece, (self.middle, self.radius), widths)
-        parameters = parameter_series(flow, system, self.parameters)
-        integral = first_integral(system, flow, {**parameters, **tube})
-        level = tube[str(system.family_parameter)] if integral is None else integral
-        returns = Returns(system, flow, {**parameters, **tube}, self.coordinates)
-        first, _ = returns.next_crossing(progress)
-        curve = self._curve(first)
-        there = self._named(tube, first)
+    def functions(self, half: HalfReturn, progress: Callable[[float], None] | None) -> OrbitFunctions:
+        """All functions, from the first half of the orbits by integrating the second."""
+        system, widths = self.system, half.widths
+        flow = half.state[0].arithmetic
+        assert isinstance(flow, WideArithmetic)
+        integral = first_integral(system, flow, half.start)
+        level = half.start[str(system.family_parameter)] if integral is None else integral
+        curve = self._curve(half)
+        there = self._named(half.start, half.state)
         other = OtherPoint.of([curve.value(element) for element in there])
         out = other.modulo(
             [[curve.across(element, j).scaled(1 / width) for element in there] for j, width in enumerate(widths)]
         )
-        begun = other.tube(flow, system.centre_coordinates, widths)
-        steps = returns.steps
+        begun = {**half.start, **other.tube(flow, system.centre_coordinates, widths)}
 
         def after_step(number: float) -> None:
             if progress is not None:
-                progress(steps + number)
+                progress(half.steps + number)
 
-        second, _ = Returns(system, flow, {**parameters, **begun}, self.coordinates).next_crossing(after_step)
-        back = self._back(curve, self._named(begun, second))
+        second, _ = Returns(system, flow, begun, self.coordinates).next_crossing(after_step)
+        back = self._back(curve, widths, self._named(begun, second))
         sigma = _stability_matrix(out, back)
         return OrbitFunctions(
             tuple(_minors(sigma, order) for order in range(1, len(widths) + 1)),
             restricted(curve.value(level), SHARE),
-            restricted(curve.value(returns.return_time), SHARE),
+            restricted(curve.value(half.time), SHARE),
             determinant(out),
         )
 
-    def _curve(self, first: Sequence[Series]) -> CurveInTube:
+    def _curve(self, half: HalfReturn) -> CurveInTube:
         """omega on the curve, from the state at the first return."""
         system = self.system
-        equations = [first[index] for index in system.kernel_coordinates]
+        equations = [half.state[index] for index in system.kernel_coordinates]
         if self.divided:
             signs = system.symmetries[str(self.symmetry)]
             equations = [
@@ -218,7 +228,7 @@ class _Integration:
                 for index, equation in zip(system.kernel_coordinates, equations, strict=True)
             ]
         curve = solve(self.arithmetic, equations)
-        for omega, width, tube in zip(curve.omega, self.widths, self.piece.tube, strict=True):
+        for omega, width, tube in zip(curve.omega, half.widths, self.piece.tube, strict=True):
             known = bounded(restricted(omega, SHARE))
             if not all(is_inside(known.value(part), tube / width) for part in _PARTS):
                 raise IntegrationFailure("stability", "the curve is not shown to be in its tube", "give a wider tube")
@@ -231,16 +241,16 @@ class _Integration:
             named.update(in_own_units(self.system, named))
         return [named[name] for name in self.system.centre_coordinates]
 
-    def _back(self, curve: CurveInTube, second: Sequence[Series]) -> list[list[Series]]:
+    def _back(self, curve: CurveInTube, widths: Sequence[Fraction], second: Sequence[Series]) -> list[list[Series]]:
         """The columns of A': vectors at x modulo the direction of the curve, p_1, .., p_n (section 18.3)."""
         piece, scale = self.piece, 1 / self.piece.half_width
         turns = []
-        for polynomial, width, omega in zip(piece.polynomial, self.widths, curve.omega, strict=True):
+        for polynomial, width, omega in zip(piece.polynomial, widths, curve.omega, strict=True):
             slopes = [n * value for n, value in enumerate(polynomial)][1:] or [Fraction(0)]
             along = function(self.arithmetic, recentred(slopes, self.middle, self.radius * SHARE), Fraction(0))
             turns.append(along.scaled(scale) + slope(omega, SHARE).scaled(scale * width / self.radius))
         columns = []
-        for j, width in enumerate(self.widths):
+        for j, width in enumerate(widths):
             image = [restricted(at_origin(element, j, self.arithmetic), SHARE).scaled(1 / width) for element in second]
             p = [_combined(row, image) for row in inverse_of(piece.frame)]
             columns.append([value - turn * p[0] for value, turn in zip(p[1:], turns, strict=True)])

@@ -10,12 +10,9 @@ from flint import ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved, Reason
-from orbitproof.verify.stability.complete_list import complete_list
+from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import stable_intervals
 from orbitproof.verify.stability.statement import statement
-
-PRECISION = 192
-"""Bits of the ball arithmetic."""
 
 
 def with_complete_list(

@@ -1,0 +1,284 @@
+"""Complete lists: what is listed is there, nothing else is, and forged lists are refused."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Callable
+from fractions import Fraction
+from math import cos, pi
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, arb_poly, ctx
+from support.flow_checks import ball
+from support.forgeries import checked, forged, honest
+from support.stability_cases import Results, atlas, listed, results
+
+from orbitproof.shared.formats.atlas import read_atlas
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify.atlas.certificate import make_atlas_certificate
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
+from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
+from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.stability.complete_list import Segment, about_the_list, complete_list, orders
+from orbitproof.verify.stability.decided import open_on
+from orbitproof.verify.stability.functions import BoundedFunction
+from orbitproof.verify.stability.linear_stability import is_stable
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Any:
+    with ctx.workprec(160):
+        yield
+
+
+def constant(value: Fraction) -> BoundedFunction:
+    return BoundedFunction(arb_poly([ball(value)]), arb(0))
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_linear_stability_is_decided_as_by_the_eigenvalues(seed: int) -> None:
+    """Two stability parameters: real, complex, inside (-1, 1) or not."""
+    source = random.Random(seed)
+    first, second = (Fraction(source.randint(-150, 150), 100) for _ in range(2))
+    if seed % 3 == 0:
+        trace, determinant = first, first * first / 4 + abs(second) + Fraction(1, 10**6)
+        expected = False
+    else:
+        trace, determinant = first + second, first * second
+        expected = max(abs(first), abs(second)) < 1 and first != second
+    zero = Fraction(0)
+    flat = constant(zero)
+    segment = Segment(
+        0, zero, zero, zero, zero, Fraction(1), (constant(trace), constant(determinant)), flat, flat, flat
+    )
+    if 1 in (abs(first), abs(second)) or first == second:
+        assert is_stable(segment, arb(0)) is not True
+    else:
+        assert is_stable(segment, arb(0)) is expected
+
+
+# The list
+
+
+def test_the_list_of_the_falkner_skan_family_is_complete() -> None:
+    """Sigma goes from below -1 to about 0.05 along these pieces, and increases."""
+    document = listed(results())
+    assert document["verdict"] == "proved"
+    found = document["complete"]
+    assert found["gaps"] == found["undecided"] == []
+    expected = sorted((cos(2 * pi * j / k), k, j) for k, j in orders(12) if -1 <= cos(2 * pi * j / k) < 0.05)
+    assert [(point["k"], point["j"]) for point in found["points"]] == [(k, j) for _, k, j in expected]
+    (stable,) = found["stable"]
+    assert stable["from"]["what"] == "doubling at this point"
+    assert stable["to"]["what"] == "the end of the curve"
+    (touch_and_go,) = [point for point in found["points"] if point["k"] == 3]
+    assert "453.44258" in touch_and_go["level"]["decimal"]
+    assert "1:11 (j = 5)" in document["statement"]
+    assert "and no others are" in document["statement"]
+
+
+def test_lower_orders_are_a_part_of_the_list() -> None:
+    every, few = (listed(results(), order)["complete"]["points"] for order in (12, 4))
+    assert few == [point for point in every if point["k"] <= 4]
+
+
+def without_stability(found: Results, number: int, why: dict[str, Any] | None = None) -> Results:
+    entry = dict(found[number])
+    del entry["stability"]
+    if why is not None:
+        entry["stability"] = {"reason": why}
+    return [*found[:number], entry, *found[number + 1 :]]
+
+
+def test_what_is_not_covered_is_named_and_the_theorem_speaks_of_the_rest() -> None:
+    reason = {"condition": "stability", "message": "the computer was tired", "remedy": "let it sleep"}
+    for why, text in ((None, "was not looked at"), (reason, "the computer was tired")):
+        document = listed(without_stability(results(), 0, why))
+        found = document["complete"]
+        assert document["verdict"] == "proved"
+        assert [gap["piece"] for gap in found["gaps"]] == ["p014"]
+        assert text in found["gaps"][0]["reason"]
+        assert text in document["statement"]
+        assert "but for the places named below" in document["statement"]
+        assert {point["piece"] for point in found["points"]} == {"p015"}
+        assert found["undecided"]
+
+
+def test_a_resonance_within_the_bounds_of_a_joint_is_counted_once_or_named() -> None:
+    """The joint is moved over a resonance: the list is the same as before."""
+    before = [(point["k"], point["j"]) for point in listed(results())["complete"]["points"]]
+    moved = results()
+    moved[0]["interval"] = ["-1", moved[0]["interval"][1]]
+    assert [(point["k"], point["j"]) for point in listed(moved)["complete"]["points"]] == before
+
+
+def coarser(found: Results, number: int, factor: int) -> Results:
+    """The same functions with wider bounds."""
+    entries: Results = json.loads(json.dumps(found))
+    for function in entries[number]["stability"]["characteristic"]:
+        function["error"] = format_exact(parse_exact(function["error"]) * factor)
+    return entries
+
+
+def test_what_leaves_a_list_open_on_an_interval_is_known() -> None:
+    piece = atlas().curve_pieces()[1]
+    true = results()
+    assert open_on(piece, true[1], 12) == ""
+    assert open_on(piece, coarser(true, 1, 2**60)[1], 12) == "zeros"
+    broken = {**true[1]["stability"], "characteristic": [{"coefficients": ["1"], "error": "-1"}]}
+    assert open_on(piece, {**true[1], "stability": broken}, 12) == "zeros"
+    for missing in without_stability(true, 1), without_stability(true, 1, {"message": "tired"}):
+        assert open_on(piece, missing[1], 12) == "stability"
+
+
+def test_a_narrow_interval_counts_where_a_wide_one_says_less() -> None:
+    """Wide bounds of the same interval, first or last, change nothing."""
+    true = results()
+    expected = listed(true)["complete"]["points"]
+    worse = coarser(true, 1, 2**60)[1]
+    worse["computation"]["precision"] -= 8
+    for found in ([*true, worse], [worse, *true]):
+        document = listed(found)["complete"]
+        assert document["gaps"] == []
+        assert document["points"] == expected
+    assert listed([true[0], worse])["complete"]["gaps"]
+
+
+def certified(k: int, s: float, piece: str = "p015") -> Bifurcation:
+    return Bifurcation("row", "touch_and_go", k, Place(piece, ball(Fraction(s)), False), "", {})
+
+
+def test_certificates_are_matched_by_where_they_are() -> None:
+    outcome = conclude(atlas(), results()).outcome
+    assert isinstance(outcome, Proved)
+    chain = outcome.results.chain
+    plain = complete_list(atlas(), chain, results(), 4)
+    (at,) = [point for point in plain.points if point.k == 3]
+    place = float(at.s.mid())
+    (found,) = [p for p in complete_list(atlas(), chain, results(), 4, [certified(3, place)]).points if p.k == 3]
+    assert found.certificates == ("row",)
+    for k, s in ((4, place), (3, place + 1e-3)):
+        with pytest.raises(EmptyIntersectionError):
+            complete_list(atlas(), chain, results(), 4, [certified(k, s)])
+    assert complete_list(atlas(), chain, results(), 3, [certified(4, place)]).points
+
+
+def test_bifurcations_out_of_the_plane_are_not_looked_for_in_the_plane() -> None:
+    planar = read_atlas(DATA / "atlas-lyapunov.json")
+    assert about_the_list(planar, [certified(1, 0.0)], 12) == []
+    assert about_the_list(atlas(), [certified(1, 0.0), certified(13, 0.0)], 12) == [certified(1, 0.0)]
+
+
+@pytest.mark.parametrize("other_point", [True, False])
+def test_doubling_is_certified_at_the_point_of_the_orbit_where_it_is_found(other_point: bool) -> None:
+    outcome = conclude(atlas(), results()).outcome
+    assert isinstance(outcome, Proved)
+    chain = outcome.results.chain
+    (at,) = [point for point in complete_list(atlas(), chain, results(), 2).points if point.k == 2]
+    assert at.kind == "doubling at this point"
+    place = Place(at.piece, at.s, False, other_point)
+    entry = Bifurcation("row", "period_tupling", 2, place, "", {})
+    if other_point:
+        with pytest.raises(EmptyIntersectionError):
+            complete_list(atlas(), chain, results(), 2, [entry])
+    else:
+        assert complete_list(atlas(), chain, results(), 2, [entry]).points[0].certificates == ("row",)
+
+
+# Forgeries
+
+
+def document_of(found: Results) -> dict[str, Any]:
+    return make_atlas_certificate(atlas(), found, listed(found))
+
+
+def left_out(entry: dict[str, Any]) -> None:
+    del entry["conclusion"]["complete"]["points"][3]
+
+
+def one_too_many(entry: dict[str, Any]) -> None:
+    points = entry["conclusion"]["complete"]["points"]
+    points.insert(3, points[3])
+
+
+def wrong_order(entry: dict[str, Any]) -> None:
+    entry["conclusion"]["complete"]["points"][3]["k"] = 8
+
+
+def longer(entry: dict[str, Any]) -> None:
+    """The stable interval begins a little earlier."""
+    begin = entry["conclusion"]["complete"]["stable"][0]["from"]
+    begin["interval"] = [format_exact(parse_exact(end) - Fraction(1, 2**30)) for end in begin["interval"]]
+
+
+def other_words(entry: dict[str, Any]) -> None:
+    for holder in (entry["statement"], entry["conclusion"]):
+        key = "theorem" if "theorem" in holder else "statement"
+        holder[key] = holder[key].replace("1:11 (j = 5)", "1:11 (j = 4)")
+
+
+def fewer_orders(entry: dict[str, Any]) -> None:
+    entry["conclusion"]["complete"]["order"] = 11
+
+
+def no_gap(entry: dict[str, Any]) -> None:
+    """A piece was not looked at, and the list says nothing of it."""
+    del entry["results"][1]["stability"]
+
+
+@pytest.mark.parametrize(
+    "change", [left_out, one_too_many, wrong_order, longer, other_words, fewer_orders, no_gap], ids=lambda f: f.__name__
+)
+def test_a_forged_list_is_found_without_integrating(change: Callable[[dict[str, Any]], None]) -> None:
+    document = document_of(results())
+    assert checked(document).stands
+    found = checked(forged(document, change))
+    assert not found.stands
+    assert found.findings
+
+
+def shifted_function(entry: dict[str, Any], name: str) -> None:
+    functions = entry["results"][0]["stability"][name]
+    function_ = functions[0] if isinstance(functions, list) else functions
+    value = parse_exact(function_["coefficients"][0])
+    function_["coefficients"][0] = format_exact(value * (1 + Fraction(1, 2**10)))
+
+
+def narrow_bound(entry: dict[str, Any]) -> None:
+    entry["results"][0]["stability"]["characteristic"][0]["error"] = format_exact(Fraction(1, 2**60))
+
+
+@pytest.mark.parametrize("change", ["characteristic", "level", "half_period", "first_factor", "bound"])
+def test_forged_functions_are_found_by_another_integration(change: str) -> None:
+    """Also with a list that fits them."""
+
+    def forge(entry: dict[str, Any]) -> None:
+        if change == "bound":
+            narrow_bound(entry)
+        else:
+            shifted_function(entry, change)
+
+    true = results()
+    prover = honest(confirming(true))
+    assert checked(document_of(true), prover).stands
+    entry: dict[str, Any] = {"results": results()}
+    forge(entry)
+    found = checked(document_of(entry["results"]), prover)
+    assert any("stability" in finding.place for finding in found.findings)
+
+
+def confirming(found: Results) -> Results:
+    """What another integration would find: the same functions with smaller bounds."""
+    entries: Results = json.loads(json.dumps(found))
+    for result in entries:
+        stability = result["stability"]
+        parts = [*stability["characteristic"], *(stability[n] for n in ("level", "half_period", "first_factor"))]
+        for part in parts:
+            part["error"] = format_exact(parse_exact(part["error"]) / 4)
+    return entries

@@ -1,0 +1,257 @@
+"""The stability matrix along a curve contains what independent integrations find."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+from scipy.integrate import solve_ivp
+from support.stability_cases import atlas, results
+
+from orbitproof.shared.formats.pieces import Piece, piece_from_json
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems.libration import AROUND
+from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
+from orbitproof.verify.curve.libration_point import derived_parameter
+from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.stability.functions import (
+    REACH,
+    function_from_json,
+)
+from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.units import scales
+
+DATA = Path(__file__).parents[1] / "data"
+PIECES: dict[str, Any] = json.loads((DATA / "branch-pieces.json").read_text())
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Any:
+    with ctx.workprec(160):
+        yield
+
+
+# The stability matrix
+
+
+def variations(piece: Piece, s: Any, half_periods: Any) -> tuple[Any, Any]:
+    """dy/dy(0) after one and two half periods of Falkner-Skan orbits, by an integrator that knows no enclosures."""
+    points = np.array([[float(value) for value in piece.point(Fraction(float(x)))] for x in s])
+    beta, y = points.T
+    zero, one = np.zeros_like(y), np.ones_like(y)
+
+    def field(_: float, flat: Any) -> Any:
+        x, y, z, dx, dy, dz = flat.reshape(6, -1)
+        rates = [y, z, beta * (y * y - 1) - x * z, dy, dz, beta * 2 * y * dy - dx * z - x * dz]
+        return (np.array(rates) * half_periods).ravel()
+
+    start = np.concatenate([zero, y, zero, zero, one, zero])
+    found = solve_ivp(field, (0, 2), start, "DOP853", (1.0, 2.0), rtol=3e-14, atol=1e-15)
+    ends = found.y.reshape(6, len(y), 2)
+    return ends[4, :, 0], ends[4, :, 1]
+
+
+def check_falkner_skan(
+    piece: Piece, entry: Mapping[str, Any], interval: tuple[Fraction, Fraction], number: int
+) -> None:
+    """Random points of the curve: the independent derivatives lie in the enclosures, up to their own accuracy."""
+    start, end = interval
+    source = np.random.default_rng(1)
+    s = source.uniform(float(start), float(end), number)
+    middle, radius = float(start + end) / 2, float(end - start) / 2 * float(REACH)
+    taus = [arb(float(value)) for value in (s - middle) / radius]
+    names = ("half_period", "level")
+    period, level = ([function_from_json(entry[name]).value(tau) for tau in taus] for name in names)
+    sigma = [function_from_json(entry["characteristic"][0]).value(tau) for tau in taus]
+    factor = [function_from_json(entry["first_factor"]).value(tau) for tau in taus]
+    out, around = variations(piece, s, np.array([float(value) for value in period]))
+    assert np.allclose([float(value) for value in level], [float(piece.point(Fraction(x))[0]) for x in s], rtol=1e-12)
+    for enclosure, value in zip(sigma, around, strict=True):
+        assert (enclosure + arb(0, 1e-9)).contains(arb(value))
+        assert float(enclosure.rad()) < 1e-6
+    ratios = np.array([float(value) for value in factor]) / out
+    assert np.all(np.abs(ratios) > 0)
+    assert np.all(np.sign(ratios) == np.sign(ratios[0]))
+
+
+def test_sigma_contains_independent_variations_at_random_points() -> None:
+    """Sigma = dy(P^2)/dy at fixed beta: the velocity y' = z vanishes on the section."""
+    for piece, result in zip(atlas().curve_pieces(), results(), strict=True):
+        start, end = (parse_exact(text) for text in result["interval"])
+        check_falkner_skan(piece, result["stability"], (start, end), 1000)
+
+
+def test_another_interval_and_other_settings_enclose_the_same() -> None:
+    piece = atlas().curve_pieces()[1]
+    interval = (Fraction(1, 4), Fraction(1, 2))
+    found = orbit_functions(atlas().system, {}, piece, interval, PieceLimits(60, 24, 16), "physical").to_json()
+    check_falkner_skan(piece, found, interval, 20)
+
+
+@pytest.mark.parametrize("tube", [None, Fraction(1, 10**9)])
+def test_the_half_return_of_a_proof_gives_the_same(tube: Fraction | None) -> None:
+    """Also where the curve leaves the followed tube at complex s, and a wider one has to be followed."""
+    piece = atlas().curve_pieces()[1]
+    interval = (Fraction(1, 4), Fraction(1, 2))
+    limits = PieceLimits(64, 24, 16)
+    proof = prove_piece(atlas().system, {}, piece, interval, limits, slope_bits=64).outcome
+    assert isinstance(proof, Proved)
+    half = proof.results.half_return
+    assert half is not None
+    if tube is not None:
+        # As if the proof had followed a tube about another curve.
+        half = replace(half, state=tuple(element.scaled(Fraction(0)) for element in half.state))
+    found = orbit_functions(atlas().system, {}, piece, interval, limits, "physical", half=half).to_json()
+    check_falkner_skan(piece, found, interval, 20)
+
+
+def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_body_problem() -> None:
+    """The trace of the planar monodromy matrix of the CR3BP is 2 + 2 Sigma, and Sigma is continuous at size 0."""
+    entry = PIECES["lyapunov"]
+    system = AROUND["L1"]
+    parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
+    piece = piece_from_json(entry["piece"], system, "piece")
+    assert isinstance(piece, Piece)
+    interval = (Fraction(1, 2), Fraction(3, 4))
+    found = orbit_functions(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical").to_json()
+    functions = [function_from_json(found[name]) for name in ("half_period", "level")]
+    (sigma,) = (function_from_json(part) for part in found["characteristic"])
+    taus = [arb(number) / 32 for number in range(-30, 31, 6)]
+    periods, sizes = (np.array([float(function_.value(tau)) for tau in taus]) for function_ in functions)
+    s = [Fraction(5, 8) + Fraction(1, 8) * REACH * Fraction(number, 32) for number in range(-30, 31, 6)]
+    points = np.array([[float(value) for value in piece.point(place)] for place in s]).T
+    assert np.allclose(points[0], sizes, rtol=1e-9)
+    mu = parameters["mu"]
+    state = np.zeros((6, len(s)))
+    x_l = float(derived_parameter(system, "x_l", parameters, 80).middle)
+    state[0], state[4] = x_l + points[0], points[0] * points[1]
+    whole, _ = monodromy(state, float(mu), 2 * periods)
+    plane = np.moveaxis(whole[np.ix_([0, 1, 3, 4], [0, 1, 3, 4])], -1, 0)
+    for tau, trace in zip(taus, np.trace(plane, axis1=1, axis2=2), strict=True):
+        value = sigma.value(tau)
+        assert (value + arb(0, 1e-5 * abs(trace))).contains(arb((trace - 2) / 2))
+        assert float(value.rad()) < 0.05 * abs(trace)
+
+
+def test_only_systems_that_scale_have_own_units() -> None:
+    assert all(scales(system) for system in AROUND.values())
+    assert not scales(FALKNER_SKAN)
+
+
+@pytest.mark.parametrize("tube", [Fraction(1, 10**9), Fraction(1, 10**8)])
+def test_a_curve_beside_its_tube_is_refused(tube: Fraction) -> None:
+    """The polynomial is moved by 2e-8 across the curve: out of the tube, and in the wider one out of the half of it."""
+    piece = atlas().curve_pieces()[1]
+    ((first, *others),) = piece.polynomial
+    moved = replace(piece, polynomial=((first + Fraction(2, 10**8), *others),), tube=(tube,))
+    interval = (Fraction(1, 4), Fraction(1, 2))
+    with pytest.raises(IntegrationFailure, match="in its tube" if tube == Fraction(1, 10**8) else "analytic"):
+        orbit_functions(atlas().system, {}, moved, interval, PieceLimits(60, 24, 16), "physical")
+
+
+# The CR3BP
+
+
+def monodromy(state: Any, mu: float, times: Any) -> Any:
+    """The derivative of the flow, shape (6, 6, points), and the states there, by complex steps of an integrator."""
+    step = 1e-30
+    number = state.shape[1]
+    start = np.repeat(state[:, None, :], 6, axis=1).astype(complex)
+    for column in range(6):
+        start[column, column] += 1j * step
+
+    def field(_: float, flat: Any) -> Any:
+        values = CR3BP.vector_field(list(flat.reshape(6, 6, number)), [mu])
+        return (np.array(values) * times).ravel()
+
+    end = (
+        solve_ivp(field, (0, 1), start.ravel(), "DOP853", (1.0,), rtol=3e-14, atol=1e-16).y[:, -1].reshape(start.shape)
+    )
+    return end.imag / step, end[:, 0].real
+
+
+def on_section(derivative: Any, state: Any, mu: float) -> Any:
+    """Derivatives of the point where the orbits meet y = 0."""
+    velocity = np.array(CR3BP.vector_field(list(state), [mu]))
+    return derivative - velocity[:, None] * (derivative[1] / velocity[1])[None]
+
+
+def invariants(matrix: Any) -> tuple[Any, Any, Any]:
+    """Trace, sum of the principal minors of order 2, determinant; shape (n, n, points)."""
+    stacked = np.moveaxis(matrix, -1, 0)
+    trace = np.trace(stacked, axis1=1, axis2=2)
+    second = (trace**2 - np.trace(stacked @ stacked, axis1=1, axis2=2)) / 2
+    return trace, second, np.linalg.det(stacked)
+
+
+def independent_coefficients(points: Any, mu: float, half_periods: Any) -> list[tuple[Any, Any]]:
+    """a_1 and a_2, from D(P^2) on Fix(R), and from 1 + 2 B^T C in canonical coordinates on the level."""
+    state = np.zeros((6, points.shape[1]))
+    state[[0, 2, 4]] = points
+    whole, there = monodromy(state, mu, 2 * half_periods)
+    return_map = on_section(whole, there, mu)[np.ix_([0, 2, 4], [0, 2, 4])]
+    trace, second, _ = invariants(return_map)
+    first_way = trace - 1, second - (trace - 1)
+    half, there = monodromy(state, mu, half_periods)
+    half = on_section(half, there, mu)
+    integral = CR3BP.first_integral
+    assert integral is not None
+    gradient = [
+        integral([*(state[:i] + 0j), state[i] + 1e-30j, *(state[i + 1 :] + 0j)], [mu])[0].imag / 1e-30 for i in (0, 2)
+    ]
+    block_b = half[np.ix_([0, 2], [3, 5])]
+    block_c = np.stack(
+        [
+            half[[3, 5], i] + half[[3, 5], 4] * (slope_ / (2 * state[4]))
+            for i, slope_ in zip((0, 2), gradient, strict=True)
+        ],
+        axis=1,
+    )
+    sigma = np.eye(2)[:, :, None] + 2 * np.einsum("kip,kjp->ijp", block_b, block_c)
+    return [first_way, invariants(sigma)[:2]]
+
+
+def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: PieceLimits, number: int) -> None:
+    entry = PIECES[name]
+    piece = piece_from_json(entry["piece"], CR3BP, "piece")
+    assert isinstance(piece, Piece)
+    parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
+    coordinates = "regularised" if name == "regularised" else "physical"
+    found = orbit_functions(CR3BP, parameters, piece, interval, limits, coordinates, "S").to_json()
+    source = np.random.default_rng(2)
+    start, end = interval
+    s = source.uniform(float(start), float(end), number)
+    middle, radius = float(start + end) / 2, float(end - start) / 2 * float(REACH)
+    taus = [arb(float(value)) for value in (s - middle) / radius]
+    points = np.array([[float(value) for value in piece.point(Fraction(x))] for x in s]).T
+    periods = np.array([float(function_from_json(found["half_period"]).value(tau)) for tau in taus])
+    for coefficients in independent_coefficients(points, float(parameters["mu"]), periods):
+        for stored, values in zip(found["characteristic"], coefficients, strict=True):
+            function_ = function_from_json(stored)
+            scale = max(1.0, float(np.max(np.abs(values))))
+            for tau, value in zip(taus, values, strict=True):
+                enclosure = function_.value(tau)
+                assert (enclosure + arb(0, 1e-6 * scale)).contains(arb(value))
+                assert float(enclosure.rad()) < 1e-2 * scale
+
+
+@pytest.mark.parametrize("name", ["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])
+def test_sigma_of_halo_orbits_contains_independent_monodromy(name: str) -> None:
+    """In both coordinates, with 0 of a symmetric piece inside; D(P^2) on Fix(R), and 1 + 2 B^T C."""
+    interval = (Fraction(-1, 8), Fraction(1, 8)) if name == "symmetric" else (Fraction(5, 16), Fraction(3, 8))
+    check_three_body(name, interval, PieceLimits(72, 28, 14), 50)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["symmetric", "regularised"])
+def test_sigma_of_whole_pieces_contains_independent_monodromy(name: str) -> None:
+    check_three_body(name, (Fraction(-1), Fraction(1)), PieceLimits(96, 40, 48), 1000)

@@ -1,0 +1,50 @@
+"""Whether the list of resonances leaves something open on an interval of a piece (section 18.5). Carries no proof."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from flint import ctx
+
+from orbitproof.shared.formats import Piece
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.stability.complete_list import PRECISION, orders, resonant_value, segment_of
+from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
+
+
+def open_on(piece: Piece, result: Mapping[str, Any], order: int) -> str:
+    """Why the list is not decided on a proved interval: "stability" or "zeros"; empty if it is.
+
+    Args:
+        result: of the interval, as JSON.
+        order: the largest k.
+    """
+    entry = result.get("stability", {})
+    if "characteristic" not in entry:
+        return "stability"
+    try:
+        return _open(piece, result, order)
+    except (ArithmeticError, ValueError):
+        return "zeros"
+
+
+def _open(piece: Piece, result: Mapping[str, Any], order: int) -> str:
+    entry = result["stability"]
+    low, high = (parse_exact(text) for text in result["interval"])
+    symmetric = piece.kind == "symmetric" and low <= 0 <= high
+    start = low - low if symmetric else low
+    with ctx.workprec(PRECISION):
+        segment = segment_of(0, (start, start, high), (low, high), entry, False)
+        first, last = segment.tau(start), segment.tau(high)
+        for k, j in orders(order):
+            function = segment.at(resonant_value(k, j))
+            if symmetric and k == 1:
+                _, found = zeros_beside_double_one(function, last)
+            else:
+                found = zeros_on(function, first, last)
+            if found.undecided:
+                return "zeros"
+        if segment.discriminant is not None and zeros_on(segment.discriminant, first, last).undecided:
+            return "zeros"
+    return ""
