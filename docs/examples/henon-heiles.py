@@ -1,4 +1,4 @@
-"""The system of Henon and Heiles, Astronomical Journal 69 (1964) 73-79; H is the parameter of its families."""
+"""The system of Henon and Heiles, Astronomical Journal 69 (1964) 73-79; its energy is the parameter of its families."""
 
 name = "henon-heiles"
 title = "Henon-Heiles system"
@@ -10,7 +10,8 @@ field = {
     "vy": "-y - x**2 + y**2",
 }
 R = {"x": -1, "vy": -1}
-section = "x"
+symmetries = {"S": {"x": -1, "vx": -1}}
+section = "vy"
 first_integral = "(vx**2 + vy**2 + x**2 + y**2)/2 + x**2*y - y**3/3"
 first_integral_name = "energy"
 level_coordinate = "vx"

@@ -75,7 +75,7 @@ STEPS: tuple[Step, ...] = (
     ),
     _step(
         "families.json candidates.json",
-        "explore candidates --preset tables --append -o candidates.json --family-output families.json",
+        "explore candidates --preset tables --folds --append -o candidates.json --family-output families.json",
         "10 minutes",
     ),
     # Into the candidates of the step before: its certificates come from one file.

@@ -43,6 +43,8 @@ from orbitproof.figures.style import (
 from orbitproof.shared.systems import THREE_BODY
 
 _ORBITS_SHOWN = 6
+_SPATIAL = 6
+"""From how many state coordinates on three of them are shown: position in space and its velocity."""
 _WIDTH = 7.2
 _STABILITY_SHOWN = 1.35
 _LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}
@@ -62,17 +64,19 @@ def draw_family(family: SampledFamily, marks: Sequence[MarkedPoint]) -> Figure:
 
 def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 6.0))
-    grid = figure.add_gridspec(
-        2, 2, left=0.085, right=0.945, top=0.955, bottom=_bottom(figure, placements, _CURVES), wspace=0.26, hspace=0.3
-    )
+    three_body = family.system in THREE_BODY
+    curves = (*_CURVES, primary_handle()) if three_body else _CURVES
+    bottom = _bottom(figure, placements, curves)
+    grid = figure.add_gridspec(2, 2, left=0.085, right=0.945, top=0.955, bottom=bottom, wspace=0.26, hspace=0.3)
     fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     stability = figure.add_subplot(grid[1, 1], sharex=level)
-    # A 3D axes draws its box well inside its rectangle, so the rectangle reaches beyond the grid cell.
-    orbits = figure.add_axes(
-        (0.02, _bottom(figure, placements, _CURVES) - 0.02, 0.44, 0.4), projection="3d", computed_zorder=False
-    )
     _fixed_plane(fixed, family, placements)
-    _orbits_in_space(orbits, family, placements)
+    if len(family.system.state) < _SPATIAL:
+        _family_in_plane(figure.add_subplot(grid[1, 0]), family, placements)
+    else:
+        # A 3D axes draws its box well inside its rectangle, so the rectangle reaches beyond the grid cell.
+        place = (0.02, bottom - 0.02, 0.44, 0.4)
+        _orbits_in_space(figure.add_axes(place, projection="3d", computed_zorder=False), family, placements)
     level.plot(family.arclength, family.levels, color=CURVE)
     for placement in placements:
         draw_mark(level, (placement.arclength, placement.mark.level), placement.mark)
@@ -85,8 +89,9 @@ def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Fi
     _title(stability, "d", "stability parameters and resonances")
     size = float(stability.title.get_fontsize())
     top = stability.get_position().y1 + size * 0.6 / (72 * figure.get_figheight())
-    figure.text(0.085, top, "(c)  orbits  (unit: distance of the primaries)", fontsize=size, color=INK)
-    _legend(figure, placements, _CURVES)
+    unit = "unit: distance of the primaries" if three_body else "nondimensional"
+    figure.text(0.085, top, f"(c)  orbits  ({unit})", fontsize=size, color=INK)
+    _legend(figure, placements, curves)
     return figure
 
 
@@ -264,7 +269,6 @@ _CURVES = (
     Line2D([], [], color=CURVE, label="starting point"),
     Line2D([], [], color=SECOND_CURVE, label="half a period later"),
     Line2D([], [], color=SECOND_CURVE, linestyle="dotted", label="real part of a complex pair"),
-    primary_handle(),
 )
 
 
@@ -288,19 +292,34 @@ def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Pl
 
 
 def _orbits_in_space(axes: Any, family: SampledFamily, placements: Sequence[Placement]) -> None:
-    stops = np.linspace(family.arclength[0], family.arclength[-1], _ORBITS_SHOWN)
-    shown = [family.points[int(np.argmin(np.abs(family.arclength - stop)))] for stop in stops]
-    drawn = [_orbit(axes, family, point, 3, color="#9db4c3", linewidth=0.8) for point in shown]
+    drawn = _orbits_shown(axes, family, placements, 3)
     for placement in placements:
-        k, point = placement.mark.k, placement.mark.point
-        if k > 1:
-            style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
-            drawn.append(_orbit(axes, family, point, 3, **style))
-        draw_mark(axes, state_on_fixed_set(family.system, list(point))[:3], placement.mark)
-    low, high = bounds_of([orbit for orbit in drawn if orbit is not None] or [np.zeros((1, 3))])
+        draw_mark(axes, state_on_fixed_set(family.system, list(placement.mark.point))[:3], placement.mark)
+    low, high = bounds_of(drawn or [np.zeros((1, 3))])
     if family.system in THREE_BODY:
         low, high = show_primaries(axes, float(family.parameters["mu"]), low, high)
     set_box(axes, family.system, low, high, zoom=0.92)
+
+
+def _family_in_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:
+    _orbits_shown(axes, family, placements, 2)
+    for placement in placements:
+        draw_mark(axes, state_on_fixed_set(family.system, list(placement.mark.point))[:2], placement.mark)
+    axes.set_xlabel(label_of(family.system.state[0]))
+    axes.set_ylabel(label_of(family.system.state[1]))
+
+
+def _orbits_shown(axes: Any, family: SampledFamily, placements: Sequence[Placement], dimension: int) -> list[Array]:
+    """Draw some orbits of the family and the resonant ones; returns their points."""
+    stops = np.linspace(family.arclength[0], family.arclength[-1], _ORBITS_SHOWN)
+    shown = [family.points[int(np.argmin(np.abs(family.arclength - stop)))] for stop in stops]
+    drawn = [_orbit(axes, family, point, dimension, color="#9db4c3", linewidth=0.8) for point in shown]
+    for placement in placements:
+        k = placement.mark.k
+        if k > 1:
+            style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
+            drawn.append(_orbit(axes, family, placement.mark.point, dimension, **style))
+    return [orbit for orbit in drawn if orbit is not None]
 
 
 def _orbits_in_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:

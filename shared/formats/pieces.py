@@ -16,7 +16,7 @@ from fractions import Fraction
 from typing import Any, NoReturn
 
 from orbitproof.shared.formats.candidates import InputError
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 
 COORDINATES = ("auto", "physical", "regularised")
@@ -225,8 +225,8 @@ def is_regular(matrix: Matrix) -> bool:
 
 
 def check_length(value: Fraction, source: str) -> None:
-    """Numbers go into certificates, so the text that `format_exact` gives must fit the schema again."""
-    if len(format_exact(value)) > _LONGEST:
+    """Numbers go into certificates, so the text that `format_rational` gives must fit the schema again."""
+    if len(format_rational(value)) > _LONGEST:
         raise InputError(f"{source}: a number is too long to be written exactly; give fewer digits")
 
 

@@ -1,0 +1,111 @@
+"""The systems in docs/examples: numbers that others have published, a branch of each, all without the files again."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from matplotlib.text import Text
+
+from orbitproof.explore.__main__ import main as explore_main
+from orbitproof.figures.model.family_file import read_families
+from orbitproof.figures.pictures.family import draw_family
+from orbitproof.figures.style.style import close, use_style
+from orbitproof.shared.formats import read_candidates
+from orbitproof.verify import certify
+from orbitproof.verify.__main__ import main as verify_main
+from orbitproof.verify.curve.tube import lower_end, upper_end
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
+PAGE = (EXAMPLES / "README.md").read_text("utf-8")
+
+
+def rounded(text: str) -> tuple[Fraction, Fraction]:
+    """The numbers that are rounded to a decimal as it is printed."""
+    half = Fraction(1, 2 * 10 ** len(text.partition(".")[2]))
+    return Fraction(text) - half, Fraction(text) + half
+
+
+def refine(system: str, words: list[str], output: Path) -> int:
+    return explore_main(["refine", "--system", str(EXAMPLES / f"{system}.py"), *words, "--quiet", "-o", str(output)])
+
+
+@pytest.mark.parametrize(
+    ("system", "words", "factor", "published"),
+    [
+        (
+            "michelson",
+            ["-k", "1", "--kind", "fold", "--point", "c=1.26623", "y=1.35911"],
+            1,
+            (Fraction("1.2662323370670545"), Fraction("1.2662323370713253")),
+        ),
+        ("henon-heiles", ["-k", "2", "--point", "y=-0.45556542", "vx=0"], 6, rounded("0.811715516")),
+        ("henon-heiles", ["-k", "1", "--point", "y=-0.49311677", "vx=0"], 6, rounded("0.969309")),
+        ("hill-g", ["-k", "2", "--point", "p=0.08037041", "v=0.94806332"], 1, rounded("4.49999")),
+    ],
+)
+def test_a_published_number_is_confirmed(
+    system: str, words: list[str], factor: int, published: tuple[Fraction, Fraction], tmp_path: Path
+) -> None:
+    output = tmp_path / "point.json"
+    assert refine(system, words, output) == 0
+    (proof,) = certify(read_candidates(output), quiet=True)
+    assert proof.proved, proof.reason
+    assert proof.parameter is not None
+    ends = factor * lower_end(proof.parameter), factor * upper_end(proof.parameter)
+    assert published[0] <= ends[0] <= ends[1] <= published[1]
+
+
+BRANCHES = {
+    "michelson": (["c=0.12", "y=0.235"], ["c", "0.11", "0.14"]),
+    "henon-heiles": (["y=-0.25", "vx=0"], ["y", "-0.28", "-0.22"]),
+    "hill-g": (["p=0.08", "v=0.947"], ["p", "0.078", "0.082"]),
+    "beam": (["u=-0.224", "u2=1.60069"], ["u", "-0.25", "-0.2"]),
+}
+
+
+@pytest.mark.parametrize("system", BRANCHES)
+def test_a_branch_is_proved_and_checked_again_without_the_file(system: str, tmp_path: Path) -> None:
+    file = tmp_path / f"{system}.py"
+    shutil.copy(EXAMPLES / file.name, file)
+    start, (name, low, high) = BRANCHES[system]
+    family, atlas, certificate = (tmp_path / f"{part}.json" for part in ("family", "atlas", "certificate"))
+    fixed = ["--parameter", "P=7/3"] if system == "beam" else []
+    limits = ["--parameter-min", name, low, "--parameter-max", name, high]
+    words = ["family", "--system", str(file), *fixed, "--start", *start, *limits, "--jobs", "1", "--quiet"]
+    assert explore_main([*words, "-o", str(family)]) == 0
+    file.unlink()
+    words = ["atlas", "--from-family", str(family), "--covers", name, low, high, "--increasing", name, "--quiet"]
+    assert explore_main([*words, "-o", str(atlas)]) == 0
+    assert verify_main(["atlas", str(atlas), "-o", str(certificate), "--jobs", "1", "--quiet"]) == 0
+    again = [sys.executable, "-m", "orbitproof", "verify", "atlas", "--recheck", str(certificate)]
+    done = subprocess.run(again, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_picture_of_a_plane_shows_no_primaries(tmp_path: Path) -> None:
+    words = ["family", "--system", str(EXAMPLES / "hill-g.py"), "--start", *BRANCHES["hill-g"][0], "--max-orbits", "4"]
+    assert explore_main([*words, "--jobs", "1", "--quiet", "-o", str(tmp_path / "family.json")]) == 0
+    (family,) = read_families(tmp_path / "family.json")
+    with use_style():
+        figure = draw_family(family.refined(), [])
+        words = [text.get_text() for text in figure.findobj(Text)]
+        close(figure)
+    assert "(c)  orbits  (nondimensional)" in words
+    assert not any("primaries" in word for word in words)
+    assert all(axes.name != "3d" for axes in figure.axes)
+
+
+def test_what_the_page_names_is_there_and_what_is_there_is_named() -> None:
+    files = {path.name for path in EXAMPLES.glob("*.py")}
+    commands = [shlex.split(line) for line in re.findall(r"^    (orbitproof .*)$", PAGE, re.MULTILINE)]
+    used = {words[words.index("--system") + 1] for words in commands if "--system" in words}
+    assert used == files == set(re.findall(r"^\| `([\w-]+\.py)` \|", PAGE, re.MULTILINE))
+    for room in (["verify", "atlas"], ["figures", "family"], ["explore", "atlas"]):
+        assert sum(words[1:3] == room for words in commands) >= 4
