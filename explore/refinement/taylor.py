@@ -21,13 +21,16 @@ from operator import mul
 from typing import Any
 
 import mpmath
-from flint import fmpz_poly
+from flint import fmpz_mat, fmpz_poly
 
 from orbitproof.explore.refinement.jets import JetBasis
 from orbitproof.explore.refinement.tape import Operation, Tape
 
 _SLACK = 6
 """Bits of the working precision that the truncation of the Taylor series may spoil."""
+
+_BLOCKS = 6
+"""Parts in which the Taylor coefficients of jets are found."""
 
 Series = list[int]
 OptionalPolynomial = Any
@@ -60,7 +63,6 @@ class _JacobianRow:
 
     constants: list[tuple[int, int]]
     polynomials: list[tuple[int, OptionalPolynomial]]
-    reversed: list[tuple[int, Series]]
 
 
 class JetStepper:
@@ -242,7 +244,7 @@ class JetStepper:
         return a.mul_low(b, self.order) // self._unit
 
     def _jacobian(self, centre: list[OptionalPolynomial], slopes: dict[int, OptionalPolynomial]) -> list[_JacobianRow]:
-        rows = [_JacobianRow([], [], []) for _ in range(self.states)]
+        rows = [_JacobianRow([], []) for _ in range(self.states)]
         first = self.basis.variable(0)
         for column in range(self.states):
             inputs: list[OptionalPolynomial] = [None] * self.tape.inputs
@@ -256,7 +258,6 @@ class JetStepper:
                     rows[i].constants.append((column, int(entry[0])))
                 else:
                     rows[i].polynomials.append((column, entry))
-                    rows[i].reversed.append((column, _coefficients(entry, self.order)[::-1]))
         return rows
 
     def _propagate(
@@ -346,43 +347,75 @@ def _solve_linear(
 ) -> list[list[Series]]:
     """Taylor coefficients of V' = J(t) V + S(t) for several (S, V(0)) at once; time scaled by 2 ** exponent.
 
-    The coefficients are found in blocks: inside a block by recurrence, and the contribution of a
-    finished block to all later coefficients by one polynomial product per entry of J.
+    The coefficients are found in blocks: inside a block by recurrence, a product of small matrices for each
+    coefficient, and the contribution of a finished block to all later coefficients by one polynomial product
+    per entry of J.
     """
     solutions = [[[value] for value in start] for start in starts]
-    shift, unit = bits - exponent, 1 << bits
-    block = max(8, -(-order // 4))
-    tails = [[(c, [entry[order - 1 - n :] for n in range(block)]) for c, entry in row.reversed] for row in rows]
-    for solution, source in zip(solutions, sources, strict=True):
-        pending = [None if s is None else s * unit for s in source]
-        for begin in range(0, order, block):
-            length = min(block, order - begin)
-            part = [series[begin:] for series in solution]
-            plan = [
-                (
-                    part[i],
-                    None if pending[i] is None else _coefficients(pending[i].truncate(length), length),
-                    [(value, part[column]) for column, value in row.constants],
-                    [(tail, part[column]) for column, tail in tails[i]],
-                )
-                for i, row in enumerate(rows)
-            ]
-            for n in range(length):
-                divisor = begin + n + 1
-                for out, earlier, constants, products in plan:
-                    total = 0 if earlier is None else earlier[n]
-                    for value, series in constants:
-                        total += value * series[n]
-                    for tail, series in products:
-                        total += sum(map(mul, tail[n], series))
-                    out.append((total >> shift) // divisor)
+    count, shift, unit = len(solutions), bits - exponent, 1 << bits
+    block = max(8, -(-order // _BLOCKS))
+    varying = [i for i, row in enumerate(rows) if row.polynomials]
+    columns = sorted({column for row in rows for column, _ in row.polynomials})
+    width = len(columns)
+    windows = _windows([rows[i] for i in varying], columns, block)
+    pending = [[None if s is None else s * unit for s in source] for source in sources]
+    for begin in range(0, order, block):
+        length = min(block, order - begin)
+        parts = [[series[begin:] for series in solution] for solution in solutions]
+        known = [[_block(p, length) for p in source] for source in pending]
+        recent = fmpz_mat(block * width, count)
+        for n in range(length):
+            for c, column in enumerate(columns):
+                for m, part in enumerate(parts):
+                    recent[n * width + c, m] = part[column][n]
+            products = [int(entry) for entry in (windows[n] * recent).entries()] if varying else []
+            totals = [[earlier[n] for earlier in source] for source in known]
+            for r, i in enumerate(varying):
+                for m in range(count):
+                    totals[m][i] += products[r * count + m]
+            for part, total in zip(parts, totals, strict=True):
+                for i, row in enumerate(rows):
+                    for column, value in row.constants:
+                        total[i] += value * part[column][n]
+                for series, value in zip(part, total, strict=True):
+                    series.append((value >> shift) // (begin + n + 1))
+        for solution, part in zip(solutions, parts, strict=True):
             for series, values in zip(solution, part, strict=True):
                 series.extend(values[1:])
-            if begin + length < order:
-                finished = [fmpz_poly(values[:-1]) for values in part]
-                for i, row in enumerate(rows):
-                    terms = [finished[column] * polynomial for column, polynomial in row.polynomials]
-                    if pending[i] is not None:
-                        terms.append(pending[i])
-                    pending[i] = sum(terms[1:], terms[0]).right_shift(length) if terms else None
+        if begin + length < order:
+            left = order - begin
+            pending = [_carried(rows, part, source, length, left) for part, source in zip(parts, pending, strict=True)]
     return solutions
+
+
+def _windows(rows: Sequence[_JacobianRow], columns: Sequence[int], block: int) -> list[Any]:
+    """For each n < block the matrix whose product with coefficients 0 to n of V, stacked, is that of J V to n."""
+    entries = [dict(row.polynomials) for row in rows]
+    known = [[_block(entry.get(column), block) for column in columns] for entry in entries]
+    windows = []
+    for n in range(block):
+        values = [series[n - j] if j <= n else 0 for row in known for j in range(block) for series in row]
+        windows.append(fmpz_mat(len(rows), block * len(columns), values))
+    return windows
+
+
+def _block(polynomial: OptionalPolynomial, length: int) -> Series:
+    return [0] * length if polynomial is None else _coefficients(polynomial.truncate(length), length)
+
+
+def _carried(
+    rows: Sequence[_JacobianRow],
+    part: Sequence[Series],
+    pending: Sequence[OptionalPolynomial],
+    length: int,
+    left: int,
+) -> list[OptionalPolynomial]:
+    """What a finished block and those before it contribute to the coefficients after it, `left` with its own."""
+    finished = [fmpz_poly(values[:-1]) for values in part]
+    carried = []
+    for row, earlier in zip(rows, pending, strict=True):
+        terms = [finished[column].mul_low(polynomial, left) for column, polynomial in row.polynomials]
+        if earlier is not None:
+            terms.append(earlier)
+        carried.append(sum(terms[1:], terms[0]).right_shift(length) if terms else None)
+    return carried
