@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.search import check
 from orbitproof.shared.formats import InputError
-from orbitproof.shared.interrupts import run_command
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line.
 
-    Returns 0 if everything asked for was found, 1 if something was not, 2 for bad input and 130
+    Returns 0 if everything asked for was found, 1 if something was not, 2 for bad input and `INTERRUPTED`
     after an interrupt. Bad options end in `SystemExit` with code 2.
     """
     options = parser().parse_args(arguments)
@@ -31,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         print(f"orbitproof explore {options.command}: interrupted, nothing was written", file=sys.stderr)
-        return 130
+        return INTERRUPTED
 
 
 if __name__ == "__main__":

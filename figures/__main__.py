@@ -17,7 +17,7 @@ from orbitproof.figures.commands import interactive as interactive_command
 from orbitproof.figures.commands import tori as tori_command
 from orbitproof.figures.files import add_file_options, check_folder, saved_as
 from orbitproof.shared.formats import InputError, read_candidates, write_text
-from orbitproof.shared.interrupts import run_command
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
 
 _EXAMPLES = """\
 examples:
@@ -147,7 +147,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         print("interrupted: files already written are kept", file=sys.stderr)
-        return 1
+        return INTERRUPTED
     except BrokenPipeError:
         # Whoever reads standard output has seen enough; Python must not complain when it flushes at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -16,6 +16,9 @@ from orbitproof.shared.extras import missing_extra
 ENDING_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 """The signals that ask a run to end, as far as the system knows them."""
 
+INTERRUPTED = 130
+"""The exit code of every command after an interrupt, whatever it has done by then; what shells give for Ctrl-C."""
+
 _WATCH_SECONDS = 0.5
 _ENDS_WITH = "ORBITPROOF_ENDS_WITH"
 
@@ -34,7 +37,7 @@ def held_back() -> Iterator[None]:
 
 
 def run_command(main: Callable[[], int]) -> int:
-    """The exit code of a command line that signals end as Ctrl-C does; 130 where it does not care for itself.
+    """The exit code of a command line that signals end as Ctrl-C does; `INTERRUPTED` where it does not care for itself.
 
     Where a package of an extra is missing, one line says so, and the code is 2.
     """
@@ -49,7 +52,7 @@ def run_command(main: Callable[[], int]) -> int:
             return 2
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)
-            return 130
+            return INTERRUPTED
 
 
 @contextmanager

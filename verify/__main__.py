@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orbitproof.shared.formats import Candidate, InputError, check_writable, read_candidates
-from orbitproof.shared.interrupts import run_command
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
     LEAST_PRECISION,
@@ -51,8 +51,8 @@ examples:
   orbitproof verify --recheck --integrate certificates.json --jobs 2
       and integrate again, at another precision and order
 
-exit codes: 0 everything proved, 1 something not proved or interrupted, 2 bad input
-with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input
+exit codes: 0 everything proved, 1 something not proved, 2 bad input, 130 interrupted
+with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input, 130 interrupted
 "not proved" never means "shown to be false"
 """
 
@@ -142,7 +142,7 @@ def _run(options: argparse.Namespace) -> int:
     if interrupted:
         saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
         print(f"interrupted: {len(done)} of {len(selected)} candidates finished{saved}", file=sys.stderr)
-        return 1
+        return INTERRUPTED
     return 0 if all(done[candidate.id].proved for candidate in selected) else 1
 
 
@@ -173,7 +173,7 @@ def _recheck(options: argparse.Namespace) -> int:
     print(recheck_table([entry.id for entry in selected], done), flush=True)
     if interrupted:
         print(f"interrupted: {len(done)} of {len(selected)} certificates checked", file=sys.stderr)
-        return 1
+        return INTERRUPTED
     failed = [result for result in done.values() if not result.stands]
     for result in failed:
         print(f"FAILED {result.id}: {result.findings[0].place}: {result.findings[0].message}", file=sys.stderr)

@@ -20,6 +20,7 @@ from orbitproof.shared.formats import (
     read_document,
     validate_document,
 )
+from orbitproof.shared.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
     from orbitproof.explore.branches import Birth, BranchRecord
@@ -108,7 +109,7 @@ def run(options: argparse.Namespace) -> int:
         if interrupted:
             report.error("interrupted; the branches found so far are written")
     _print_rows(found)
-    return 130 if interrupted else 0 if complete else 1
+    return INTERRUPTED if interrupted else 0 if complete else 1
 
 
 def read_claims(path: Path) -> list[Claim]:

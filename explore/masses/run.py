@@ -38,6 +38,7 @@ from orbitproof.explore.masses.precision import (
     precise_extremum,
 )
 from orbitproof.explore.orbits import CorrectionFailure
+from orbitproof.shared.interrupts import INTERRUPTED
 
 _SAVE_EVERY = 50
 _EXTRA_DIGITS = 3
@@ -102,7 +103,7 @@ def run_request(request: MassCurveRequest) -> int:
                 f"what is done stands in {request.output}; the same command goes on" if curves else "nothing is written"
             )
             report.error(f"interrupted; {kept}")
-            code = 130
+            code = INTERRUPTED
     _print(request, curves)
     return code
 

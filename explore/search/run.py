@@ -31,6 +31,7 @@ from orbitproof.explore.search.outputs import write_catalogue, write_outputs, wr
 from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
 from orbitproof.shared.formats import FOLD, Candidate, InputError, read_candidates, write_candidates
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
 
 
@@ -88,7 +89,7 @@ def _search(request: Request, tasks: list[TraceTask], kept: list[Candidate], rep
         written = request.family_output is not None and traced
         where = f"resume with --from-family {request.family_output}" if written else "nothing is written"
         report.error(f"interrupted while tracing; {where}")
-        return 130, []
+        return INTERRUPTED, []
     if request.command == "family":
         return (0 if complete else 1), [row for item in traced for row in _float_rows(item)]
     code, rows = _refine_all(request, traced, kept, report)
@@ -256,7 +257,7 @@ def _refine_all(
     except KeyboardInterrupt:
         resume = "; the same command with --append goes on from there" if done or new else ""
         report.error(f"interrupted; {len(done) + len(new)} of {len(tasks)} points are refined{resume}")
-        code = 130
+        code = INTERRUPTED
     done |= new
     if not done:
         report.error(f"no candidates found; nothing is written to {options.output}")

@@ -11,7 +11,7 @@ from typing import Any
 from orbitproof.figures.collection import STEPS, Step
 from orbitproof.figures.files import check_folder
 from orbitproof.shared.formats import InputError, write_text
-from orbitproof.shared.interrupts import bound_to_this
+from orbitproof.shared.interrupts import INTERRUPTED, bound_to_this
 
 _EXAMPLES = """\
 examples:
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
         if result not in (0, 1):
             resume = f"orbitproof figures data {options.data}"
             print(f"{step.products[0]}: the command ended with code {result}; go on with: {resume}", file=sys.stderr)
-            return 130 if result == 130 else 2
+            return INTERRUPTED if result == INTERRUPTED else 2
         unfinished.discard(step.products[0])
         _write_unfinished(options.data, unfinished)
         code = max(code, result)
@@ -90,7 +90,7 @@ def _run(step: Step, folder: Path) -> int:
             # The command saves what it has. In a terminal it got Ctrl-C too; then this changes nothing.
             process.terminate()
             process.wait()
-            return 130
+            return INTERRUPTED
 
 
 def _is_missing(step: Step, folder: Path) -> bool:

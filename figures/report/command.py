@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orbitproof.shared.formats import InputError, check_writable
-from orbitproof.shared.interrupts import run_command
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.verify.engines import ArgumentParser, Display
 
 _EXAMPLES = """\
@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     except KeyboardInterrupt:
         print("interrupted: nothing was written", file=sys.stderr)
-        return 1
+        return INTERRUPTED
 
 
 def _run(options: argparse.Namespace) -> int:

@@ -21,7 +21,7 @@ _COMMANDS = {
 
 
 def main() -> int:
-    """Run the command line; returns the exit code: 0 done, 1 something not proved or not found, 2 bad input."""
+    """Run the command line; returns the exit code, the same for all commands; see `_help`."""
     return run_command(_run)
 
 
@@ -54,7 +54,8 @@ def _help() -> str:
         "Finds bifurcations of symmetric periodic orbits and proves them.\n\n"
         f"{rows}\n\n"
         "options:\n  --version   print the version\n\n"
-        "Each explains itself: orbitproof verify --help"
+        "Each explains itself: orbitproof verify --help\n"
+        "Exit codes of all: 0 done, 1 something not proved or not found, 2 bad input, 130 interrupted"
     )
 
 

@@ -19,6 +19,7 @@ from support.runs import ROOT, SEES_PROCESSES, children, is_running, started, wa
 
 import orbitproof.shared.formats.candidates
 from orbitproof.shared.formats.candidates import candidate_from_json
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits
@@ -69,7 +70,7 @@ def test_an_interrupt_keeps_finished_rows_and_the_same_command_goes_on(
         time.sleep(0.5)
         (os.killpg if everywhere else os.kill)(run.pid, getattr(signal, sent))
         output, errors = run.communicate(timeout=60)
-    assert run.returncode == 1
+    assert run.returncode == INTERRUPTED
     assert "interrupted: 1 of 2" in errors
     assert "the same command goes on" in errors
     assert "Traceback" not in errors
@@ -95,7 +96,7 @@ def test_where_ctrl_c_is_ignored_from_the_start_it_stays_ignored_and_sigterm_wor
         assert run.poll() is None
         run.terminate()
         _, errors = run.communicate(timeout=60)
-    assert run.returncode == 1
+    assert run.returncode == INTERRUPTED
     assert "interrupted: 1 of 2" in errors
 
 

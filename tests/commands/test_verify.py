@@ -15,6 +15,7 @@ from flint import ctx
 
 import orbitproof.verify.__main__
 from orbitproof.shared.formats.candidates import candidate_from_json
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify, not_proved
@@ -185,7 +186,7 @@ def test_finished_rows_survive_an_interrupt(tmp_path: Path, capsys: Any, monkeyp
         raise KeyboardInterrupt
 
     monkeypatch.setattr(orbitproof.verify.__main__, "certify_all", interrupted)
-    assert main([write(source, HOPELESS, TRUE, FALSE), "-o", str(target), "--quiet"]) == 1
+    assert main([write(source, HOPELESS, TRUE, FALSE), "-o", str(target), "--quiet"]) == INTERRUPTED
     output, errors = capsys.readouterr()
     assert list(read(target)) == [HOPELESS["id"]]
     assert "1 of 3" in errors
@@ -232,7 +233,7 @@ def test_help_shows_examples_and_exit_codes(capsys: Any) -> None:
     assert stopped.value.code == 0
     text = capsys.readouterr().out
     assert "examples:" in text
-    assert "exit codes: 0 everything proved, 1 something not proved or interrupted, 2 bad input" in text
+    assert "exit codes: 0 everything proved, 1 something not proved, 2 bad input, 130 interrupted" in text
 
 
 def test_worker_processes_give_the_same_certificates(finished: tuple[Path, Path], tmp_path: Path) -> None:

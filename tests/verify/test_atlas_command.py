@@ -20,6 +20,7 @@ from support.runs import started, wait_until
 
 from orbitproof.shared.formats.atlas import Atlas
 from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.atlas.__main__ import _parser, main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.splitting import interval_of
@@ -187,7 +188,7 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
         # As a terminal does: to every process of the group.
         os.killpg(run.pid, signal.SIGINT)
         output, errors = run.communicate(timeout=60)
-    assert run.returncode == 1
+    assert run.returncode == INTERRUPTED
     assert "interrupted: 1 of 3 pieces finished, saved in" in errors
     assert "Traceback" not in errors
     assert "not finished" in output

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats import SURFACE, Atlas, InputError, check_writable, read_atlas, read_document
-from orbitproof.shared.interrupts import run_command
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.verify.atlas.certificate import (
     SCHEMA,
     Result,
@@ -48,8 +48,7 @@ examples:
 
 A piece that fails is tried with more precision, then split in two; what was proved is kept.
 exit codes: 0 the theorem is proved, every bifurcation asked about lies on the curve, and the list leaves out
-nothing; 1 not, or interrupted;
-2 bad input. "not proved" never means "shown to be false"
+nothing; 1 not; 2 bad input; 130 interrupted. "not proved" never means "shown to be false"
 """
 
 
@@ -140,7 +139,7 @@ def _interrupted(options: argparse.Namespace, run: AtlasRun) -> int:
     done = len(run.atlas.pieces) - len(run.pending)
     saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
     print(f"interrupted: {done} of {len(run.atlas.pieces)} pieces finished{saved}", file=sys.stderr)
-    return 1
+    return INTERRUPTED
 
 
 def _off_curve(conclusion: Mapping[str, Any]) -> list[str]:
@@ -267,7 +266,7 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
         found = recheck_atlas(document, given, options.integrate, means)
     except KeyboardInterrupt:
         print("interrupted: nothing is known yet", file=sys.stderr)
-        return 1
+        return INTERRUPTED
     print(recheck_table([found.id], {found.id: found}), flush=True)
     for finding in found.findings[:1]:
         print(f"FAILED {found.id}: {finding.place}: {finding.message}", file=sys.stderr)

@@ -199,7 +199,7 @@ def _stop(*_: object) -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """0: all proved a second time, and the certificates agree; 1: otherwise; 2: bad input."""
+    """0: all proved a second time, and the certificates agree; 1: otherwise; 2: bad input; 130: interrupted."""
     parser = argparse.ArgumentParser(
         prog="orbitproof verify --second-proof", description="Prove the rows of a certificates file a second time."
     )
@@ -218,13 +218,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     signal.signal(signal.SIGTERM, _stop)
+    interrupted = False
     try:
         _run(certificates, rows, options.output, options.jobs, options.row_timeout)
     except KeyboardInterrupt:
         print("interrupted; what is done is kept", file=sys.stderr)
+        interrupted = True
     missing = {"verdict": "not tried", "reason": "", "seconds": ""}
     print(f"{'row':34} {'verdict':14} {'side':6} {'seconds':>8}  reason")
     for name in (c["id"] for c in certificates):
         row = rows.get(name, missing)
         print(f"{name:34} {row['verdict']:14} {row.get('side', '-'):6} {row['seconds']:>8}  {row['reason']}")
+    if interrupted:
+        return 130
     return 0 if all(rows.get(c["id"], missing)["verdict"] == "agrees" for c in certificates) else 1
