@@ -4,6 +4,8 @@ from .frames import RefinementFailure as RefinementFailure
 from .half_return import start_jets as start_jets
 from .jets import Jet as Jet
 from .jets import JetBasis as JetBasis
+from .orbit import OrbitTask as OrbitTask
+from .orbit import refine_orbit as refine_orbit
 from .reduction import branch_geometry as branch_geometry
 from .resonance import working_context as working_context
 from .tasks import Task as Task

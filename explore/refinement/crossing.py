@@ -42,11 +42,13 @@ class Crossing:
         jets: one jet for each state coordinate, as a function of the variables of the start.
         time: elapsed time of the centre.
         steps: Taylor steps since the start.
+        duration: the elapsed time as a function of the variables of the start.
     """
 
     jets: tuple[Jet, ...]
     time: float
     steps: int
+    duration: Jet
 
 
 def section_crossings(
@@ -83,6 +85,7 @@ def section_crossings(
         program, section = regularisation.program, regularisation.section_index
     stepper = JetStepper(Tape(program, parameters), len(jets), basis, bits, order, tolerance_bits)
     exponent, time, steps = -3, 0.0, 0
+    before = Fraction(0)
     for number in count(1):
         state = [_to_fixed(jet, context) for jet in jets]
         fixed_parameters = [] if constant is None else [_to_fixed(constant, context)]
@@ -103,20 +106,24 @@ def section_crossings(
             if crossing is not None:
                 break
             state = _advance(result, end << (bits - _SAMPLES), bits)
+            before += Fraction(end, 2**_SAMPLES) * Fraction(2) ** result.exponent
             time += end / 2**_SAMPLES * 2.0**result.exponent
             if progress is not None:
                 progress(time)
         else:
             raise IntegrationFailure(f"no return to the section within time {time:.3g}")
         time += float(Fraction(crossing, 1 << bits)) * 2.0**result.exponent
-        jets = _project(result, crossing, section, basis, context)
+        before += Fraction(crossing, 1 << bits) * Fraction(2) ** result.exponent
+        jets, tau = _project(result, crossing, section, basis, context)
         if number % every:
             continue
         if regularisation is None:
-            yield Crossing(tuple(jets), time, steps)
+            elapsed = context.mpf(before.numerator) / before.denominator
+            yield Crossing(tuple(jets), time, steps, tau * context.ldexp(1, result.exponent) + elapsed)
         else:
             image = _evaluate_program(regularisation.projection_program, jets, system, parameters, context)
-            yield Crossing(tuple(image), float(jets[regularisation.time_index].coefficients[0]), steps)
+            duration = jets[regularisation.time_index]
+            yield Crossing(tuple(image), float(duration.coefficients[0]), steps, duration)
 
 
 def shorter_coordinates(
@@ -249,8 +256,10 @@ def _polish(height: Series, floats: Sequence[float], low: float, high: float, bi
     return theta
 
 
-def _project(result: StepResult, theta: int, section: int, basis: JetBasis, context: mpmath.MPContext) -> list[Jet]:
-    """The jets on the section: re-expand in time at `theta`, solve for the time jet, substitute it."""
+def _project(
+    result: StepResult, theta: int, section: int, basis: JetBasis, context: mpmath.MPContext
+) -> tuple[list[Jet], Jet]:
+    """The jets on the section, and the time jet: re-expand in time at `theta`, solve for that, substitute it."""
     bits, degree = context.prec, basis.degree
     length = len(result.series[0][0])
     powers = _powers(theta, length, bits)
@@ -271,7 +280,7 @@ def _project(result: StepResult, theta: int, section: int, basis: JetBasis, cont
             tau = tau - _evaluate(heights, tau) / slope
     projected = [_evaluate([rows[i] for rows in expansions], tau) for i in range(len(result.series))]
     projected[section] = basis.constant(context.mpf(0))
-    return projected
+    return projected, tau
 
 
 def _evaluate(coefficients: Sequence[Jet], tau: Jet) -> Jet:

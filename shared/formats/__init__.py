@@ -2,33 +2,47 @@
 
 from orbitproof.shared.formats.atlas import SURFACE, Atlas, Claim, Covers, atlas_from_json, read_atlas, write_atlas
 from orbitproof.shared.formats.candidates import (
+    COORDINATE,
     FOLD,
+    HALF_PERIOD,
     KINDS,
+    LEVEL,
     ONCE,
+    ORBIT,
+    QUANTITIES,
     Candidate,
-    InputError,
+    Equation,
     candidate_from_json,
-    check_writable,
     read_candidates,
-    read_document,
     read_system,
+    write_candidates,
+)
+from orbitproof.shared.formats.documents import (
+    InputError,
+    check_writable,
+    read_document,
     validate_document,
     write_bytes,
-    write_candidates,
     write_text,
 )
 from orbitproof.shared.formats.pieces import Piece, SurfacePiece, evaluate, is_regular, piece_from_json
 from orbitproof.shared.formats.systems import load_system
 
 __all__ = [
+    "COORDINATE",
     "FOLD",
+    "HALF_PERIOD",
     "KINDS",
+    "LEVEL",
     "ONCE",
+    "ORBIT",
+    "QUANTITIES",
     "SURFACE",
     "Atlas",
     "Candidate",
     "Claim",
     "Covers",
+    "Equation",
     "InputError",
     "Piece",
     "SurfacePiece",

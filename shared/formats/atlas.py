@@ -13,14 +13,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
-from orbitproof.shared.formats.candidates import (
-    InputError,
-    find_system,
-    read_document,
-    read_system,
-    validate_document,
-    write_text,
-)
+from orbitproof.shared.formats.candidates import find_system, read_system
+from orbitproof.shared.formats.documents import InputError, read_document, validate_document, write_text
 from orbitproof.shared.formats.pieces import Piece, SurfacePiece, check_length, piece_from_json
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe

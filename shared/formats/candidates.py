@@ -1,51 +1,60 @@
-"""Reading and writing the JSON formats: candidates and certificates.
-
-Schemas stand beside this module in ``schemas/``; unknown keys, JSON floats where exact numbers
-belong, NaN and infinities are refused. Errors are `InputError`, one line that names the file, the
-field and the remedy. Files are written whole or not at all.
-"""
+"""Claims about boxes: bifurcations of symmetric periodic orbits, and single orbits; read and written as JSON."""
 
 from __future__ import annotations
 
-import json
-import os
 import re
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cache
-from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
+from orbitproof.shared.formats.documents import InputError, read_document, short, validator, write_document
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, DescriptionError, ReversibleSystem, describe, described
-
-if TYPE_CHECKING:
-    from jsonschema import Draft202012Validator
-    from jsonschema.exceptions import ValidationError
+from orbitproof.shared.systems import SYSTEMS, DescriptionError, ReversibleSystem, describe, described
 
 FOLD = "fold"
 ONCE = ("symmetry_breaking", FOLD)
 """Kinds of bifurcations of period-two points, k = 1; all others have k > 1."""
 KINDS = (*ONCE, "period_tupling", "touch_and_go")
 
+ORBIT = "orbit"
+"""What a claim about one orbit says in place of the kind of a bifurcation; k = 1."""
+HALF_PERIOD, LEVEL, COORDINATE = "half period", "level", "coordinate"
+QUANTITIES = (HALF_PERIOD, LEVEL, COORDINATE)
+"""What one orbit of a family can be given by."""
 
-class InputError(Exception):
-    """Bad input, in one line: what (file and field), why, and what to do about it."""
+
+@dataclass(frozen=True)
+class Equation:
+    """What singles out one orbit of a family: quantity = value.
+
+    Attributes:
+        quantity: one of `QUANTITIES`; the level is that of the first integral, the coordinate one of the centre's.
+        value: the value, exactly; of the half period in nondimensional units.
+        coordinate: name of the coordinate, if the quantity is one.
+    """
+
+    quantity: str
+    value: Fraction
+    coordinate: str | None = None
+
+    def to_json(self) -> dict[str, str]:
+        """The JSON object."""
+        named = {} if self.coordinate is None else {"coordinate": self.coordinate}
+        return {"quantity": self.quantity, **named, "value": format_rational(self.value)}
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A claim: the box ``centre + frame * (P_0 x P_1 x P_2)`` contains a bifurcation.
+    """A claim: the box ``centre + frame * (P_0 x P_1 x P_2)`` contains a bifurcation, or one orbit.
 
     Attributes:
         id: unique name within a file.
         system: the reversible system.
         parameters: exact values of the system's fixed parameters, by name.
-        kind: one of `KINDS`.
-        k: multiplicity; 1 exactly for symmetry breaking and folds.
+        kind: one of `KINDS`, or `ORBIT`.
+        k: multiplicity; 1 exactly for symmetry breaking, folds and orbits.
         symmetry: name of the symmetry that breaks, for symmetry breaking.
         centre: shape (1 + n,), in the order of `coordinates`.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
@@ -56,6 +65,7 @@ class Candidate:
             level coordinate, which follows from it on Fix(R).
         crossings: m, how often a half orbit, from Fix(R) to Fix(R), meets the section after its start; P^m then
             stands for P.
+        equation: what singles out the orbit, if the claim is about one.
     """
 
     id: str
@@ -71,6 +81,7 @@ class Candidate:
     provenance: Mapping[str, Any] = field(default_factory=dict)
     level_sign: int | None = None
     crossings: int = 1
+    equation: Equation | None = None
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
@@ -80,8 +91,8 @@ class Candidate:
 
         if not isinstance(self.id, str) or not self.id or not self.id.isprintable():
             refuse("id", f"{self.id!r} has characters that cannot be printed, or none", "use letters, digits and signs")
-        if self.kind not in KINDS:
-            refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join(KINDS)}")
+        if self.kind not in (*KINDS, ORBIT):
+            refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join((*KINDS, ORBIT))}")
         if not isinstance(self.k, int) or self.k < 1:
             refuse("k", f"{self.k!r} is no multiplicity", "give an integer, at least 1")
         if not isinstance(self.crossings, int) or self.crossings < 1:
@@ -89,6 +100,10 @@ class Candidate:
         if self.symmetry is not None and self.symmetry not in self.system.symmetries:
             known = ", ".join(self.system.symmetries) or "none"
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
+        if (self.kind == ORBIT) != (self.equation is not None):
+            refuse("equation", "a claim about an orbit has one, others have none", "give both or none")
+        if self.equation is not None:
+            _check_equation(self, self.equation, refuse)
         names, kernel = self.coordinates, len(self.system.kernel_coordinates)
         size, wanted = len(names), ", ".join(names)
         for name, values in (("centre", self.centre), ("radii", self.radii)):
@@ -104,14 +119,16 @@ class Candidate:
             "kernel_frame": self.kernel_frame,
             "radii": [self.radii],
         }
+        if self.equation is not None:
+            numbers[_EQUATION_VALUE] = [[self.equation.value]]
         for name, rows in numbers.items():
             for value in (value for row in rows for value in row):
                 if not isinstance(value, (int, Fraction)):
                     refuse(name, f"{value!r} is no exact number", "give Fractions, shared.parse_exact reads them")
                 try:
-                    short_enough = _can_be_written(Fraction(value), name.startswith("parameters"))
+                    short_enough = _can_be_written(Fraction(value), _is_rational(name))
                 except ValueError:
-                    refuse(name, f"{_short(str(value))} is neither dyadic nor decimal", "round it to a decimal number")
+                    refuse(name, f"{short(str(value))} is neither dyadic nor decimal", "round it to a decimal number")
                 if not short_enough:
                     why = "a number is too long to be written exactly"
                     refuse(name, why, "give fewer digits or an exponent closer to 0")
@@ -143,6 +160,8 @@ class Candidate:
             "kernel_frame": [[format_exact(value) for value in row] for row in self.kernel_frame],
             "radii": [format_exact(value) for value in self.radii],
         }
+        if self.equation is not None:
+            result["equation"] = self.equation.to_json()
         if self.level_sign is not None:
             result |= {"parameter": "first integral", "level_sign": self.level_sign}
         if self.crossings != 1:
@@ -152,133 +171,33 @@ class Candidate:
         return result
 
 
-@cache
-def _validator(name: str) -> Draft202012Validator:
-    # Imported late: it takes most of the time of a command that reads nothing.
-    from jsonschema import Draft202012Validator
-
-    text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
-    return Draft202012Validator(json.loads(text))
+_EQUATION_VALUE = "equation.value"
 
 
-def _refuse_constant(text: str) -> NoReturn:
-    raise ValueError(f"{text} is not allowed")
+def _is_rational(name: str) -> bool:
+    """Whether a number of a claim may be any fraction."""
+    return name.startswith("parameters") or name == _EQUATION_VALUE
 
 
-def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    result: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in result:
-            raise ValueError(f"key {key!r} appears twice")
-        result[key] = value
-    return result
-
-
-def read_document(path: Path, name: str) -> dict[str, Any]:
-    """Read and validate a JSON document against the schema `name` ("candidates", "certificates").
-
-    Raises `InputError` if the file cannot be read, is not JSON, or does not fit the schema.
-    """
-    try:
-        text = path.read_text("utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give the path of a {name} file") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file; give the path of a {name} file (JSON, UTF-8)") from None
-    try:
-        document = json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_unique_keys)
-    except json.JSONDecodeError as error:
-        raise InputError(
-            f"{path}: not valid JSON at line {error.lineno}, column {error.colno} ({error.msg}); "
-            "the file may be truncated: write it again"
-        ) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: {error}; write numbers as exact strings and every key once") from None
-    _refuse_other_format(document, name, path)
-    validate_document(document, name, str(path))
-    return document  # type: ignore[no-any-return]
-
-
-_FORMATS = {
-    "candidates": "candidates, to prove with: orbitproof verify {}",
-    "certificates": "certificates, to check again with: orbitproof verify --recheck {}",
-    "atlas": "an atlas, to prove with: orbitproof verify atlas {}",
-    "atlas-certificate": "the certificate of an atlas, to check again with: orbitproof verify atlas --recheck {}",
-    "family": "families, to search with: orbitproof explore candidates --from-family {}",
-    "branches": "branches",
-    "portraits": "portraits",
-    "mass-curve": "curves over the mass",
-    "tori": "tori, to draw with: orbitproof figures tori {}",
-    "manifold": "a manifold, to draw with: orbitproof figures tori {}",
-    "published": "published values",
-    "system": "a system, to search with: orbitproof explore family --system {}",
-}
-"""What a file of each format holds, and the command for it."""
-
-
-def _refuse_other_format(document: object, name: str, path: Path) -> None:
-    """Say what the file is if it is another one of ours."""
-    found = str(document.get("format")).removeprefix("orbitproof-") if isinstance(document, dict) else ""
-    if found != name and found in _FORMATS:
-        wanted = _FORMATS.get(name, name).partition(",")[0]
-        raise InputError(f"{path}: field format: needs {wanted}; the file holds {_FORMATS[found].format(path)}")
-
-
-def validate_document(document: object, name: str, source: str) -> None:
-    """Check a JSON value against the schema `name`; raises `InputError` that names the field and the rule."""
-    from jsonschema.exceptions import best_match
-
-    error = best_match(_validator(name).iter_errors(document))
-    if error is not None:
-        where = _short(error.json_path.removeprefix("$").removeprefix(".")) or "the document"
-        raise InputError(f"{source}: field {where}: {_broken_rule(error)}; see shared/schemas/{name}.schema.json")
-
-
-_SIZES = {
-    "minItems": "needs at least {} entries",
-    "maxItems": "has room for {} entries",
-    "minLength": "needs at least {} characters",
-    "maxLength": "has room for {} characters",
-    "minimum": "must be at least {}",
-    "maximum": "must be at most {}",
-    "exclusiveMinimum": "must be greater than {}",
-}
-
-
-def _broken_rule(error: ValidationError) -> str:
-    """The rule in words. The value is quoted only if it is a short scalar: it may be a whole file."""
-    rule = str(error.validator)
-    wanted: Any = error.validator_value
-    value: Any = error.instance
-    schema: Any = error.schema
-    if rule == "additionalProperties":
-        unknown = sorted(str(key) for key in value if key not in schema.get("properties", {}))
-        return f"unknown key {_short(unknown[0])!r}" + (f" and {len(unknown) - 1} more" if unknown[1:] else "")
-    if rule == "required":
-        return f"key {next(key for key in wanted if key not in value)!r} is missing"
-    if rule == "not" and "required" in wanted:
-        return f"must not have the key {wanted['required'][0]!r}"
-    if isinstance(value, str) and value in MASS_PARAMETERS:
-        text = f"is the name of a mass parameter; write its value, {format_exact(MASS_PARAMETERS[value])}"
-    elif rule == "pattern":
-        text = f"must have the form {wanted}"
-    elif rule in ("const", "enum"):
-        text = "must be " + " or ".join(json.dumps(choice) for choice in ([wanted] if rule == "const" else wanted))
-    elif rule == "type":
-        text = "must be of type " + " or ".join([wanted] if isinstance(wanted, str) else wanted)
-    else:
-        text = _SIZES.get(rule, f"breaks the rule {rule!r}").format(wanted)
-    scalar = not isinstance(value, (dict, list))
-    return f"{json.dumps(value)} {text}" if scalar and len(str(value)) <= _LONGEST_QUOTED else text
-
-
-_LONGEST_QUOTED = 100
-
-
-def _short(text: str) -> str:
-    """A text of one line and readable length."""
-    text = " ".join(text.split())
-    return text if len(text) <= _LONGEST_QUOTED else text[:_LONGEST_QUOTED] + " ..."
+def _check_equation(candidate: Candidate, equation: Equation, refuse: Callable[[str, str, str], NoReturn]) -> None:
+    system = candidate.system
+    if equation.quantity not in QUANTITIES:
+        refuse("equation.quantity", f"{equation.quantity!r} is unknown", f"give one of {', '.join(QUANTITIES)}")
+    if (equation.quantity == COORDINATE) != (equation.coordinate is not None):
+        refuse("equation.coordinate", "belongs to the quantity 'coordinate'", "give both or none")
+    if equation.coordinate is not None and equation.coordinate not in system.centre_coordinates:
+        known = ", ".join(system.centre_coordinates)
+        refuse("equation.coordinate", f"{equation.coordinate!r} is no coordinate of Fix(R)", f"give one of {known}")
+    if equation.quantity == LEVEL and system.first_integral is None:
+        refuse("equation.quantity", f"{system.name} has no first integral", "give another quantity")
+    if equation.quantity == HALF_PERIOD and not equation.value > 0:
+        refuse(_EQUATION_VALUE, "a half period is positive", "give a positive number")
+    if candidate.symmetry is not None or candidate.level_sign is not None:
+        refuse("equation", "the orbit is given in the coordinates of Fix(R)", "leave symmetry and parameter out")
+    if candidate.crossings != 1:
+        refuse("crossings", "the half orbit of a claim about one orbit meets the section once", "leave it out")
+    if system.normalised:
+        refuse("equation", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
 
 
 def read_candidates(path: Path) -> list[Candidate]:
@@ -311,7 +230,7 @@ def read_system(
     for name, value in parameters.items():
         interval = system.parameters[name]
         if not interval.contains(value):
-            text = _short(entry["parameters"][name])
+            text = short(entry["parameters"][name])
             raise InputError(f"{source}.parameters.{name}: {text} lies outside {interval}; choose a value inside")
     return system, parameters
 
@@ -341,8 +260,9 @@ def candidate_from_json(
     system, parameters = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]
     symmetry = entry.get("symmetry")
-    if (kind in ONCE) != (k == 1):
-        refuse("k", f"{kind} with k = {k}", f"{' and '.join(ONCE)} have k = 1, the other kinds have k > 1")
+    if (kind in (*ONCE, ORBIT)) != (k == 1):
+        refuse("k", f"{kind} with k = {k}", f"{', '.join((*ONCE, ORBIT))} have k = 1, the other kinds have k > 1")
+    equation = entry.get("equation")
     level_sign = entry.get("level_sign")
     if (entry.get("parameter") is None) != (level_sign is None):
         refuse("parameter", "parameter and level_sign belong together", "give both or none")
@@ -354,14 +274,19 @@ def candidate_from_json(
             centre=_vector(entry["centre"]), frame=_matrix(entry["frame"]), radii=_vector(entry["radii"]),
             kernel_frame=_matrix(entry["kernel_frame"]), provenance=entry.get("provenance", {}), level_sign=level_sign,
             crossings=entry.get("crossings", 1),
+            equation=None if equation is None else _equation(equation),
         )  # fmt: skip
     except InputError as error:
         raise InputError(f"{source}.{error}") from None
 
 
+def _equation(entry: Mapping[str, str]) -> Equation:
+    return Equation(entry["quantity"], parse_exact(entry["value"]), entry.get("coordinate"))
+
+
 def _can_be_written(value: Fraction, is_parameter: bool) -> bool:
     """Whether the text of a number, as `Candidate.to_json` writes it, fits the schema again."""
-    schema: Any = _validator("candidates").schema
+    schema: Any = validator("candidates").schema
     kind, text = ("rational", format_rational(value)) if is_parameter else ("number", format_exact(value))
     return re.fullmatch(schema["$defs"][kind]["pattern"], text) is not None
 
@@ -382,42 +307,3 @@ def write_candidates(path: Path, candidates: Sequence[Candidate]) -> None:
         "candidates": [candidate.to_json() for candidate in candidates],
     }
     write_document(path, document, "candidates")
-
-
-def write_document(path: Path, document: Mapping[str, Any], name: str) -> None:
-    """Validate `document` against the schema `name` and write it atomically as JSON."""
-    validate_document(document, name, f"{name} to be written")
-    write_text(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
-
-
-def check_writable(path: Path) -> None:
-    """Raise `InputError` if a file at `path` could not be written; call it before a long run."""
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; give the path of a file to write")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: folder {path.parent} does not exist; create it or choose another path")
-    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
-        raise InputError(f"{path}: cannot be written (permission denied); choose another path")
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all; raises `InputError`."""
-    write_bytes(path, text.encode("utf-8"))
-
-
-def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file atomically: a temporary file in the same folder, then a rename. Raises `InputError`."""
-    check_writable(path)
-    temporary: str | None = None
-    try:
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        with os.fdopen(descriptor, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except OSError as error:
-        if temporary is not None and os.path.exists(temporary):
-            os.unlink(temporary)
-        raise InputError(f"{path}: cannot be written ({error.strerror}); free space or choose another path") from None

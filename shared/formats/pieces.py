@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NoReturn
 
-from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.formats.documents import InputError
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 

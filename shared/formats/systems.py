@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats.candidates import InputError, read_document
+from orbitproof.shared.formats.documents import InputError, read_document
 from orbitproof.shared.systems import KEYS, DescriptionError, ReversibleSystem, described, fault
 
 

@@ -75,6 +75,9 @@ class ReversibleSystem:
         normalised: initial values of state coordinates that R fixes and that are no coordinates of a centre, because
             the state is measured in such units.
         derived_parameters: parameters that nobody gives, by name.
+        squared_distance: the square of the distance from a body, plain arithmetic like the vector field, invariant
+            under R; returns one value. `None` if orbits have no such distance.
+        distance_name: from what, as people say it.
     """
 
     name: str
@@ -91,6 +94,8 @@ class ReversibleSystem:
     level_coordinate: str | None = None
     normalised: Mapping[str, Fraction] = field(default_factory=dict)
     derived_parameters: Mapping[str, DerivedParameter] = field(default_factory=dict)
+    squared_distance: VectorField | None = None
+    distance_name: str | None = None
 
     def __post_init__(self) -> None:
         m = len(self.state)
@@ -174,6 +179,13 @@ class ReversibleSystem:
             return None
         return record(self.first_integral, self.state, tuple(self.parameters))
 
+    @cached_property
+    def squared_distance_program(self) -> Program | None:
+        """The square of the distance as a straight-line program; inputs: state, then parameters."""
+        if self.squared_distance is None:
+            return None
+        return record(self.squared_distance, self.state, tuple(self.parameters))
+
 
 def _circular_restricted_three_body(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
     x, y, z, vx, vy, vz = state
@@ -204,6 +216,13 @@ def _jacobi_constant(state: Sequence[Any], parameters: Sequence[Any]) -> Sequenc
     return (x * x + y * y + 2 * potential - (vx * vx + vy * vy + vz * vz),)
 
 
+def _from_smaller_primary(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    x, y, z, *_ = state
+    (mu,) = parameters
+    along = x + mu - 1
+    return (along * along + y * y + z * z,)
+
+
 def _falkner_skan(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
     x, y, z = state
     (beta,) = parameters
@@ -222,6 +241,8 @@ CR3BP = ReversibleSystem(
     first_integral=_jacobi_constant,
     first_integral_name="Jacobi constant",
     level_coordinate="vy",
+    squared_distance=_from_smaller_primary,
+    distance_name="the smaller primary",
 )
 
 CR3BP_AXIAL = replace(

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from orbitproof.shared.formats.candidates import InputError, check_writable
+from orbitproof.shared.formats import InputError, check_writable
 
 CANDIDATE: dict[str, Any] = {
     "id": "falkner-skan k=3",

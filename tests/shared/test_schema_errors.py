@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from orbitproof.shared.formats.candidates import InputError, validate_document
+from orbitproof.shared.formats import InputError, validate_document
 
 DOCUMENT = json.loads((Path(__file__).parents[1] / "data" / "figures-certificates.json").read_text())
 

@@ -140,7 +140,7 @@ def test_a_step_that_never_ends_is_ended_at_the_time_limit(monkeypatch: pytest.M
 def test_what_cannot_be_checked_again_does_not_stand(monkeypatch: pytest.MonkeyPatch) -> None:
     certificate = certify(TRUE, Limits())
     assert recheck(certificate).stands
-    for name in ("level_form", "prove", "enclose_iterates"):
+    for name in ("level_form", "prove", "enclose"):
         with monkeypatch.context() as patch:
             patch.setattr(RECHECK, name, raising(MemoryError))
             result = recheck(certificate, integrate=True)

@@ -102,7 +102,7 @@ def no_integration(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: Any) -> Enclosures:
         raise AssertionError("an integration was started")
 
-    monkeypatch.setattr(MODULE, "enclose_iterates", refuse)
+    monkeypatch.setattr(MODULE, "enclose", refuse)
 
 
 @pytest.mark.usefixtures("no_integration")
@@ -267,7 +267,7 @@ def test_a_second_integration_that_is_off_is_found(proved: Certificate, monkeypa
         iterates = (found.iterates[0], (type(table)(table.box, changed),), *found.iterates[2:])
         return Enclosures(iterates, None, found.return_times, found.order, found.precision, found.steps)
 
-    monkeypatch.setattr(MODULE, "enclose_iterates", moved)
+    monkeypatch.setattr(MODULE, "enclose", moved)
     result = recheck(proved, integrate=True)
     assert "d^(1,1) of q_1(P^2), centre" in places(result)
 

@@ -16,6 +16,7 @@ from typing import Any, Literal
 from flint import arb
 
 from orbitproof.shared.formats import (
+    ORBIT,
     Candidate,
     InputError,
     candidate_from_json,
@@ -23,8 +24,9 @@ from orbitproof.shared.formats import (
     validate_document,
     write_text,
 )
-from orbitproof.verify.bifurcation import BifurcationResults, level_form, theorem_of
+from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate.in_full import in_full
+from orbitproof.verify.certificate.kinds import Found, Results, theorem_of
 from orbitproof.verify.certificate.stated_system import system_names
 from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
@@ -39,7 +41,7 @@ from orbitproof.verify.evidence import (
     outcome_to_json,
     software,
 )
-from orbitproof.verify.poincare import Enclosures
+from orbitproof.verify.orbit import OrbitResults
 
 _SHOWN_DIGITS = 34
 _KINDS = {
@@ -81,13 +83,17 @@ class Certificate:
 
     Attributes:
         id: the candidate's.
-        kind, k: what was claimed: one of `shared.formats.KINDS`, and the multiplicity.
+        kind, k: what was claimed: one of `shared.formats.KINDS` or `ORBIT`, and the multiplicity.
         verdict: "proved" or "not proved", which never means "shown to be false".
         theorem: what is proved, in words; `None` if nothing is.
-        parameter_name: the bifurcation parameter, a family parameter or a first integral; `None` if nothing is proved.
+        parameter_name: the bifurcation parameter, a family parameter or a first integral; for an orbit "period"; `None`
+            if nothing is proved.
         parameter: the ball that contains its value; `None` if nothing is proved.
-        point: balls that contain the coordinates of the bifurcation point on Fix(R), by name; empty if not proved.
-        side: "above", "below" or "both": parameter values at which the new orbits exist; `None` if not proved.
+        point: balls that contain the coordinates on Fix(R) of the bifurcation point, or of the point where the orbit
+            starts, by name; empty if not proved.
+        side: "above", "below" or "both": parameter values at which the new orbits exist; `None` if not proved, or for
+            an orbit.
+        orbit: what is proved of an orbit; `None` for a bifurcation, or if nothing is proved.
         normal_form: enclosures of the coefficients of the bifurcation function, by name; empty if not proved.
         hypotheses: those that were looked at, in order, with their enclosures.
         reason: why it is not proved; `None` if it is.
@@ -109,6 +115,7 @@ class Certificate:
     reason: Reason | None = field(compare=False)
     computation: Computation = field(compare=False)
     software: Mapping[str, str] = field(compare=False)
+    orbit: OrbitResults | None = field(compare=False)
     _text: str
 
     @classmethod
@@ -144,10 +151,10 @@ class Certificate:
         return entry
 
     def __str__(self) -> str:
-        claim = f"k = {self.k} {_KINDS.get(self.kind, self.kind)}"
+        claim = self._claim
         if self.reason is not None:
             return f"{claim}, not proved, {self.reason.condition}: {self.reason.message}"
-        return f"{claim}, proved, {self.side}, {self._shown_parameter()}"
+        return ", ".join(part for part in (claim, "proved", self.side, self._shown_parameter()) if part)
 
     def __repr__(self) -> str:
         return f"<Certificate {self.id!r}: {self.verdict}>"
@@ -157,15 +164,20 @@ class Certificate:
 
     def _repr_html_(self) -> str:
         """The table that a notebook shows."""
-        rows = [("claim", f"k = {self.k} {_KINDS.get(self.kind, self.kind)}"), ("verdict", self.verdict)]
+        rows = [("claim", self._claim), ("verdict", self.verdict)]
         if self.reason is not None:
             rows += [(self.reason.condition, self.reason.message), ("remedy", self.reason.remedy)]
         if self.parameter is not None:
-            rows += [("new orbits", str(self.side)), ("parameter", self._shown_parameter())]
+            rows += [] if self.side is None else [("new orbits", self.side)]
+            rows += [("parameter", self._shown_parameter())]
             rows += [(name, certain_digits(ball, _SHOWN_DIGITS)) for name, ball in self.point.items()]
         rows += [("hypotheses", ", ".join(hypothesis.name for hypothesis in self.hypotheses))]
         cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in rows)
         return f"<table><caption>{escape(self.id)}</caption>{cells}</table>"
+
+    @property
+    def _claim(self) -> str:
+        return ORBIT if self.kind == ORBIT else f"k = {self.k} {_KINDS.get(self.kind, self.kind)}"
 
     def _shown_parameter(self) -> str:
         if self.parameter is None or self.parameter_name is None:
@@ -187,7 +199,10 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         )
         place = "results"
         results = entry.get("results") or {}
+        if kind == ORBIT and results:
+            results = {**results, "parameter_name": "period", "parameter": results["period"]}
         parameter = ball_from_json(results["parameter"]) if results else None
+        orbit = OrbitResults.from_json(results) if kind == ORBIT and results else None
         point, normal_form = _balls(results.get("point", {})), _balls(results.get("normal_form", {}))
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{source}: field {place}: {error}; verify the candidate again") from None
@@ -203,6 +218,7 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         "point": point,
         "side": results.get("side"),
         "normal_form": normal_form,
+        "orbit": orbit,
         "hypotheses": hypotheses,
         "reason": None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"]),
         "computation": Computation(
@@ -232,8 +248,10 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
         "reversing_symmetry": list(system.reversing_symmetry),
         "symmetry": None if candidate.symmetry is None else list(system.symmetries[candidate.symmetry]),
         "section": system.section,
-        "names": system_names(system),
+        "names": system_names(system, candidate.kind == ORBIT),
     }
+    if candidate.kind == ORBIT and system.squared_distance_program is not None:
+        claim["squared_distance"] = system.squared_distance_program.text()
     if form is not None:
         claim["level_form"] = form.to_json(provenance=False)
     sign = (form or candidate).level_sign
@@ -244,9 +262,9 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
 
 def make_certificate(
     candidate: Candidate,
-    outcome: Outcome[BifurcationResults],
+    outcome: Outcome[Results],
     computation: Mapping[str, Any],
-    enclosures: Enclosures | None = None,
+    enclosures: Found | None = None,
     form: Candidate | None = None,
 ) -> Certificate:
     """The certificate of one candidate; `computation` is the object of that name in the schema.
@@ -281,7 +299,7 @@ def theorem_in_full(certificate: Certificate, candidate: Candidate, form: Candid
     theorem = theorem_of(candidate, form)
     if not (isinstance(theorem, Theorem) and certificate.proved):
         raise ValueError(f"certificate {certificate.id!r}: proves nothing")
-    return in_full(candidate, form, theorem, certificate)
+    return in_full(candidate, form, theorem, certificate.orbit or certificate)
 
 
 def digest(entry: Mapping[str, Any]) -> str:
@@ -298,7 +316,10 @@ def is_proof_of(certificate: Certificate, candidate: Candidate) -> bool:
     theorem = theorem_of(candidate, form)
     if not (isinstance(theorem, Theorem) and certificate.proved):
         return False
-    words = {"theorem": theorem.statement, "in_full": in_full(candidate, form, theorem, certificate)}
+    words = {
+        "theorem": theorem.statement,
+        "in_full": in_full(candidate, form, theorem, certificate.orbit or certificate),
+    }
     return (
         entry.get("digest") == digest(entry)
         and entry["statement"] == {**statement(candidate, form), **words}

@@ -12,17 +12,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from orbitproof.shared.formats import Candidate, InputError
+from orbitproof.shared.formats import ORBIT, Candidate, InputError
 from orbitproof.verify.bifurcation import (
     check_exactly,
     check_own_box,
     in_own_box,
     level_form,
     level_spread,
-    prove,
-    theorem_of,
 )
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
+from orbitproof.verify.certificate.kinds import Found, enclose, prove, theorem_of
 from orbitproof.verify.certificate.precision import (
     Limits,
     Verdict,
@@ -39,9 +38,9 @@ from orbitproof.verify.evidence import (
     Reason,
     guarded,
 )
-from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import IntegratorSettings
 
-Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Enclosures]
+Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Found]
 Progress = Callable[[float, str], None]
 
 _MORE = "give --max-precision more"
@@ -69,14 +68,14 @@ class _Attempt:
     precision: int
     order: int
     steps: int
-    enclosures: Enclosures | None = None
+    enclosures: Found | None = None
 
 
 def certify(
     candidate: Candidate,
     limits: Limits | None = None,
     progress: Progress | None = None,
-    integrate: Integrator = enclose_iterates,
+    integrate: Integrator = enclose,
 ) -> Certificate:
     """The certificate of a candidate, proved or not.
 
@@ -140,7 +139,7 @@ def _certify(
 
 def _forms(candidate: Candidate, limits: Limits) -> list[Candidate | None]:
     """What to try, in this order: level forms of the candidate, or `None` for the candidate as it is."""
-    form = None if limits.level == "coordinates" else level_form(candidate)
+    form = None if limits.level == "coordinates" or candidate.kind == ORBIT else level_form(candidate)
     if form is None:
         return [None]
     if limits.level == "integral":
@@ -249,7 +248,7 @@ def _attempt(
             with np.errstate(all="ignore"):
                 found = integrate(candidate, IntegratorSettings(precision, accuracy=accuracy), report)
             stage = "evaluation"
-            outcome = prove(candidate, checklist, found.iterates, found.first_integral, found.return_times)
+            outcome = prove(candidate, checklist, found)
         except _OutOfTime:
             raise
         except NotEstablishedError as error:

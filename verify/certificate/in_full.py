@@ -23,6 +23,7 @@ from orbitproof.verify.evidence import (
     interval_text,
     symmetric,
 )
+from orbitproof.verify.orbit import OrbitResults, orbit_in_full
 
 _DIGITS = 40
 _BITS = 1024
@@ -50,7 +51,7 @@ class Located(Protocol):
         """Parameter values at which there are new orbits."""
 
 
-def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, found: Located) -> str:
+def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, found: Located | OrbitResults) -> str:
     """System, box, theorem, what its words mean, and what was found, in this order.
 
     `form` as in `certificate.statement`. The decimals of the box are rounded outward where it is enclosed, and inward
@@ -61,7 +62,11 @@ def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, foun
         lines = [*_setting(candidate), *_box(claim, form is not None)]
         if form is not None:
             lines += ["The candidate's own box:", *_set(candidate, "candidate")]
-    lines += ["Theorem.", theorem.statement, _definition(claim), *_found(found, claim)]
+        lines += ["Theorem.", theorem.statement]
+        if isinstance(found, OrbitResults):
+            lines += orbit_in_full(candidate, found)
+        else:
+            lines += [_definition(claim), *_found(found, claim)]
     return "\n".join(lines)
 
 

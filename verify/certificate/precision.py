@@ -12,7 +12,8 @@ from math import ceil, isfinite
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
+from orbitproof.verify.bifurcation import coordinates_in_box
+from orbitproof.verify.certificate.kinds import Results
 from orbitproof.verify.evidence import (
     NotProved,
     Outcome,
@@ -24,7 +25,7 @@ from orbitproof.verify.evidence import (
     is_outside,
 )
 
-Verdict = Outcome[BifurcationResults]
+Verdict = Outcome[Results]
 
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
@@ -129,7 +130,7 @@ def more_precision(
 
 def _bits_to_fit(candidate: Candidate, enclosures: Mapping[str, arb]) -> int | None:
     """Bits by which the images of interval Newton operators are too wide for the box, and a few more."""
-    images = {"p_0(P_1)": 0, "p_1": 1, "p_2": 2}
+    images = {"p_0": 0, "p_0(P_1)": 0, "p_1": 1, "p_2": 2}
     ratios = [
         enclosures[name].abs_upper() / enclose(candidate.radii[j]) for name, j in images.items() if name in enclosures
     ]

@@ -18,36 +18,33 @@ import numpy as np
 
 from orbitproof.shared.formats import Candidate, candidate_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS
-from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, level_form, prove, theorem_of
+from orbitproof.verify.bifurcation import check_exactly, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certify import broken_off, for_origin
+from orbitproof.verify.certificate.kinds import Found, Results, contradictions, enclose, prove, theorem_of, unconfirmed
 from orbitproof.verify.certificate.levels import (
     Examination,
     Finding,
     Recheck,
     climb,
-    confirmed,
     differences,
     other_hypotheses,
     other_software,
-    overlap,
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.certificate.stated_system import named_as, systems_with
-from orbitproof.verify.certificate.tables import derivative_name, tables_from_json
+from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.evidence import (
     Checklist,
-    DerivativeTable,
     IntegrationFailure,
     NotEstablishedError,
     NotProved,
     Outcome,
     Proved,
     Theorem,
-    ball_from_json,
     guarded,
 )
-from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import IntegratorSettings
 
 _MORE_PRECISION = 8
 _LEAST_MORE_PRECISION = 32
@@ -102,7 +99,7 @@ class _Stated:
 
     candidate: Candidate
     form: Candidate | None
-    enclosures: Enclosures | None
+    enclosures: Found | None
 
     @property
     def claim(self) -> Candidate:
@@ -122,7 +119,7 @@ def _read(certificate: Entry) -> _Stated:
     return _Stated(candidate, form, _stored_enclosures(certificate, candidate))
 
 
-def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Enclosures | None:
+def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Found | None:
     entry, computation = certificate.get("enclosures"), certificate["computation"]
     if entry is None:
         return None
@@ -130,7 +127,7 @@ def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Enclosures |
         raise ValueError(f"computation.precision: {computation['precision']} bits are not possible")
     if not 1 <= computation["order"] <= GREATEST_PRECISION:
         raise ValueError(f"computation.order: {computation['order']} is not possible")
-    return tables_from_json(entry, len(candidate.radii), computation)
+    return tables_from_json(entry, candidate, computation)
 
 
 def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
@@ -183,7 +180,7 @@ UNKNOWN = "not known here; checked as the file's own program describes it, its n
 """What is said of a system that this installation does not know."""
 
 
-def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | None) -> Outcome[BifurcationResults]:
+def _conclude(candidate: Candidate, precision: int, enclosures: Found | None) -> Outcome[Results]:
     """What follows from `enclosures`; without them, from what needs none."""
     checklist = Checklist()
     with guarded(precision):
@@ -191,9 +188,7 @@ def _conclude(candidate: Candidate, precision: int, enclosures: Enclosures | Non
             check_exactly(checklist, candidate)
         except NotEstablishedError as error:
             return NotProved(error.reason, tuple(checklist.hypotheses))
-        if enclosures is None:
-            return prove(candidate, checklist, (), None)
-        return prove(candidate, checklist, enclosures.iterates, enclosures.first_integral, enclosures.return_times)
+        return prove(candidate, checklist, enclosures)
 
 
 def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding]:
@@ -261,14 +256,14 @@ def _integration(
     place = f"integration with {settings.precision} bits and order {settings.order}"
     try:
         with np.errstate(all="ignore"):
-            fresh = enclose_iterates(stated.claim, settings, progress)
+            fresh = enclose(stated.claim, settings, progress)
     except IntegrationFailure as error:
         yield Finding(place, error.reason.message)
         return
     except Exception as error:
         yield Finding(place, broken_off("integration", error).message)
         return
-    yield from _contradictions(stored, fresh, place)
+    yield from contradictions(stored, fresh, place)
     if certificate["verdict"] != "proved":
         return
     outcome = _conclude(stated.claim, settings.precision, fresh)
@@ -278,44 +273,11 @@ def _integration(
         yield Finding(place, f"the claim is not proved again: {outcome.reason.condition}: {outcome.reason.message}")
         return
     results = certificate["results"]
-    if results["side"] != outcome.results.side:
-        yield Finding(f"{place}, side", f"stored is {results['side']!r}, found {outcome.results.side!r}")
-    unconfirmed = list(_unconfirmed(results, outcome.results, place))
-    if unconfirmed:
+    remaining = list(unconfirmed(results, outcome.results, place))
+    if remaining:
         finer = replace(settings, precision=settings.precision + _STILL_MORE_PRECISION)
         with suppress(IntegrationFailure), np.errstate(all="ignore"):
-            again = _conclude(stated.claim, finer.precision, enclose_iterates(stated.claim, finer, progress))
+            again = _conclude(stated.claim, finer.precision, enclose(stated.claim, finer, progress))
             if isinstance(again, Proved):
-                unconfirmed = list(_unconfirmed(results, again.results, f"integration with {finer.precision} bits"))
-    yield from unconfirmed
-
-
-def _unconfirmed(stored: Entry, found: BifurcationResults, place: str) -> Iterator[Finding]:
-    """The numbers of the results that new ones do not confirm."""
-    yield from confirmed(ball_from_json(stored["parameter"]), found.parameter, f"{place}, {found.parameter_name}")
-    for group, balls in (("point", found.point), ("normal_form", found.normal_form)):
-        for name, ball in balls.items():
-            if name in stored[group]:
-                yield from confirmed(ball_from_json(stored[group][name]), ball, f"{place}, {name}")
-
-
-def _contradictions(stored: Enclosures, fresh: Enclosures, place: str) -> Iterator[Finding]:
-    tables = list(_pairs(stored, fresh))
-    if len(tables) != sum(len(components) for components in stored.iterates) + (stored.first_integral is not None):
-        yield Finding(place, "the tables do not belong to each other")
-    for name, old, new in tables:
-        for part, before, now in (("box", old.box, new.box), ("centre", old.centre, new.centre)):
-            for index, ball in before.items():
-                yield from overlap(ball, now[index], f"{place}, {derivative_name(index)} of {name}, {part}")
-    if len(stored.return_times) != len(fresh.return_times):
-        yield Finding(place, "another number of crossings")
-    for number, (left, right) in enumerate(zip(stored.return_times, fresh.return_times, strict=False), start=1):
-        yield from overlap(left, right, f"{place}, time of crossing {number}")
-
-
-def _pairs(stored: Enclosures, fresh: Enclosures) -> Iterator[tuple[str, DerivativeTable, DerivativeTable]]:
-    for i, (old, new) in enumerate(zip(stored.iterates, fresh.iterates, strict=False), start=1):
-        for j, (left, right) in enumerate(zip(old, new, strict=False), start=1):
-            yield f"q_{j}(P^{i})", left, right
-    if stored.first_integral is not None and fresh.first_integral is not None:
-        yield "the first integral", stored.first_integral, fresh.first_integral
+                remaining = list(unconfirmed(results, again.results, f"integration with {finer.precision} bits"))
+    yield from remaining

@@ -18,10 +18,14 @@ from orbitproof.verify.claim import level_program, quadratic_coefficient
 _ANY = ParameterRange(None, None)
 
 
-def system_names(system: ReversibleSystem) -> dict[str, str]:
-    """What a statement calls its system and the first integral: words of the theorem."""
+def system_names(system: ReversibleSystem, with_distance: bool = False) -> dict[str, str]:
+    """What a statement calls its system, the first integral and, if asked, the body: words of the theorem."""
     names = {"system": system.title}
-    return names if system.first_integral_name is None else {**names, "first_integral": system.first_integral_name}
+    optional = {
+        "first_integral": system.first_integral_name,
+        "distance_from": system.distance_name if with_distance else None,
+    }
+    return {**names, **{key: name for key, name in optional.items() if name is not None}}
 
 
 def systems_with(
@@ -68,6 +72,10 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
     state, parameters = field.inputs[:size], field.inputs[size:]
     if integral is not None and (integral.inputs != field.inputs or len(integral.outputs) != 1):
         raise ValueError("statement.first_integral: is not a function of state and parameters of the vector field")
+    text = statement.get("squared_distance")
+    distance = None if text is None else Program.from_text(text)
+    if distance is not None and (distance.inputs != field.inputs or len(distance.outputs) != 1):
+        raise ValueError("statement.squared_distance: is not a function of state and parameters of the vector field")
     symmetry, signs = _symmetry_of(claim), statement.get("symmetry")
     if (symmetry is None) != (signs is None):
         raise ValueError("statement.symmetry: the claim names a symmetry and its signs are missing, or the other way")
@@ -89,6 +97,8 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
         family_parameter=free[0] if free else None,
         first_integral=None if integral is None else program_function(integral, size),
         first_integral_name=names.get("first_integral"),
+        squared_distance=None if distance is None else program_function(distance, size),
+        distance_name=names.get("distance_from"),
     )
     return _with_level_coordinate(system, statement, claim)
 

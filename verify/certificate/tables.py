@@ -7,6 +7,7 @@ from typing import Any
 
 from flint import arb
 
+from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.shared.numbers import format_dyadic
 from orbitproof.verify.evidence import (
     MAX_ORDER,
@@ -16,6 +17,7 @@ from orbitproof.verify.evidence import (
     exact_value,
     indices_up_to,
 )
+from orbitproof.verify.orbit import Approach, Distance, OrbitEnclosures
 from orbitproof.verify.poincare import Enclosures
 
 _SEPARATOR = " +- "
@@ -39,10 +41,12 @@ def ball_from_text(text: str) -> arb:
     return ball
 
 
-def tables_to_json(enclosures: Enclosures) -> dict[str, Any] | None:
-    """All derivatives and crossing times; `None` if a ball is not finite, which proves nothing anyway."""
+def tables_to_json(enclosures: Enclosures | OrbitEnclosures) -> dict[str, Any] | None:
+    """All derivatives and times; `None` if a ball is not finite, which proves nothing anyway."""
     integral = enclosures.first_integral
     try:
+        if isinstance(enclosures, OrbitEnclosures):
+            return _orbit_to_json(enclosures)
         return {
             "iterates": [[_table_to_json(table) for table in components] for components in enclosures.iterates],
             "first_integral": None if integral is None else _table_to_json(integral),
@@ -52,11 +56,65 @@ def tables_to_json(enclosures: Enclosures) -> dict[str, Any] | None:
         return None
 
 
-def tables_from_json(entry: Mapping[str, Any], dimension: int, computation: Mapping[str, Any]) -> Enclosures:
-    """The same enclosures, for points with `dimension` coordinates.
+def _orbit_to_json(found: OrbitEnclosures) -> dict[str, Any]:
+    integral, distance = found.first_integral, found.distance
+    return {
+        "iterates": [[_table_to_json(table) for table in components] for components in found.iterates],
+        "image": [_table_to_json(table) for table in found.image],
+        "half_period": _table_to_json(found.half_period),
+        "first_integral": None if integral is None else _table_to_json(integral),
+        "back": [[ball_to_text(ball) for ball in row] for row in found.back],
+        "distance": None
+        if distance is None
+        else {
+            "start": _table_to_json(distance.start),
+            "end": _table_to_json(distance.end),
+            "start_kind": distance.start_kind,
+            "end_kind": distance.end_kind,
+            "between": [
+                {"time": ball_to_text(each.time), "value": ball_to_text(each.value), "kind": each.kind}
+                for each in distance.between
+            ],
+        },
+    }
+
+
+def _orbit_from_json(entry: Mapping[str, Any], dimension: int, computation: Mapping[str, Any]) -> OrbitEnclosures:
+    integral, far = entry["first_integral"], entry["distance"]
+    distance = None
+    if far is not None:
+        between = tuple(
+            Approach(_read(each["time"], f"time of extremum {i}"), _read(each["value"], f"extremum {i}"), each["kind"])
+            for i, each in enumerate(far["between"], start=1)
+        )
+        start, end = (_table_from_json(far[name], dimension, f"distance, {name}") for name in ("start", "end"))
+        distance = Distance(start, end, far["start_kind"], far["end_kind"], between)
+    return OrbitEnclosures(
+        tuple(
+            tuple(_table_from_json(table, dimension, f"q_{j}(P)") for j, table in enumerate(components, start=1))
+            for components in entry["iterates"]
+        ),
+        tuple(_table_from_json(table, dimension, f"coordinate {j} of P") for j, table in enumerate(entry["image"], 1)),
+        _table_from_json(entry["half_period"], dimension, "the half period"),
+        None if integral is None else _table_from_json(integral, dimension, "the first integral"),
+        tuple(tuple(_read(text, "back") for text in row) for row in entry["back"]),
+        distance,
+        computation["order"], computation["precision"], computation.get("steps", 0), computation.get("coordinates", ""),
+    )  # fmt: skip
+
+
+def tables_from_json(
+    entry: Mapping[str, Any], candidate: Candidate, computation: Mapping[str, Any]
+) -> Enclosures | OrbitEnclosures:
+    """The same enclosures, those of a claim.
 
     Raises `ValueError` that names the table and the derivative that cannot be read.
     """
+    dimension = len(candidate.radii)
+    if (candidate.kind == ORBIT) != ("back" in entry):
+        raise ValueError("the enclosures are those of another kind of claim")
+    if candidate.kind == ORBIT:
+        return _orbit_from_json(entry, dimension, computation)
     iterates = tuple(
         tuple(
             _table_from_json(table, dimension, f"q_{j}(P^{i})") for j, table in enumerate(components, start=1)

@@ -69,6 +69,7 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
         "correct the description of the system",
     ) as evidence:
         integral = system.first_integral_program
+        distance = system.squared_distance_program
         involutions = [("R", system.reversing_symmetry, -1)]
         if symmetry is not None:
             evidence.require(symmetry in system.symmetries, f"{system.name} has no symmetry {symmetry}")
@@ -78,6 +79,10 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
             message = f"of {system.name} was not shown to have the symmetry {name}"
             evidence.require(shown, f"the vector field {message}")
             evidence.require(integral is None or parities(integral, signs) == [1], f"the first integral {message}")
+        evidence.require(
+            distance is None or parities(distance, system.reversing_symmetry) == [1],
+            f"the distance of {system.name} from {system.distance_name} was not shown to have the symmetry R",
+        )
         evidence.require(
             integral is None or is_first_integral(system.program, integral),
             f"the {system.first_integral_name or 'first integral'} of {system.name} was not shown to be constant along "

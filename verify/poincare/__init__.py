@@ -1,10 +1,15 @@
 """The Poincare map and its derivatives on a box: section, crossings, returns (sections 5, 6, 14)."""
 
 from orbitproof.verify.poincare.coordinates import PHYSICAL
-from orbitproof.verify.poincare.derivatives import table_of
+from orbitproof.verify.poincare.crossing import InTime
+from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.iterates import (
+    BOX_RATIO,
+    Box,
     Enclosures,
     IntegratorSettings,
+    box_of,
+    check_size,
     default_order,
     enclose_first_integral,
     enclose_iterates,
@@ -12,13 +17,19 @@ from orbitproof.verify.poincare.iterates import (
 from orbitproof.verify.poincare.returns import REGULARISED, Returns, at_start, first_integral, kernel_components
 
 __all__ = [
+    "BOX_RATIO",
     "PHYSICAL",
     "REGULARISED",
+    "Box",
     "Enclosures",
+    "InTime",
     "IntegratorSettings",
     "Returns",
     "at_start",
+    "box_of",
+    "check_size",
     "default_order",
+    "derivative_table",
     "enclose_first_integral",
     "enclose_iterates",
     "first_integral",

@@ -29,10 +29,10 @@ def stays_positive(series: Series, wide: arb | None = None) -> bool:
     `wide`: the part of the wide variable's interval, if there is one.
     """
     with ctx.workprec(_BITS):
-        return _stays_positive(_Enclosure(series, wide), arb(0), arb(1), 0)
+        return _stays_positive(InTime(series, wide), arb(0), arb(1), 0)
 
 
-def _stays_positive(function: _Enclosure, left: arb, right: arb, depth: int) -> bool:
+def _stays_positive(function: InTime, left: arb, right: arb, depth: int) -> bool:
     sign = function.sign(left, right)
     if sign or depth == _DEPTH:
         return sign > 0
@@ -43,7 +43,7 @@ def _stays_positive(function: _Enclosure, left: arb, right: arb, depth: int) -> 
 def range_of(series: Series, wide: arb | None = None) -> arb:
     """A ball that contains the values of an element without theta at all real points of the box."""
     with ctx.workprec(_BITS):
-        enclosure = _Enclosure(series, wide)
+        enclosure = InTime(series, wide)
         return enclosure.polynomial(arb(0)) + enclosure.deviation
 
 
@@ -83,11 +83,11 @@ class CrossingCounter:
         Raises `IntegrationFailure` if some part of the step cannot be classified.
         """
         with ctx.workprec(_BITS):
-            y = _Enclosure(position, self.wide)
-            dy = _Enclosure(velocity, self.wide)
+            y = InTime(position, self.wide)
+            dy = InTime(velocity, self.wide)
             self._cover(y, dy, arb(0), arb(1), 0, time, step)
 
-    def _cover(self, y: _Enclosure, dy: _Enclosure, left: arb, right: arb, depth: int, time: arb, step: arb) -> None:
+    def _cover(self, y: InTime, dy: InTime, left: arb, right: arb, depth: int, time: arb, step: arb) -> None:
         sign = y.sign(left, right)
         if sign:
             self._keeps_side(sign, time + step * right)
@@ -146,10 +146,10 @@ class CrossingCounter:
         return None
 
 
-class _Enclosure:
+class InTime:
     """Values of a real function on subintervals of [0, 1], for all real points of the box."""
 
-    def __init__(self, series: Series, wide: arb | None) -> None:
+    def __init__(self, series: Series, wide: arb | None = None) -> None:
         arithmetic = series.arithmetic
         self.polynomial = arb_poly(arithmetic.balls_in_time(series.coefs[0], wide))
         self.derivative = self.polynomial.derivative()
@@ -157,11 +157,14 @@ class _Enclosure:
         away[0] = 0.0
         self.deviation = arb(0, total([total(away), total(series.errors)]))
 
+    def value(self, interval: arb) -> arb:
+        """Enclosure of the values at the points of a ball, by the mean value theorem."""
+        middle = interval.mid()
+        return self.polynomial(middle) + self.derivative(interval) * (interval - middle) + self.deviation
+
     def sign(self, left: arb, right: arb) -> int:
         """1 or -1 if the function has that sign on [left, right] for certain, else 0."""
-        middle = (left + right) / 2
-        interval = left.union(right)
-        value = self.polynomial(middle) + self.derivative(interval) * (interval - middle) + self.deviation
+        value = self.value(left.union(right))
         if not value.is_finite():
             return 0
         if (value > 0) is True:

@@ -13,7 +13,7 @@ from math import ceil, floor, log2, log10
 
 from flint import arb
 
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import (
@@ -94,8 +94,11 @@ class Enclosures:
 def grading_for(kind: str, k: int, dimension: int) -> Grading:
     """The weights of section 2.1: along the bifurcating branch p_0 and p_2 vary like p_1^2.
 
-    For a touch-and-go bifurcation the branch has a slope in p_0, and grade 2 is enough.
+    For a touch-and-go bifurcation the branch has a slope in p_0, and grade 2 is enough. For an orbit all
+    coordinates count alike, and their first derivatives are enough.
     """
+    if kind == ORBIT:
+        return Grading((1,) * dimension, 1)
     across = (2,) * (dimension - 2)
     if kind == "touch_and_go":
         return Grading((1, 1, *across), 2)
@@ -117,12 +120,12 @@ def enclose_iterates(
 def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
     """Derivatives of the first integral on the candidate's box in Fix(R), without integrating."""
     with guarded(precision):
-        box = _box(candidate, precision, 1)
+        box = box_of(candidate, precision, 1)
         return None if box.level is None else derivative_table(box.level, box.scales, BOX_RATIO)
 
 
 @dataclass(frozen=True)
-class _Box:
+class Box:
     """The points centre + frame * diag(scales) * xi of Fix(R), and the parameters, by name, and the level of H."""
 
     arithmetic: Arithmetic
@@ -131,7 +134,8 @@ class _Box:
     level: Series | None
 
 
-def _box(candidate: Candidate, bits: int, order: int) -> _Box:
+def box_of(candidate: Candidate, bits: int, order: int) -> Box:
+    """The points of a candidate's box as elements of the algebra. Raises `IntegrationFailure`."""
     system, variables = candidate.system, len(candidate.radii)
     scales = tuple(radius / BOX_RATIO for radius in candidate.radii)
     grading = grading_for(candidate.kind, candidate.k, variables)
@@ -144,7 +148,7 @@ def _box(candidate: Candidate, bits: int, order: int) -> _Box:
             terms[tuple(int(i == j) for i in range(variables))] = direction * scale
         point[name] = arithmetic.polynomial(terms)
     if candidate.level_sign is None:
-        return _Box(arithmetic, scales, point, first_integral(system, arithmetic, point))
+        return Box(arithmetic, scales, point, first_integral(system, arithmetic, point))
     level, coordinate = point[candidate.coordinates[0]], system.level_coordinate
     if coordinate is None or not quadratic_coefficient(system):
         raise IntegrationFailure(
@@ -152,7 +156,7 @@ def _box(candidate: Candidate, bits: int, order: int) -> _Box:
         )
     program = level_program(system, candidate.level_sign)
     point[coordinate] = at_start(program, (*initial_values(system, arithmetic, point), level))[0]
-    return _Box(arithmetic, scales, point, level)
+    return Box(arithmetic, scales, point, level)
 
 
 class _Integration:
@@ -160,8 +164,8 @@ class _Integration:
         self, candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None
     ) -> None:
         order = settings.order if settings.order is not None else default_order(settings.precision)
-        box = _box(candidate, settings.precision, order)
-        _check_size(box.arithmetic.grading, box.scales)
+        box = box_of(candidate, settings.precision, order)
+        check_size(box.arithmetic.grading, box.scales)
         self.candidate = candidate
         self.crossings = candidate.crossings * candidate.k
         self.progress = progress
@@ -244,7 +248,7 @@ def default_order(precision: int) -> int:
     return max(16, precision // 2)
 
 
-def _check_size(grading: Grading, scales: Sequence[Fraction]) -> None:
+def check_size(grading: Grading, scales: Sequence[Fraction]) -> None:
     """Refuse boxes on which the least error of a step (2.3) exceeds what a derivative adds to the top grade."""
     smallest = min(scales[1] ** grading.top, scales[0] * scales[1])
     if smallest < Fraction(LEAST_ERROR):

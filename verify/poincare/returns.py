@@ -45,6 +45,7 @@ class Returns:
         steps: number of integration steps so far.
         crossings: number of crossings that `next_crossing` has found.
         return_time: the system's time at the last of them, for all orbits.
+        step_taken: the enclosure of the last step, the time of the integration at its beginning, its length.
     """
 
     def __init__(
@@ -82,6 +83,7 @@ class Returns:
         self.share = 1.0
         self.at_section = True
         self.return_time = arithmetic.constant(Fraction(0))
+        self.step_taken: tuple[FlowStep, arb, Fraction] | None = None
 
     def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
         bits, degree = self.arithmetic.bits, self.arithmetic.degree
@@ -162,6 +164,7 @@ class Returns:
         for counter in self.counters:
             counter.cover(flow.solution[section], flow.slopes[section], self.time, enclose(step))
         self.state = list(flow.end)
+        self.step_taken = flow, self.time, step
         self.time = self.time + enclose(step)
         self.steps += 1
         self.at_section = root is not None

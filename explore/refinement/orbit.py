@@ -1,0 +1,150 @@
+"""Newton refinement of one symmetric orbit, singled out by an equation, up to the box for the verifier."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import ceil, isfinite, log2
+from typing import Any
+
+import mpmath
+
+from orbitproof.explore.refinement.crossing import level_jet, section_crossings, shorter_coordinates
+from orbitproof.explore.refinement.frames import RefinementFailure
+from orbitproof.explore.refinement.half_return import section_jets, start_jets
+from orbitproof.explore.refinement.jets import JetBasis
+from orbitproof.explore.refinement.resonance import working_context
+from orbitproof.explore.refinement.taylor import IntegrationFailure
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, ORBIT, Candidate, Equation
+from orbitproof.shared.numbers import round_dyadic
+from orbitproof.shared.systems import Regularisation, ReversibleSystem
+
+_FIRST_BITS = 90
+_GUARD_BITS = 24
+_MARGIN_DIGITS = 6
+_BOX_DIGITS = 5
+"""The box is so many digits wider than the centre is asked to be accurate."""
+_MOST_STEPS = 20
+_FARTHEST = 1e-2
+"""Largest distance from the guess, relative where a coordinate exceeds 1."""
+
+
+@dataclass(frozen=True)
+class OrbitTask:
+    """One orbit to refine; the fields are those of a candidate.
+
+    Attributes:
+        guess: float64 point, in the order of `ReversibleSystem.centre_coordinates`.
+        digits: decimal digits of the centre.
+    """
+
+    id: str
+    system: ReversibleSystem
+    parameters: Mapping[str, Fraction]
+    equation: Equation
+    guess: tuple[float, ...]
+    digits: int
+    provenance: Mapping[str, Any]
+
+
+def refine_orbit(task: OrbitTask, progress: Callable[[str, float], None] | None = None) -> Candidate:
+    """The orbit to many digits, with the box in which it is to be proved.
+
+    Raises `RefinementFailure`, one line, if Newton's method does not converge near the guess.
+    """
+    report = progress or (lambda _message, _fraction: None)
+    if not all(map(isfinite, task.guess)):
+        raise RefinementFailure("the guess is not finite")
+    try:
+        regularisation = shorter_coordinates(task.system, task.parameters, task.guess)
+        return _refined(task, regularisation, report)
+    except (IntegrationFailure, ZeroDivisionError) as failure:
+        raise RefinementFailure(str(failure)) from None
+
+
+def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Callable[[str, float], None]) -> Candidate:
+    goal = ceil((task.digits + _MARGIN_DIGITS) * log2(10))
+    point = [Fraction(value) for value in task.guess]
+    bits = _FIRST_BITS
+    guard, spread = _GUARD_BITS, 1.0
+    for number in range(_MOST_STEPS):
+        report(f"Newton step {number + 1} with {bits} bits", min(0.9, bits / (goal + 60)))
+        context = working_context(bits)
+        values, matrix, spread = _linearised(task, point, context, regularisation)
+        correction = context.lu_solve(matrix, -values)
+        size = max(float(abs(value)) for value in correction)
+        exact = [round_dyadic(_fraction(value), bits) for value in correction]
+        point = [value + change for value, change in zip(point, exact, strict=True)]
+        far = max(abs(float(p) - g) / max(1.0, abs(g)) for p, g in zip(point, task.guess, strict=True))
+        if far > _FARTHEST:
+            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
+        guard = max(_GUARD_BITS, ceil(log2(max(spread, 1.0))) + 16)
+        wanted = goal + guard
+        if bits >= wanted and size < 2.0**-goal:
+            return _candidate(task, point, bits, spread, number + 1)
+        # What is known doubles; the working precision follows it.
+        known = -2 * log2(max(size, 2.0**-bits))
+        bits = min(max(bits, ceil(known) + guard), wanted)
+    raise RefinementFailure(f"Newton's method did not converge in {_MOST_STEPS} steps")
+
+
+def _linearised(
+    task: OrbitTask, point: Sequence[Fraction], context: mpmath.MPContext, regularisation: Regularisation | None
+) -> tuple[Any, Any, float]:
+    """The equations (q o P, quantity - value) at a point, their derivatives, and the largest derivative of P."""
+    system = task.system
+    n = len(system.kernel_coordinates)
+    size = 1 + n
+    basis = JetBasis.graded((1,) * size, 1)
+    directions = [[int(i == j) for i in range(1 + 2 * n)] for j in range(size)]
+    values = [context.mpf(u.numerator) / u.denominator for u in point]
+    start, parameter = start_jets(system, values, directions, basis)
+    crossing = next(
+        section_crossings(system, task.parameters, start, parameter, context, regularisation=regularisation)
+    )
+    image = section_jets(system, crossing, parameter)
+    equation = task.equation
+    if equation.quantity == HALF_PERIOD:
+        quantity = crossing.duration
+    elif equation.quantity == COORDINATE:
+        index = system.centre_coordinates.index(str(equation.coordinate))
+        quantity = basis.constant(values[index])
+        quantity.coefficients[basis.variable(index)] = context.mpf(1)
+    else:
+        quantity = level_jet(system, task.parameters, start, parameter, context)
+    functions = [*image[size:], quantity - context.mpf(equation.value.numerator) / equation.value.denominator]
+    slopes = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in functions]
+    spread = max(float(abs(jet.coefficients[basis.variable(j)])) for jet in image for j in range(size))
+    return context.matrix([jet.coefficients[0] for jet in functions]), context.matrix(slopes), spread
+
+
+def _fraction(value: Any) -> Fraction:
+    sign, mantissa, exponent, _ = mpmath.mpf(value)._mpf_ if isinstance(value, int) else value._mpf_
+    return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
+
+
+def _candidate(task: OrbitTask, point: Sequence[Fraction], bits: int, spread: float, steps: int) -> Candidate:
+    size = len(point)
+    equation = task.equation
+    exponent = ceil((task.digits - _BOX_DIGITS) * log2(10) + log2(max(1.0, spread)))
+    centre = [round_dyadic(value, bits) for value in point]
+    if equation.quantity == COORDINATE:
+        centre[task.system.centre_coordinates.index(str(equation.coordinate))] = round_dyadic(equation.value, bits)
+    return Candidate(
+        id=task.id,
+        system=task.system,
+        parameters=dict(task.parameters),
+        kind=ORBIT,
+        k=1,
+        centre=tuple(centre),
+        frame=_unit(size),
+        kernel_frame=_unit(size - 1),
+        radii=(Fraction(1, 2**exponent),) * size,
+        equation=equation,
+        provenance={"digits": task.digits, "newton_steps": steps, **task.provenance},
+    )
+
+
+def _unit(size: int) -> tuple[tuple[Fraction, ...], ...]:
+    return tuple(tuple(Fraction(int(i == j)) for j in range(size)) for i in range(size))

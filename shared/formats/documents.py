@@ -1,0 +1,197 @@
+"""JSON documents: read, checked against their schema, and written whole or not at all.
+
+Schemas stand beside this module in ``schemas/``; unknown keys, JSON floats where exact numbers
+belong, NaN and infinities are refused. Errors are `InputError`, one line that names the file, the
+field and the remedy.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.systems import MASS_PARAMETERS
+
+if TYPE_CHECKING:
+    from jsonschema import Draft202012Validator
+    from jsonschema.exceptions import ValidationError
+
+
+class InputError(Exception):
+    """Bad input, in one line: what (file and field), why, and what to do about it."""
+
+
+@cache
+def validator(name: str) -> Draft202012Validator:
+    """What checks a document against the schema `name`."""
+    # Imported late: it takes most of the time of a command that reads nothing.
+    from jsonschema import Draft202012Validator
+
+    text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
+    return Draft202012Validator(json.loads(text))
+
+
+def _refuse_constant(text: str) -> NoReturn:
+    raise ValueError(f"{text} is not allowed")
+
+
+def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in result:
+            raise ValueError(f"key {key!r} appears twice")
+        result[key] = value
+    return result
+
+
+def read_document(path: Path, name: str) -> dict[str, Any]:
+    """Read and validate a JSON document against the schema `name` ("candidates", "certificates").
+
+    Raises `InputError` if the file cannot be read, is not JSON, or does not fit the schema.
+    """
+    try:
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); give the path of a {name} file") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file; give the path of a {name} file (JSON, UTF-8)") from None
+    try:
+        document = json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_unique_keys)
+    except json.JSONDecodeError as error:
+        raise InputError(
+            f"{path}: not valid JSON at line {error.lineno}, column {error.colno} ({error.msg}); "
+            "the file may be truncated: write it again"
+        ) from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: {error}; write numbers as exact strings and every key once") from None
+    _refuse_other_format(document, name, path)
+    validate_document(document, name, str(path))
+    return document  # type: ignore[no-any-return]
+
+
+_FORMATS = {
+    "candidates": "candidates, to prove with: orbitproof verify {}",
+    "certificates": "certificates, to check again with: orbitproof verify --recheck {}",
+    "atlas": "an atlas, to prove with: orbitproof verify atlas {}",
+    "atlas-certificate": "the certificate of an atlas, to check again with: orbitproof verify atlas --recheck {}",
+    "family": "families, to search with: orbitproof explore candidates --from-family {}",
+    "branches": "branches",
+    "portraits": "portraits",
+    "mass-curve": "curves over the mass",
+    "tori": "tori, to draw with: orbitproof figures tori {}",
+    "manifold": "a manifold, to draw with: orbitproof figures tori {}",
+    "published": "published values",
+    "system": "a system, to search with: orbitproof explore family --system {}",
+}
+"""What a file of each format holds, and the command for it."""
+
+
+def _refuse_other_format(document: object, name: str, path: Path) -> None:
+    """Say what the file is if it is another one of ours."""
+    found = str(document.get("format")).removeprefix("orbitproof-") if isinstance(document, dict) else ""
+    if found != name and found in _FORMATS:
+        wanted = _FORMATS.get(name, name).partition(",")[0]
+        raise InputError(f"{path}: field format: needs {wanted}; the file holds {_FORMATS[found].format(path)}")
+
+
+def validate_document(document: object, name: str, source: str) -> None:
+    """Check a JSON value against the schema `name`; raises `InputError` that names the field and the rule."""
+    from jsonschema.exceptions import best_match
+
+    error = best_match(validator(name).iter_errors(document))
+    if error is not None:
+        where = short(error.json_path.removeprefix("$").removeprefix(".")) or "the document"
+        raise InputError(f"{source}: field {where}: {_broken_rule(error)}; see shared/schemas/{name}.schema.json")
+
+
+_SIZES = {
+    "minItems": "needs at least {} entries",
+    "maxItems": "has room for {} entries",
+    "minLength": "needs at least {} characters",
+    "maxLength": "has room for {} characters",
+    "minimum": "must be at least {}",
+    "maximum": "must be at most {}",
+    "exclusiveMinimum": "must be greater than {}",
+}
+
+
+def _broken_rule(error: ValidationError) -> str:
+    """The rule in words. The value is quoted only if it is a short scalar: it may be a whole file."""
+    rule = str(error.validator)
+    wanted: Any = error.validator_value
+    value: Any = error.instance
+    schema: Any = error.schema
+    if rule == "additionalProperties":
+        unknown = sorted(str(key) for key in value if key not in schema.get("properties", {}))
+        return f"unknown key {short(unknown[0])!r}" + (f" and {len(unknown) - 1} more" if unknown[1:] else "")
+    if rule == "required":
+        return f"key {next(key for key in wanted if key not in value)!r} is missing"
+    if rule == "not" and "required" in wanted:
+        return f"must not have the key {wanted['required'][0]!r}"
+    if isinstance(value, str) and value in MASS_PARAMETERS:
+        text = f"is the name of a mass parameter; write its value, {format_exact(MASS_PARAMETERS[value])}"
+    elif rule == "pattern":
+        text = f"must have the form {wanted}"
+    elif rule in ("const", "enum"):
+        text = "must be " + " or ".join(json.dumps(choice) for choice in ([wanted] if rule == "const" else wanted))
+    elif rule == "type":
+        text = "must be of type " + " or ".join([wanted] if isinstance(wanted, str) else wanted)
+    else:
+        text = _SIZES.get(rule, f"breaks the rule {rule!r}").format(wanted)
+    scalar = not isinstance(value, (dict, list))
+    return f"{json.dumps(value)} {text}" if scalar and len(str(value)) <= _LONGEST_QUOTED else text
+
+
+_LONGEST_QUOTED = 100
+
+
+def short(text: str) -> str:
+    """A text of one line and readable length."""
+    text = " ".join(text.split())
+    return text if len(text) <= _LONGEST_QUOTED else text[:_LONGEST_QUOTED] + " ..."
+
+
+def write_document(path: Path, document: Mapping[str, Any], name: str) -> None:
+    """Validate `document` against the schema `name` and write it atomically as JSON."""
+    validate_document(document, name, f"{name} to be written")
+    write_text(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def check_writable(path: Path) -> None:
+    """Raise `InputError` if a file at `path` could not be written; call it before a long run."""
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give the path of a file to write")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: folder {path.parent} does not exist; create it or choose another path")
+    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise InputError(f"{path}: cannot be written (permission denied); choose another path")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file whole or not at all; raises `InputError`."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a file atomically: a temporary file in the same folder, then a rename. Raises `InputError`."""
+    check_writable(path)
+    temporary: str | None = None
+    try:
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        with os.fdopen(descriptor, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except OSError as error:
+        if temporary is not None and os.path.exists(temporary):
+            os.unlink(temporary)
+        raise InputError(f"{path}: cannot be written ({error.strerror}); free space or choose another path") from None

@@ -1,0 +1,219 @@
+"""One symmetric orbit, singled out by an equation: enclosures against an independent integration, false claims."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import pytest
+from support.independent_flow import extrapolated_flow
+
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, read_candidates
+from orbitproof.shared.systems import CR3BP
+from orbitproof.verify.certificate import Certificate, Level, Limits, digest, is_proof_of, recheck
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.evidence import bounds, exact_value
+from orbitproof.verify.orbit import OrbitResults
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+HALO = read_candidates(DATA / "orbit-candidates.json")[0]
+LIMITS = Limits(digits=12)
+
+
+MU = Fraction("1.215058560962404e-2")
+
+
+@pytest.fixture(autouse=True)
+def precision() -> Iterator[None]:
+    with mpmath.workprec(160):
+        yield
+
+
+@pytest.fixture(scope="module")
+def certificate() -> Certificate:
+    return certify(HALO, LIMITS)
+
+
+@pytest.fixture(scope="module")
+def orbit(certificate: Certificate) -> OrbitResults:
+    assert certificate.proved, certificate.reason
+    assert certificate.orbit is not None
+    return certificate.orbit
+
+
+def contains(ball: Any, value: Any, accuracy: float = 1e-18) -> bool:
+    """Whether a ball contains a number that is known up to `accuracy`."""
+    low, high = bounds(ball)
+    return bool(number(low) - accuracy <= value <= number(high) + accuracy)
+
+
+def number(value: Fraction) -> Any:
+    return mpmath.mpf(value.numerator) / value.denominator
+
+
+def middle(ball: Any) -> Any:
+    return number(exact_value(ball.mid()))
+
+
+def start_of(orbit: OrbitResults) -> list[Any]:
+    x, z, vy = (middle(ball) for ball in orbit.point.values())
+    return [x, mpmath.mpf(0), z, mpmath.mpf(0), vy, mpmath.mpf(0)]
+
+
+@pytest.fixture(scope="module")
+def flow(orbit: OrbitResults) -> Callable[[Any], list[Any]]:
+    """The state at a time, by an integrator that shares nothing with the verifier."""
+
+    def at(time: Any) -> list[Any]:
+        with mpmath.workprec(160):
+            x, z, vy = (middle(ball) for ball in orbit.point.values())
+            parameters = [number(MU)]
+            return extrapolated_flow(
+                CR3BP, parameters, [x, mpmath.mpf(0), z, mpmath.mpf(0), vy, mpmath.mpf(0)], time, 60
+            )
+
+    return at
+
+
+def test_the_other_point_is_where_an_independent_integration_arrives(
+    orbit: OrbitResults, flow: Callable[[Any], list[Any]]
+) -> None:
+    x, y, z, vx, vy, vz = flow(middle(orbit.half_period))
+    assert max(map(abs, (y, vx, vz))) < 1e-16
+    for ball, value in zip(orbit.other_point.values(), (x, z, vy), strict=True):
+        assert contains(ball, value, 1e-16)
+        low, high = bounds(ball)
+        assert high - low < Fraction(1, 10**12)
+
+
+def test_distances_are_extremal_over_the_whole_orbit(orbit: OrbitResults, flow: Callable[[Any], list[Any]]) -> None:
+    assert orbit.least is not None
+    assert orbit.greatest is not None
+
+    def distance(time: Any) -> Any:
+        x, y, z, *_ = flow(time)
+        return mpmath.sqrt((x - 1 + number(MU)) ** 2 + y**2 + z**2)
+
+    assert contains(orbit.least.distance, distance(middle(orbit.least.times[0])), 1e-14)
+    assert contains(orbit.greatest.distance, distance(middle(orbit.greatest.times[0])), 1e-14)
+    for share in (0.1, 0.6, 0.97, 1.2):
+        here = distance(share * middle(orbit.half_period))
+        assert middle(orbit.least.distance) < here < middle(orbit.greatest.distance)
+
+
+def test_multipliers_are_those_of_the_variational_equations(
+    orbit: OrbitResults, flow: Callable[[Any], list[Any]]
+) -> None:
+    """Sum and sum of products of the stability parameters, from difference quotients of the whole orbit."""
+    step = mpmath.mpf(2) ** -60
+    columns = []
+    for axis in range(6):
+        ends = []
+        for sign in (1, -1):
+            start = start_of(orbit)
+            start[axis] += sign * step
+            ends.append(extrapolated_flow(CR3BP, [number(MU)], start, middle(orbit.period), 28))
+        columns.append([(a - b) / (2 * step) for a, b in zip(*ends, strict=True)])
+    matrix = mpmath.matrix(columns).T
+    square = matrix * matrix
+    trace, trace_of_square = (sum(each[i, i] for i in range(6)) for each in (matrix, square))
+    # Two multipliers are 1; lambda^2 + 1/lambda^2 = 4 s^2 - 2 for the others.
+    s = [middle(value.real) for value in orbit.stability.parameters]
+    assert abs(2 * sum(s) - (trace - 2)) < 1e-8
+    assert abs(4 * (s[0] ** 2 + s[1] ** 2) - 4 - (trace_of_square - 2)) < 1e-7
+    for value, multiplier in zip(orbit.stability.parameters, orbit.stability.multipliers, strict=True):
+        both = multiplier + 1 / multiplier
+        assert both.overlaps(2 * value)
+    assert orbit.stability.verdict == "unstable"
+
+
+def test_all_numbers_have_the_digits_that_were_asked_for(orbit: OrbitResults) -> None:
+    low, high = bounds(orbit.parameter)
+    assert high - low < Fraction(1, 10**12) * abs(low)
+
+
+def test_the_certificate_stands_at_every_level(certificate: Certificate) -> None:
+    assert is_proof_of(certificate, HALO)
+    assert recheck(certificate).level is Level.CONCLUSION
+    again = recheck(certificate, integrate=True)
+    assert again.level is Level.INTEGRATION, again.findings
+    assert Certificate.from_json(certificate.to_json()) == certificate
+
+
+def claim(quantity: str, value: Fraction, coordinate: str | None = None, **changes: Any) -> Candidate:
+    return replace(HALO, equation=Equation(quantity, value, coordinate), **changes)
+
+
+@pytest.mark.parametrize(
+    "false",
+    [
+        claim(COORDINATE, Fraction("1.0984423593815401"), "x"),
+        claim(HALF_PERIOD, Fraction("1.3063074")),
+        claim(LEVEL, Fraction("3.017905732646")),
+        replace(HALO, parameters={"mu": Fraction("1.215058560962405e-2")}),
+        replace(HALO, centre=(HALO.centre[0], HALO.centre[1] + Fraction(1, 10**20), HALO.centre[2])),
+    ],
+    ids=["coordinate", "half period", "level", "mass", "centre"],
+)
+def test_a_false_claim_is_not_proved(false: Candidate) -> None:
+    certificate = certify(false, Limits(digits=12, max_precision=256))
+    assert not certificate.proved
+    assert certificate.reason is not None
+    assert certificate.reason.condition == "orbit"
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        ("results", "least_distance", "distance"),
+        ("results", "least_distance", "times", 0),
+        ("results", "greatest_distance", "distance"),
+        ("results", "period"),
+        ("results", "half_period"),
+        ("results", "level"),
+        ("results", "multipliers", 0, "real"),
+        ("results", "stability_parameters", 1, "real"),
+        ("results", "point", "z"),
+        ("results", "other_point", "vy"),
+    ],
+    ids=lambda place: "-".join(map(str, place[1:])),
+)
+def test_a_changed_number_is_found_when_the_conclusion_is_checked(certificate: Certificate, place: Any) -> None:
+    entry = certificate.to_json()
+    *way, last = place
+    held: Any = entry
+    for step in way:
+        held = held[step]
+    held[last] = certificate.to_json()["results"]["other_point"]["x"]
+    result = recheck(Certificate.from_json({**entry, "digest": digest(entry)}))
+    assert not result.stands
+    assert any("results" in finding.place for finding in result.findings)
+
+
+def test_another_verdict_on_stability_is_found(certificate: Certificate) -> None:
+    entry = certificate.to_json()
+    entry["results"]["stability"] = "linearly stable"
+    assert not recheck(Certificate.from_json({**entry, "digest": digest(entry)})).stands
+
+
+def test_an_extremum_that_is_not_there_is_found_by_integrating(certificate: Certificate) -> None:
+    """A false table that agrees with itself: two extrema more, with everything else derived from it."""
+    from orbitproof.verify.certificate.rechecking import derived
+
+    entry = copy.deepcopy(certificate.to_json())
+    least = "0x1p-20 +- 0x0"
+    entry["enclosures"]["distance"]["between"] = [
+        {"time": "0x1p-3 +- 0x0", "value": least, "kind": 1},
+        {"time": "0x1p-2 +- 0x0", "value": "0x1p-8 +- 0x0", "kind": -1},
+    ]
+    forged = derived({**entry, "digest": digest(entry)})
+    assert forged["verdict"] == "proved"
+    assert forged["results"]["least_distance"]["distance"]["decimal"].startswith("[0.0009765625")
+    result = recheck(Certificate.from_json({**forged, "digest": digest(forged)}), integrate=True)
+    assert result.level is Level.CONCLUSION
+    assert not result.stands

@@ -1,0 +1,134 @@
+"""The two kinds of claims about a box, a bifurcation and one orbit: how each is enclosed, proved and confirmed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import ORBIT, Candidate
+from orbitproof.verify import bifurcation
+from orbitproof.verify.bifurcation import BifurcationResults
+from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
+from orbitproof.verify.certificate.tables import derivative_name
+from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Reason, Theorem, ball_from_json
+from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, enclose_orbit, orbit_theorem, prove_orbit
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+
+Found = Enclosures | OrbitEnclosures
+Results = BifurcationResults | OrbitResults
+
+
+def theorem_of(candidate: Candidate, form: Candidate | None = None) -> Theorem | Reason:
+    """The theorem that a candidate claims, or why none applies; `form` is its level form, if that is checked."""
+    return orbit_theorem(candidate) if candidate.kind == ORBIT else bifurcation.theorem_of(candidate, form)
+
+
+def enclose(
+    candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None = None
+) -> Found:
+    """What its proof is evaluated from. Raises `IntegrationFailure` if something could not be enclosed."""
+    integrate = enclose_orbit if candidate.kind == ORBIT else enclose_iterates
+    return integrate(candidate, settings, progress)
+
+
+def prove(candidate: Candidate, checklist: Checklist, found: Found | None) -> Outcome[Results]:
+    """Check the claim, given what was enclosed, if anything; as `bifurcation.prove` and `orbit.prove_orbit`."""
+    if candidate.kind == ORBIT:
+        return prove_orbit(candidate, checklist, found if isinstance(found, OrbitEnclosures) else None)
+    if not isinstance(found, Enclosures):
+        return bifurcation.prove(candidate, checklist, (), None)
+    return bifurcation.prove(candidate, checklist, found.iterates, found.first_integral, found.return_times)
+
+
+def contradictions(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:
+    """Where two enclosures of the same numbers have no common point, or are not of the same numbers."""
+    if isinstance(stored, OrbitEnclosures) and isinstance(fresh, OrbitEnclosures):
+        old, new = _orbit_numbers(stored), _orbit_numbers(fresh)
+    elif isinstance(stored, Enclosures) and isinstance(fresh, Enclosures):
+        old, new = _numbers(stored), _numbers(fresh)
+    else:
+        old, new = {}, {"the claim": arb(0)}
+    if old.keys() != new.keys():
+        yield Finding(place, "the tables do not belong to each other")
+        return
+    for name, ball in old.items():
+        yield from overlap(ball, new[name], f"{place}, {name}")
+
+
+def _numbers(found: Enclosures) -> dict[str, arb]:
+    tables = {
+        f"q_{j}(P^{i})": table
+        for i, components in enumerate(found.iterates, start=1)
+        for j, table in enumerate(components, start=1)
+    }
+    if found.first_integral is not None:
+        tables["the first integral"] = found.first_integral
+    times = {f"time of crossing {number}": time for number, time in enumerate(found.return_times, start=1)}
+    return {**_of_tables(tables), **times}
+
+
+def _orbit_numbers(found: OrbitEnclosures) -> dict[str, arb]:
+    tables = {f"q_{j}(P)": table for j, table in enumerate(found.iterates[0], start=1)}
+    tables |= {f"coordinate {j} of P": table for j, table in enumerate(found.image, start=1)}
+    tables["the half period"] = found.half_period
+    if found.first_integral is not None:
+        tables["the first integral"] = found.first_integral
+    numbers = {f"back, {i}, {j}": ball for i, row in enumerate(found.back) for j, ball in enumerate(row)}
+    if found.distance is not None:
+        tables |= {"squared distance at x": found.distance.start, "squared distance at P(x)": found.distance.end}
+        kinds = (found.distance.start_kind, *(each.kind for each in found.distance.between), found.distance.end_kind)
+        numbers["kinds of the extrema " + ", ".join(map(str, kinds))] = arb(0)
+        for number, approach in enumerate(found.distance.between, start=1):
+            numbers |= {f"time of extremum {number}": approach.time, f"extremum {number}": approach.value}
+    return {**_of_tables(tables), **numbers}
+
+
+def _of_tables(tables: Mapping[str, DerivativeTable]) -> dict[str, arb]:
+    return {
+        f"{derivative_name(index)} of {name}, {part}": ball
+        for name, table in tables.items()
+        for part, source in (("box", table.box), ("centre", table.centre))
+        for index, ball in source.items()
+    }
+
+
+def unconfirmed(stored: Mapping[str, Any], found: Results, place: str) -> Iterator[Finding]:
+    """The numbers of stored results that new ones do not confirm."""
+    if isinstance(found, OrbitResults):
+        yield from _unconfirmed_orbit(stored, found, place)
+        return
+    if stored["side"] != found.side:
+        yield Finding(f"{place}, side", f"stored is {stored['side']!r}, found {found.side!r}")
+    yield from confirmed(ball_from_json(stored["parameter"]), found.parameter, f"{place}, {found.parameter_name}")
+    for group, balls in (("point", found.point), ("normal_form", found.normal_form)):
+        for name, ball in balls.items():
+            if name in stored[group]:
+                yield from confirmed(ball_from_json(stored[group][name]), ball, f"{place}, {name}")
+
+
+def _unconfirmed_orbit(stored: Mapping[str, Any], found: OrbitResults, place: str) -> Iterator[Finding]:
+    old, new = dict(_leaves(stored, "")), dict(_leaves(found.to_json(), ""))
+    if old.keys() != new.keys():
+        yield Finding(place, "other results are found: " + ", ".join(sorted(old.keys() ^ new.keys())))
+        return
+    for name, value in old.items():
+        if isinstance(value, arb) and isinstance(new[name], arb):
+            yield from confirmed(value, new[name], f"{place}, {name}")
+        elif value != new[name]:
+            yield Finding(f"{place}, {name}", f"stored is {value!r}, found {new[name]!r}")
+
+
+def _leaves(value: Any, name: str) -> Iterator[tuple[str, Any]]:
+    """The balls and words of a JSON value, by where they stand."""
+    if isinstance(value, Mapping) and {"mid", "rad"} <= set(value):
+        yield name, ball_from_json(dict(value))
+    elif isinstance(value, Mapping):
+        for key, inner in value.items():
+            yield from _leaves(inner, f"{name} {key}".strip())
+    elif isinstance(value, list):
+        for number, inner in enumerate(value, start=1):
+            yield from _leaves(inner, f"{name} {number}")
+    else:
+        yield name, value

@@ -1,0 +1,213 @@
+"""An orbit from one point of Fix(R) to the other and back, with derivatives and distances (sections 19.2 to 19.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.algebra import Series, evaluate, prepare
+from orbitproof.verify.evidence import DerivativeTable, enclose, exact_value, guarded
+from orbitproof.verify.flow import FlowStep, advance, expand
+from orbitproof.verify.orbit.distance import Approach, DistanceAlong, Step
+from orbitproof.verify.orbit.rates import rates_along
+from orbitproof.verify.poincare import (
+    BOX_RATIO,
+    Box,
+    IntegratorSettings,
+    InTime,
+    Returns,
+    at_start,
+    box_of,
+    check_size,
+    default_order,
+    derivative_table,
+    kernel_components,
+)
+
+_BEYOND = Fraction(1, 2**40)
+"""Length of the step that leads beyond the other point on Fix(R)."""
+
+
+@dataclass(frozen=True)
+class Distance:
+    """The square of the distance from a body along the half orbits of a box.
+
+    Attributes:
+        start, end: on Fix(R), at the first and at the other point, with derivatives.
+        start_kind, end_kind: of these extrema, 1 for a minimum, -1 for a maximum.
+        between: the other extrema, in order of time.
+    """
+
+    start: DerivativeTable
+    end: DerivativeTable
+    start_kind: int
+    end_kind: int
+    between: tuple[Approach, ...]
+
+
+@dataclass(frozen=True)
+class OrbitEnclosures:
+    """What two integrations prove about the orbits of a box.
+
+    Attributes:
+        iterates: derivatives of q_1, .., q_n of P, as one tuple, like those of `poincare.Enclosures`.
+        image: derivatives of the coordinates on Fix(R) of P, in the order of `centre_coordinates`.
+        half_period: derivatives of the time of P.
+        first_integral: derivatives of the first integral on Fix(R); `None` without one.
+        back: rows; derivatives of the coordinates on Fix(R) of P by the same at all points P(x) that lie on Fix(R).
+        distance: `None` if the system names none.
+        order, precision, steps, coordinates: as in `poincare.Enclosures`; of the first half, all steps.
+    """
+
+    iterates: tuple[tuple[DerivativeTable, ...], ...]
+    image: tuple[DerivativeTable, ...]
+    half_period: DerivativeTable
+    first_integral: DerivativeTable | None
+    back: tuple[tuple[arb, ...], ...]
+    distance: Distance | None
+    order: int
+    precision: int
+    steps: int
+    coordinates: str
+
+
+def enclose_orbit(
+    candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None = None
+) -> OrbitEnclosures:
+    """Follow the box of a candidate to the other point on Fix(R) and on to the first one again.
+
+    `progress` is called after every step with a rough fraction of the work done; what it raises passes through.
+    Raises `IntegrationFailure` if something could not be enclosed.
+    """
+    with guarded(settings.precision):
+        order = settings.order if settings.order is not None else default_order(settings.precision)
+        box = box_of(candidate, settings.precision, order)
+        check_size(box.arithmetic.grading, box.scales)
+        return _HalfOrbits(candidate, box, settings.coordinates, progress).run()
+
+
+class _HalfOrbits:
+    def __init__(
+        self, candidate: Candidate, box: Box, coordinates: str, progress: Callable[[float], None] | None
+    ) -> None:
+        self.candidate = candidate
+        self.system = candidate.system
+        self.box = box
+        self.coordinates = coordinates
+        self.progress = progress or (lambda _fraction: None)
+
+    def run(self) -> OrbitEnclosures:
+        box, system = self.box, self.system
+        returns = Returns(system, box.arithmetic, box.point, self.coordinates, box.level)
+        along = None if system.squared_distance is None else _Distances(returns)
+
+        def after_step(_steps: int) -> None:
+            if along is not None and returns.step_taken is not None:
+                along.cover(*returns.step_taken)
+            self.progress(0.25)
+
+        state, _ = returns.next_crossing(after_step)
+        self.progress(0.5)
+        image = self._on_fixed_set(state)
+        half_period = self._table(returns.return_time)
+        distance = None
+        if along is not None:
+            kinds = along.end(half_period.box[(0,) * len(box.scales)])
+            other = {**box.point, **dict(zip(self.names, image, strict=True))}
+            distance = Distance(self._distance(box.point), self._distance(other), *kinds, tuple(along.found))
+        back, steps = self._back(image)
+        return OrbitEnclosures(
+            (tuple(map(self._table, kernel_components(system, self.candidate.kernel_frame, state))),),
+            tuple(map(self._table, image)),
+            half_period,
+            None if box.level is None else self._table(box.level),
+            back,
+            distance,
+            box.arithmetic.degree,
+            box.arithmetic.bits,
+            returns.steps + steps,
+            returns.coordinates.name,
+        )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.system.centre_coordinates
+
+    def _table(self, element: Series) -> DerivativeTable:
+        return derivative_table(element, self.box.scales, BOX_RATIO)
+
+    def _on_fixed_set(self, state: Sequence[Series]) -> list[Series]:
+        """The coordinates on Fix(R) of a state on the section."""
+        named = {**self.box.point, **dict(zip(self.system.state, state, strict=True))}
+        return [named[name] for name in self.names]
+
+    def _distance(self, point: Any) -> DerivativeTable:
+        system, program = self.system, self.system.squared_distance_program
+        assert program is not None
+        zero = self.box.arithmetic.constant(Fraction(0))
+        arguments = [point.get(name, zero) for name in (*system.state, *system.parameters)]
+        return self._table(at_start(program, arguments)[0])
+
+    def _back(self, image: Sequence[Series]) -> tuple[tuple[tuple[arb, ...], ...], int]:
+        """Derivatives of P on Fix(R) at its points P(x), by the coordinates of Fix(R), and the number of steps."""
+        arithmetic, scales = self.box.arithmetic, self.box.scales
+        size = len(scales)
+        units = [tuple(int(i == j) for i in range(size)) for j in range(size)]
+        start = dict(self.box.point)
+        for row, (name, element) in enumerate(zip(self.names, image, strict=True)):
+            where = self._table(element).box[(0,) * size]
+            middle, radius = exact_value(where.mid()), exact_value(where.rad())
+            terms = {(0,) * size: middle, units[row]: scales[row]}
+            start[name] = arithmetic.polynomial(terms).widened(radius)
+        returns = Returns(self.system, arithmetic, start, self.coordinates)
+        state, _ = returns.next_crossing(lambda _steps: self.progress(0.75))
+        tables = [self._table(element) for element in self._on_fixed_set(state)]
+        return tuple(tuple(table.centre[unit] for unit in units) for table in tables), returns.steps
+
+
+class _Distances:
+    """The distance over the steps of a half orbit."""
+
+    def __init__(self, returns: Returns) -> None:
+        system, coordinates = returns.system, returns.coordinates
+        regularisation = coordinates.regularisation
+        quantity = system.squared_distance
+        assert quantity is not None
+
+        def of_state(state: Sequence[Any], constants: Sequence[Any]) -> Any:
+            parameters = constants[: len(system.parameters)]
+            own = state if regularisation is None else regularisation.projection(state, parameters)
+            return quantity(own, parameters)[0]
+
+        self.returns = returns
+        self.regularisation = regularisation
+        self.program = prepare(rates_along(coordinates.field, len(returns.state), of_state))
+        self.along = DistanceAlong()
+        self.reached = arb(0)
+
+    @property
+    def found(self) -> list[Approach]:
+        return self.along.found
+
+    def cover(self, flow: FlowStep, start: arb, length: Fraction) -> None:
+        """One step, from the integration's time `start` on."""
+        functions = evaluate(self.program, [*flow.solution, *self.returns.constants])
+        value, rate, curvature = (InTime(element) for element in functions)
+        if self.regularisation is None:
+            step = Step(value, rate, curvature, lambda theta: start + enclose(length) * theta)
+        else:
+            step = Step(value, rate, curvature, InTime(flow.solution[self.regularisation.time_index]).value)
+        self.along.cover(step)
+        self.reached = step.time(arb(1))
+
+    def end(self, half_period: arb) -> tuple[int, int]:
+        """The kinds of the extrema on Fix(R), one more step being taken beyond the second of them."""
+        returns = self.returns
+        expansion = expand(returns.program, returns.arithmetic, returns.state, returns.fixed)
+        self.cover(advance(expansion, _BEYOND), returns.time, _BEYOND)
+        return self.along.start_kind, self.along.end_kind(half_period, self.reached)

@@ -1,0 +1,100 @@
+"""The theorem about one orbit in words, in short and so that it stands alone (section 19.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from flint import acb, arb
+
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate
+from orbitproof.verify.evidence import Theorem, decimal_interval, exact_text, interval_text
+from orbitproof.verify.orbit.multipliers import STABLE, UNDECIDED, UNSTABLE, Stability
+
+if TYPE_CHECKING:
+    from orbitproof.verify.orbit.theorem import Extremum, OrbitResults
+
+_DIGITS = 40
+
+
+def orbit_theorem(candidate: Candidate) -> Theorem:
+    """What a claim about one orbit says, and the hypotheses that show it, in order."""
+    system = candidate.system
+    names = ["symmetries", "frames", "poincare-map", "orbit"]
+    names += ["level"] if system.first_integral is not None else []
+    names += ["distance"] if system.squared_distance is not None else []
+    fixed = ", ".join(candidate.parameters)
+    where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
+    return Theorem(
+        f"In the box there is exactly one point x of Fix(R) with P(x) in Fix(R) and {_equation(candidate)}, P the "
+        f"Poincare map of the {where} and T(x) the time from x to P(x). Its orbit is symmetric under R and periodic "
+        "with least period 2 T(x), and meets the section in a period at x and P(x) only. At x the derivative of these "
+        "equations on Fix(R) is regular: near x the points with P(x) in Fix(R) are one regular curve, and the equation "
+        "singles out x transversally. The results enclose what they name for this orbit.",
+        tuple(names),
+    )
+
+
+def _equation(candidate: Candidate) -> str:
+    equation = candidate.equation
+    assert equation is not None
+    if equation.quantity == HALF_PERIOD:
+        left = "T(x)"
+    elif equation.quantity == COORDINATE:
+        left = str(equation.coordinate)
+    else:
+        left = f"the {candidate.system.first_integral_name or 'first integral'}"
+    return f"{left} = {exact_text(equation.value)}"
+
+
+def orbit_in_full(candidate: Candidate, found: OrbitResults) -> Iterator[str]:
+    """What was found, in lines."""
+    yield f"The orbit starts at x with {_named(found.point)}; P(x) has {_named(found.other_point)}."
+    yield f"T(x) lies in {_text(found.half_period)}, the period in {_text(found.period)}."
+    if found.level is not None:
+        yield f"The {found.level_name} lies in {_text(found.level)}."
+    yield from _stability(found.stability, candidate)
+    for word, extremum in (("least", found.least), ("greatest", found.greatest)):
+        if extremum is not None:
+            yield _distance(word, extremum, found.distance_name)
+
+
+def _stability(stability: Stability, candidate: Candidate) -> Iterator[str]:
+    family = "at fixed parameters" if candidate.system.family_parameter is not None else "on its level"
+    if not stability.parameters:
+        yield "Stability parameters are not enclosed."
+        return
+    values = "; ".join(map(_complex, stability.parameters))
+    yield (
+        f"The stability parameters, eigenvalues of the stability matrix, lie in: {values}. The multipliers of the "
+        f"orbit {family} other than 1 and -1 are the lambda with (lambda + 1/lambda)/2 one of them."
+    )
+    if stability.multipliers:
+        yield f"One of each pair lambda, 1/lambda lies in: {'; '.join(map(_complex, stability.multipliers))}."
+    yield {
+        STABLE: "The orbit is linearly stable: these multipliers are on the unit circle and distinct.",
+        UNSTABLE: "The orbit is unstable: a multiplier lies off the unit circle.",
+        UNDECIDED: "Whether the orbit is linearly stable is not decided.",
+    }[stability.verdict]
+
+
+def _distance(word: str, extremum: Extremum, name: str) -> str:
+    times = " or ".join(_text(time) for time in extremum.times)
+    return (
+        f"The {word} distance from {name} over the whole orbit lies in {_text(extremum.distance)}; within [0, T(x)] it "
+        f"is taken at {'one time only, in ' if len(extremum.times) == 1 else 'times among '}{times}."
+    )
+
+
+def _named(point: Mapping[str, arb]) -> str:
+    return ", ".join(f"{name} in {interval_text(ball, _DIGITS)}" for name, ball in point.items())
+
+
+def _text(ball: arb) -> str:
+    return interval_text(ball, _DIGITS)
+
+
+def _complex(value: acb) -> str:
+    if value.imag.is_zero():
+        return decimal_interval(value.real, _DIGITS)
+    return f"{decimal_interval(value.real, _DIGITS)} + i {decimal_interval(value.imag, _DIGITS)}"

@@ -1,0 +1,350 @@
+"""One symmetric orbit in a box: interval Newton, and what follows from its enclosures (sections 19.2 to 19.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate
+from orbitproof.verify.claim import inverse
+from orbitproof.verify.evidence import (
+    MAX_ORDER,
+    Checklist,
+    DerivativeTable,
+    MultiIndex,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    Proved,
+    Reason,
+    all_finite,
+    ball_from_json,
+    ball_to_json,
+    balls_to_json,
+    bounds,
+    count_certain_digits,
+    dot,
+    enclose,
+    excludes_zero,
+    hull,
+    indices_up_to,
+    is_below,
+    is_inside,
+    is_outside,
+    is_positive,
+    show,
+    symmetric,
+)
+from orbitproof.verify.newton import BoxFunction, ImplicitGraph
+from orbitproof.verify.orbit.following import Distance, OrbitEnclosures
+from orbitproof.verify.orbit.multipliers import Stability, stability_of
+from orbitproof.verify.orbit.statement import orbit_theorem
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """The least or greatest distance along an orbit.
+
+    Attributes:
+        distance: its enclosure.
+        times: enclosures of the times in [0, T], T the half period, at one of which it is taken; 0 is that of the
+            first point on Fix(R).
+    """
+
+    distance: arb
+    times: tuple[arb, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object."""
+        return {"distance": ball_to_json(self.distance), "times": [ball_to_json(time) for time in self.times]}
+
+    @classmethod
+    def from_json(cls, entry: Mapping[str, Any]) -> Extremum:
+        """The same. Raises `ValueError` for what is no ball."""
+        return cls(ball_from_json(entry["distance"]), tuple(ball_from_json(time) for time in entry["times"]))
+
+
+@dataclass(frozen=True)
+class OrbitResults:
+    """What is known of a proved orbit; all in nondimensional units.
+
+    Attributes:
+        point, other_point: enclosures of its two points on Fix(R), by coordinate name.
+        half_period: the time from one to the other.
+        period: twice that; the least period.
+        level_name, level: the first integral; empty and `None` without one.
+        stability: stability parameters and multipliers.
+        distance_name: from what body distances are; empty if none is named.
+        least, greatest: distance from it along the orbit; `None` if none is named.
+    """
+
+    point: Mapping[str, arb]
+    other_point: Mapping[str, arb]
+    half_period: arb
+    period: arb
+    level_name: str
+    level: arb | None
+    stability: Stability
+    distance_name: str
+    least: Extremum | None
+    greatest: Extremum | None
+
+    @property
+    def parameter(self) -> arb:
+        """The number of the results that is known to the fewest digits, but for those that may be zero."""
+        complex_numbers = (*self.stability.parameters, *self.stability.multipliers)
+        parts = [part for value in complex_numbers for part in (value.real, value.imag)]
+        balls = [*self.point.values(), *self.other_point.values(), self.period, *parts]
+        balls += [value for value in (self.level,) if value is not None]
+        balls += [extremum.distance for extremum in (self.least, self.greatest) if extremum is not None]
+        return min((ball for ball in balls if excludes_zero(ball)), key=count_certain_digits)
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact balls with decimals beside them."""
+        entry: dict[str, Any] = {
+            "point": balls_to_json(self.point),
+            "other_point": balls_to_json(self.other_point),
+            "half_period": ball_to_json(self.half_period),
+            "period": ball_to_json(self.period),
+            **self.stability.to_json(),
+        }
+        if self.level is not None:
+            entry |= {"level_name": self.level_name, "level": ball_to_json(self.level)}
+        if self.least is not None and self.greatest is not None:
+            entry |= {"distance_from": self.distance_name, "least_distance": self.least.to_json()}
+            entry["greatest_distance"] = self.greatest.to_json()
+        return entry
+
+    @classmethod
+    def from_json(cls, entry: Mapping[str, Any]) -> OrbitResults:
+        """The same. Raises `KeyError` or `ValueError` for what is none."""
+        level = entry.get("level")
+        far = "distance_from" in entry
+        return cls(
+            {name: ball_from_json(ball) for name, ball in entry["point"].items()},
+            {name: ball_from_json(ball) for name, ball in entry["other_point"].items()},
+            ball_from_json(entry["half_period"]),
+            ball_from_json(entry["period"]),
+            entry.get("level_name", ""),
+            None if level is None else ball_from_json(level),
+            Stability.from_json(entry),
+            entry.get("distance_from", ""),
+            Extremum.from_json(entry["least_distance"]) if far else None,
+            Extremum.from_json(entry["greatest_distance"]) if far else None,
+        )
+
+
+def prove_orbit(
+    candidate: Candidate, checklist: Checklist, enclosures: OrbitEnclosures | None
+) -> Outcome[OrbitResults]:
+    """Check that the box contains exactly one orbit as claimed, given the enclosures; `None` stands for none.
+
+    `checklist` already holds what was established before the integration; the current precision of Arb is used.
+    """
+    try:
+        found = _checked(checklist, candidate, enclosures)
+        graph = _check_newton(checklist, candidate, found)
+        results = _results(checklist, candidate, found, graph)
+    except NotEstablishedError as error:
+        return NotProved(error.reason, tuple(checklist.hypotheses))
+    except ArithmeticError as error:
+        reason = Reason("results", f"a result could not be evaluated: {error}", "more precision", needs_precision=True)
+        return NotProved(reason, tuple(checklist.hypotheses))
+    return Proved(orbit_theorem(candidate), results, tuple(checklist.hypotheses))
+
+
+def _checked(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures | None) -> OrbitEnclosures:
+    """Every enclosure that is used is there and finite, and the time of P is positive."""
+    size = len(candidate.radii)
+    statement = "P exists on the box, and at its image on Fix(R), with finite enclosures of its derivatives"
+    with checklist.hypothesis("poincare-map", "19.2", statement, "smaller radii or more precision") as evidence:
+        evidence.require(found is not None, "there are no enclosures")
+        if found is not None:
+            system = candidate.system
+            shape = len(found.iterates), *(len(components) for components in found.iterates), len(found.image)
+            evidence.require(shape == (1, size - 1, size), "a component is missing")
+            evidence.require(
+                (found.first_integral is None) == (system.first_integral is None)
+                and (found.distance is None) == (system.squared_distance is None),
+                "the first integral or the distance is missing, or there is one too many",
+            )
+            evidence.require(
+                len(found.back) == size and all(len(row) == size for row in found.back), "a derivative is missing"
+            )
+            indices = indices_up_to(size, MAX_ORDER)
+            parts = [part for table in _tables(found) for part in (table.box, table.centre)]
+            complete = all(set(indices) <= set(part) for part in parts)
+            evidence.require(complete, "a derivative is missing")
+            balls = [ball for row in found.back for ball in row]
+            if complete:
+                balls += [part[index] for part in parts for index in indices]
+                time = evidence.record("time of crossing 1", found.half_period.box[(0,) * size])
+                evidence.require(is_positive(time), "the time of P is not positive", needs_precision=True)
+            evidence.require(all_finite(balls), "an enclosure is not finite", needs_precision=True)
+    assert found is not None
+    return found
+
+
+def _tables(found: OrbitEnclosures) -> list[DerivativeTable]:
+    tables = [table for components in found.iterates for table in components]
+    tables += [*found.image, found.half_period]
+    tables += [] if found.first_integral is None else [found.first_integral]
+    return tables + ([] if found.distance is None else [found.distance.start, found.distance.end])
+
+
+def _check_newton(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures) -> ImplicitGraph:
+    """One zero of (pi_q P, quantity - value) in the box."""
+    statement = "interval Newton: (pi_q P, the equation) = 0 has one solution inside the box"
+    remedy = "move the centre to the orbit, or choose smaller radii"
+    with checklist.hypothesis("orbit", "19.2", statement, remedy) as evidence:
+        functions = (*(BoxFunction(table) for table in found.iterates[0]), BoxFunction(_equation(candidate, found)))
+        box = tuple(symmetric(radius) for radius in candidate.radii)
+        graph = ImplicitGraph(functions, box, 0)
+        for row, entries in enumerate(graph.derivative_matrix(box), start=1):
+            for position, ball in enumerate(entries):
+                evidence.record(f"d F_{row} / d p_{position}", ball)
+        evidence.require(graph.is_regular(), "the derivative may be singular in the box", needs_precision=True)
+        for position, ball in enumerate(graph.image(())):
+            evidence.record(f"p_{position}", ball)
+            radius = candidate.radii[position]
+            outside = is_outside(ball, radius)
+            message = f"p_{position} in {show(ball)} is not inside P_{position}"
+            evidence.require(is_inside(ball, radius), message, needs_precision=not outside, excluded=outside)
+    return graph
+
+
+def _equation(candidate: Candidate, found: OrbitEnclosures) -> DerivativeTable:
+    """Derivatives of quantity - value on the box."""
+    equation = candidate.equation
+    assert equation is not None
+    if equation.quantity == HALF_PERIOD:
+        return _minus(found.half_period, enclose(equation.value))
+    if equation.quantity == LEVEL and found.first_integral is not None:
+        return _minus(found.first_integral, enclose(equation.value))
+    assert equation.coordinate is not None
+    return _minus(_coordinate(candidate, candidate.coordinates.index(equation.coordinate)), enclose(equation.value))
+
+
+def _minus(table: DerivativeTable, value: arb) -> DerivativeTable:
+    def shifted(part: Mapping[MultiIndex, arb]) -> dict[MultiIndex, arb]:
+        return {index: ball if any(index) else ball - value for index, ball in part.items()}
+
+    return DerivativeTable(shifted(table.box), shifted(table.centre))
+
+
+def _coordinate(candidate: Candidate, row: int) -> DerivativeTable:
+    """Derivatives of a coordinate of the points centre + frame p, which is affine."""
+    size = len(candidate.radii)
+    origin = enclose(candidate.centre[row])
+    slopes = [enclose(value) for value in candidate.frame[row]]
+    sides = [symmetric(radius) for radius in candidate.radii]
+    box, centre = {}, {}
+    for index in indices_up_to(size, MAX_ORDER):
+        if sum(index) == 0:
+            box[index], centre[index] = origin + dot(slopes, sides), origin
+        else:
+            box[index] = centre[index] = slopes[index.index(1)] if sum(index) == 1 else arb(0)
+    return DerivativeTable(box, centre)
+
+
+def _results(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures, graph: ImplicitGraph) -> OrbitResults:
+    system, equation = candidate.system, candidate.equation
+    assert equation is not None
+    where = graph.over(())
+    at = {name: BoxFunction(table) for name, table in zip(candidate.coordinates, found.image, strict=True)}
+    point = {
+        name: enclose(equation.value)
+        if equation.quantity == COORDINATE and name == equation.coordinate
+        else enclose(origin) + dot([enclose(value) for value in row], where)
+        for name, origin, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True)
+    }
+    integral = None if found.first_integral is None else BoxFunction(found.first_integral)
+    if integral is not None:
+        _check_level(checklist, integral, where)
+    half_period = BoxFunction(found.half_period).value(where)
+    level = None if integral is None else integral.value(where)
+    if equation.quantity == HALF_PERIOD:
+        half_period = enclose(equation.value)
+    elif equation.quantity == LEVEL:
+        level = enclose(equation.value)
+    least = greatest = None
+    if found.distance is not None:
+        least, greatest = _check_distance(checklist, found.distance, where, half_period)
+    return OrbitResults(
+        point,
+        {name: function.value(where) for name, function in at.items()},
+        half_period,
+        2 * half_period,
+        "" if level is None else system.first_integral_name or "H",
+        level,
+        stability_of(_own_derivatives(candidate, list(at.values()), where), found.back),
+        "" if found.distance is None else str(system.distance_name),
+        least,
+        greatest,
+    )
+
+
+def _check_level(checklist: Checklist, integral: BoxFunction, where: Sequence[arb]) -> None:
+    statement = "the derivative of the first integral on Fix(R) does not vanish at the point"
+    remedy = "claim an orbit that is no equilibrium, or give a smaller box"
+    with checklist.hypothesis("level", "19.3", statement, remedy) as evidence:
+        slopes = integral.gradient(where, 0)
+        for position, ball in enumerate(slopes):
+            evidence.record(f"dH/dp_{position}", ball)
+        evidence.require(any(map(excludes_zero, slopes)), "every component may vanish", needs_precision=True)
+
+
+def _own_derivatives(candidate: Candidate, image: Sequence[BoxFunction], where: Sequence[arb]) -> list[list[arb]]:
+    """Derivatives of P's coordinates on Fix(R) by those on Fix(R), at the point."""
+    rows = inverse(candidate.frame)
+    assert rows is not None
+    columns = list(zip(*rows, strict=True))
+    gradients = [function.gradient(where, 0) for function in image]
+    return [[dot(gradient, [enclose(value) for value in column]) for column in columns] for gradient in gradients]
+
+
+def _check_distance(
+    checklist: Checklist, distance: Distance, where: Sequence[arb], half_period: arb
+) -> tuple[Extremum, Extremum]:
+    """The least and the greatest distance over the whole orbit, among all extrema of a half of it."""
+    statement = (
+        "the extrema of the distance over half the orbit are those at its ends and those listed; all are positive"
+    )
+    with checklist.hypothesis("distance", "19.4", statement, "smaller radii or more precision") as evidence:
+        extrema = [(arb(0), BoxFunction(distance.start).value(where), distance.start_kind)]
+        extrema += [(approach.time, approach.value, approach.kind) for approach in distance.between]
+        extrema.append((half_period, BoxFunction(distance.end).value(where), distance.end_kind))
+        for number, (time, value, kind) in enumerate(extrema):
+            name = "minimum" if kind > 0 else "maximum"
+            evidence.record(f"time of extremum {number}, a {name}", time)
+            evidence.record(f"squared distance at extremum {number}", value)
+            evidence.require(kind in (1, -1), "the kind of an extremum is not known")
+            evidence.require(is_positive(value), "the square of a distance may vanish", needs_precision=True)
+        kinds = [kind for _, _, kind in extrema]
+        evidence.require(
+            all(left == -right for left, right in pairwise(kinds)),
+            "minima and maxima do not alternate",
+        )
+        for approach in distance.between:
+            inner = is_positive(approach.time) and is_below(approach.time, half_period)
+            evidence.require(inner, "the time of an extremum is not inside the half period")
+    minima = [(time, value.sqrt()) for time, value, kind in extrema if kind > 0]
+    maxima = [(time, -value.sqrt()) for time, value, kind in extrema if kind < 0]
+    # Both ends are extrema, and minima and maxima alternate: there is one of each.
+    least, greatest = _first_of(minima), _first_of(maxima)
+    return least, Extremum(-greatest.distance, greatest.times)
+
+
+def _first_of(extrema: Sequence[tuple[arb, arb]]) -> Extremum:
+    """The least value, with the times at which it may be taken."""
+    ends = [bounds(value) for _, value in extrema]
+    below = min(upper for _, upper in ends)
+    near = [extremum for extremum, (lower, _) in zip(extrema, ends, strict=True) if lower <= below]
+    times = tuple(time for time, _ in near)
+    if len(near) == 1:
+        return Extremum(near[0][1], times)
+    return Extremum(hull(enclose(min(lower for lower, _ in ends)), enclose(below)), times)
