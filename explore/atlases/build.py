@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import pairwise
 from math import ceil, floor, log10
 from typing import Any
 
@@ -21,7 +22,7 @@ from orbitproof.explore.atlases.cover import CoverControl, Coverer, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, CurvePoint
 from orbitproof.explore.atlases.expansion import Expansion
 from orbitproof.explore.engines import Progress
-from orbitproof.explore.families import Family, in_fixed_space
+from orbitproof.explore.families import Family, in_fixed_space, tangency
 from orbitproof.explore.flow import Vector
 from orbitproof.shared.formats import Atlas, Claim, Covers, Piece
 
@@ -64,8 +65,6 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
     """The atlas of a family. Raises `CoverFailure`."""
     family = _directed(request)
     system, problem = family.problem.system, family.problem
-    if any(orbit.crossings != 1 for orbit in family.orbits):
-        raise CoverFailure("half orbits meet the section more than once; a piece follows them to the first return only")
     curve = Curve(family, system.family_parameter is not None)
     coverer = Coverer(curve, request.control, request.coordinates)
     overlap = request.control.overlap
@@ -91,6 +90,7 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
     else:
         end_place = places[-1] if request.covers is None else _place(curve, request.covers, request.covers.end)
         end = curve.at(end_place).point
+    crossings = _crossings(family, start_place, end_place)
     # A short range may lie in the symmetric piece alone.
     middle = [] if end_place <= start_place else coverer.pieces(start, start_place, end, end_place, width, progress)
     expansions = [item for item in (first, *middle, last) if item is not None]
@@ -109,10 +109,20 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
         title=request.title,
         system=system,
         parameters=dict(problem.parameters),
-        claim=Claim(kind, symmetry if first is not None else None, request.increasing, covers),
+        claim=Claim(kind, symmetry if first is not None else None, request.increasing, covers, crossings),
         pieces=tuple(pieces),
         provenance=request.provenance,
     )
+
+
+def _crossings(family: Family, start: float, end: float) -> int:
+    """How often half orbits between two arclengths meet the section; `CoverFailure` if that changes."""
+    orbits = [family.orbit_at(start), *(o for o in family.orbits if start <= o.arclength <= end), family.orbit_at(end)]
+    for before, after in pairwise(orbits):
+        if before.crossings != after.crossings:
+            line = tangency(family.problem, before, after)
+            raise CoverFailure(f"{line}; no piece contains such an orbit: cover one side of it, or both one by one")
+    return orbits[0].crossings
 
 
 def _directed(request: AtlasRequest) -> Family:

@@ -2,6 +2,7 @@ from .branching import branch_seed as branch_seed
 from .branching import breaking_at_end as breaking_at_end
 from .continuation import Family as Family
 from .continuation import in_fixed_space as in_fixed_space
+from .continuation import tangency as tangency
 from .conversion import family_of as family_of
 from .conversion import family_record as family_record
 from .detection import LocatedResonance as LocatedResonance

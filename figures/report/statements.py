@@ -72,7 +72,7 @@ def _in_full(entry: Checked) -> str:
         if "in_full" in statement:
             return str(statement["in_full"])
         atlas = entry.atlas
-        words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry)
+        words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry, atlas.claim.crossings)
         return "\n".join([*words, "Theorem.", str(statement["theorem"])])
     form = None if entry.claim is entry.candidate else entry.claim
     return theorem_in_full(entry.certificate, entry.candidate, form)

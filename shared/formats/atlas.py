@@ -45,12 +45,14 @@ class Claim:
         symmetry: name of the symmetry of the curve (for a surface, of the one that breaks), or `None`.
         increasing: coordinates that increase along the curve, on a symmetric arc away from its symmetric point.
         covers: the range that a coordinate takes, or `None`.
+        crossings: m, how often half orbits meet the section after their start; P^m then stands for P.
     """
 
     kind: str
     symmetry: str | None = None
     increasing: tuple[str, ...] = ()
     covers: Covers | None = None
+    crossings: int = 1
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object."""
@@ -59,6 +61,8 @@ class Claim:
             result["increasing"] = list(self.increasing)
         if self.covers is not None:
             result["covers"] = self.covers.to_json()
+        if self.crossings != 1:
+            result["crossings"] = self.crossings
         return result
 
 
@@ -191,8 +195,11 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
         if name not in system.centre_coordinates or name in increasing[:position]:
             wanted = ", ".join(system.centre_coordinates)
             refuse(f"increasing[{position}]", f"{name!r}", f"name each coordinate once; {system.name} has: {wanted}")
+    crossings = entry.get("crossings", 1)
+    if crossings != 1 and (kind == SURFACE or system.normalised):
+        refuse("crossings", f"{crossings}", "leave it out: on surfaces and around libration points it is 1")
     if "covers" not in entry:
-        return Claim(kind, symmetry, increasing)
+        return Claim(kind, symmetry, increasing, None, crossings)
     name = entry["covers"]["coordinate"]
     names = system.fixed_parameters if kind == SURFACE else system.centre_coordinates
     if name not in names:
@@ -202,4 +209,4 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
         check_length(value, f"{source}.covers.{key}")
     if not start < end:
         refuse("covers.to", "not greater than covers.from", "give a range that is not empty")
-    return Claim(kind, symmetry, increasing, Covers(name, start, end))
+    return Claim(kind, symmetry, increasing, Covers(name, start, end), crossings)

@@ -19,7 +19,7 @@ SEEDS = {
         "wrong_citations",
         "verify/bifurcation/conditions.py",
         '"8.5"',
-        '"8.99"',
+        '"8.9"',
     ),
     "a comment cites a lemma that is not there": (
         "wrong_citations",

@@ -9,17 +9,25 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from flint import arb, ctx
 from support.closed_form_maps import claim, description, table, tables_of_maps, verdict
 from support.map_cases import CASES, failed, proof
 
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates
+from orbitproof.explore.orbits.shooting import ShootingProblem
+from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_atlas, read_candidates
+from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, reusable
 from orbitproof.verify.certificate.certificate import Certificate, digest
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
+from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.curve.statement import curve_statement
+from orbitproof.verify.evidence.outcome import Proved as PieceProved
 from orbitproof.verify.second_proof.proof import Proved, second_proof
+from orbitproof.verify.stability.functions import bounded
+from orbitproof.verify.stability.matrix import orbit_functions
 
 DATA = Path(__file__).parents[1] / "data" / "known-crossings.json"
 
@@ -144,6 +152,69 @@ def test_what_is_no_number_of_crossings_is_bad_input(wrong: Any, tmp_path: Path)
     path.write_text(DATA.read_text().replace('"crossings": 2', f'"crossings": {wrong!r}'.replace("'", '"')))
     with pytest.raises(InputError, match="crossings"):
         read_candidates(path)
+
+
+@cache
+def arc() -> Atlas:
+    return read_atlas(DATA.with_name("atlas-crossings.json"))
+
+
+PART = (F(-1, 64), F(1, 64))
+FEW = PieceLimits(80, 30, 16)
+
+
+@pytest.mark.parametrize("crossings, condition", [(1, "newton"), (2, ""), (3, "half-orbit")])
+def test_a_piece_is_proved_with_its_number_of_crossings_and_with_no_other(crossings: int, condition: str) -> None:
+    atlas = arc()
+    result = prove_piece(
+        atlas.system, atlas.parameters, atlas.curve_pieces()[1], PART, FEW, symmetry=None, crossings=crossings
+    )
+    reason = "" if isinstance(result.outcome, PieceProved) else result.outcome.reason.condition
+    assert reason == condition
+
+
+def test_the_stability_of_a_piece_is_that_of_its_orbits() -> None:
+    atlas, piece = arc(), arc().curve_pieces()[1]
+    found = orbit_functions(atlas.system, {}, piece, PART, FEW, "physical", crossings=2)
+    with ctx.workprec(120):
+        (trace,) = (bounded(entry) for entry in found.characteristic)
+        # Stability parameters of the family at the same c, in float64.
+        problem = ShootingProblem(atlas.system, {})
+        point = [float(value) for value in piece.point(F(0))]
+        half_period = float(bounded(found.half_period).value(arb(0)).mid())
+        orbit = problem.orbit(problem.correct(np.array([*point, half_period]), np.array([1.0, 0.0, 0.0])))
+        assert abs(float(trace.value(arb(0)).mid()) - orbit.stability[0].real) < 1e-6
+
+
+def test_the_theorem_about_a_curve_names_the_crossings_and_only_where_there_are_several() -> None:
+    twice, ends = arc(), {end: {"c": arb(1), "y": arb(0)} for end in ("start", "end")}
+    assert "P = Q^2" in curve_statement(twice, ends, arb(6))
+    assert "meet the section 2 times" in curve_statement(twice, ends, arb(6))
+    once = replace(twice, claim=replace(twice.claim, crossings=1))
+    assert "times" not in curve_statement(once, ends, arb(6))
+    assert "crossings" not in once.to_json()["claim"]
+
+
+def test_no_result_of_another_number_of_crossings_is_used_again() -> None:
+    atlas = arc()
+    result = {
+        "piece": atlas.pieces[0].id,
+        "interval": ["-0x1", "0x1"],
+        "verdict": "proved",
+        "computation": {"seconds": 1},
+    }
+    document = make_atlas_certificate(atlas, [result], None)
+    before = AtlasCertificate(atlas, document)
+    assert reusable(before, atlas, ()) == [result]
+    assert reusable(before, replace(atlas, claim=replace(atlas.claim, crossings=1)), ()) == []
+
+
+@pytest.mark.parametrize("name", ["surface.json", "atlas-lyapunov.json"])
+def test_several_crossings_are_not_claimed_where_there_is_no_theorem_about_them(name: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text(DATA.with_name(name).read_text().replace('"claim": {', '"claim": {"crossings": 2, ', 1))
+    with pytest.raises(InputError, match=r"claim\.crossings"):
+        read_atlas(path)
 
 
 def test_one_crossing_is_the_default_and_is_not_written() -> None:

@@ -62,7 +62,7 @@ def make_atlas_certificate(
     else:
         verdict, reason = conclusion["verdict"], conclusion["reason"]
         if verdict == "proved":
-            words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry)
+            words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry, atlas.claim.crossings)
             statement["theorem"] = conclusion["statement"]
             statement["in_full"] = "\n".join([*words, "Theorem.", conclusion["statement"]])
     certificate: dict[str, Any] = {
@@ -177,6 +177,7 @@ def reusable(
         before.system == atlas.system
         and before.parameters == atlas.parameters
         and before.claim.symmetry == atlas.claim.symmetry
+        and before.claim.crossings == atlas.claim.crossings
     )
     if not same_claim or certificate.document["software"] != software():
         return []

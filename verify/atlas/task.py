@@ -69,6 +69,7 @@ def task_of(
             "system": describe(atlas.system),
             "parameters": {name: format_rational(value) for name, value in atlas.parameters.items()},
             "symmetry": atlas.claim.symmetry,
+            "crossings": atlas.claim.crossings,
             "piece": piece.to_json(),
             "interval": [format_exact(end) for end in interval],
             "integrator": dict(settings),
@@ -104,15 +105,15 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
                 system, piece, (start, end), surface_limits, stepped, argument["symmetry"], parts
             ).to_json()
         parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
-        limits = PieceLimits(**argument["integrator"])
-        bits = {"slope_bits": SLOPE_BITS} if argument.get("stability") else {}
-        found = prove_piece(system, parameters, piece, (start, end), limits, stepped, argument["symmetry"], **bits)
+        limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
+        more = {"crossings": crossings, **({"slope_bits": SLOPE_BITS} if argument.get("stability") else {})}
+        found = prove_piece(system, parameters, piece, (start, end), limits, stepped, argument["symmetry"], **more)
         result = found.to_json()
         if argument.get("stability") and isinstance(found.outcome, Proved):
             known = found.outcome.results
             result["stability"] = stability_to_json(
                 system, parameters, piece, (known.start, known.end), limits, str(found.computation["coordinates"]),
-                argument["symmetry"], stepped, known.half_return,
+                argument["symmetry"], stepped, known.half_return, crossings,
             )  # fmt: skip
             result["computation"]["seconds"] = round(time.monotonic() - began, 3)
         return result

@@ -29,7 +29,7 @@ from orbitproof.verify.evidence import (
 
 Examine = Callable[[Certificate], Recheck]
 Point = Mapping[str, arb]
-Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point], Point | None]
+Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point, int], Point | None]
 
 
 @dataclass(frozen=True)
@@ -116,8 +116,9 @@ def place_bifurcation(
         found = examined.findings[0]
         return replace(entry, reason=f"the certificate does not stand: {found.place}: {found.message}")
     crossings = candidate.get("crossings", 1)
-    if crossings != 1:
-        return replace(entry, reason=f"its half orbits meet the section {crossings} times, those of the curve once")
+    if crossings != atlas.claim.crossings:
+        reason = f"its half orbits meet the section {crossings} times, those of the curve {atlas.claim.crossings}"
+        return replace(entry, reason=reason)
     names = certified_system(atlas.system).centre_coordinates
     if not set(names) <= set(certificate.point):
         return replace(entry, reason="the certificate does not have all coordinates of the point")
@@ -137,7 +138,7 @@ def place_bifurcation(
     if isinstance(place, Place):
         return replace(entry, place=place)
     if point_name(atlas.system) is None:
-        second = partner(atlas.system, atlas.parameters, point)
+        second = partner(atlas.system, atlas.parameters, point, crossings)
         found_there = None if second is None else locate(atlas, chain, list(second.values()), False)
         if isinstance(found_there, Place):
             return replace(entry, place=replace(found_there, other_point=True))

@@ -54,12 +54,12 @@ def tube_points(
 
 @dataclass(frozen=True)
 class HalfReturn:
-    """The orbits of a tube, from Fix(R) to their first return.
+    """The orbits of a tube, from Fix(R) to the end of their half orbits: the first return, or the m-th (section 15.3).
 
     Attributes:
         start: the points of the tube and the parameters, by name.
         widths: dp_j/domega_j.
-        state: the system's state at the first return.
+        state: the system's state there.
         time: the system's time there.
         time_of_all: encloses it for all orbits.
         steps: of the integration.
@@ -81,6 +81,7 @@ class HalfReturn:
         coordinates: str,
         begun: Callable[[str], None] | None = None,
         progress: Callable[[int], None] | None = None,
+        crossings: int = 1,
     ) -> HalfReturn:
         """Integrate.
 
@@ -88,13 +89,14 @@ class HalfReturn:
             coordinates: "physical", "regularised" or "auto".
             begun: called with the name of the coordinates that are integrated.
             progress: called after every step with the number of steps; what it raises passes through.
+            crossings: m.
 
         Raises `IntegrationFailure`.
         """
         returns = Returns(system, next(iter(start.values())).arithmetic, start, coordinates)
         if begun is not None:
             begun(returns.coordinates.name)
-        state, time = returns.next_crossing(progress)
+        state, time = returns.half_orbit(crossings, progress)
         return cls(start, tuple(widths), tuple(state), returns.return_time, time, returns.steps)
 
 

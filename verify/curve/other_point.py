@@ -23,13 +23,14 @@ _SPARE_BITS = 16
 
 
 def other_point(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb], crossings: int = 1
 ) -> dict[str, arb] | None:
     """Enclosures of the coordinates of P(x) for a symmetric orbit through x, or `None` if there are none.
 
     Args:
         parameters: exact values of the system's fixed parameters.
         point: enclosures of the system's `centre_coordinates` at x, where P(x) is known to lie in Fix(R).
+        crossings: m, how often half orbits meet the section; P^m stands for P.
     """
     if not all_finite(point.values()):
         return None
@@ -37,17 +38,22 @@ def other_point(
     bits = max(_LEAST_BITS, _SPARE_BITS + ceil(-log2(widest)) if widest else 0)
     with guarded(bits):
         try:
-            return _half_return(system, parameters, point, Arithmetic(Grading((1,), 0), bits, 0, default_order(bits)))
+            arithmetic = Arithmetic(Grading((1,), 0), bits, 0, default_order(bits))
+            return _half_return(system, parameters, point, arithmetic, crossings)
         except (IntegrationFailure, ArithmeticError):
             return None
 
 
 def _half_return(
-    system: ReversibleSystem, given: Mapping[str, Fraction], point: Mapping[str, arb], arithmetic: Arithmetic
+    system: ReversibleSystem,
+    given: Mapping[str, Fraction],
+    point: Mapping[str, arb],
+    arithmetic: Arithmetic,
+    crossings: int,
 ) -> dict[str, arb] | None:
     known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
     returns = Returns(system, arithmetic, {**parameter_series(arithmetic, system, given), **known})
-    state = [_ball(element) for element in returns.next_crossing()[0]]
+    state = [_ball(element) for element in returns.half_orbit(crossings)[0]]
     if any(excludes_zero(state[index]) for index in system.kernel_coordinates):
         # The orbit through x is not symmetric: what was said of x is wrong.
         return None

@@ -60,8 +60,8 @@ _MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
 """Conditions for which regularised coordinates are tried where the system's own fail."""
 
 THEOREM = Theorem(
-    "for every s of the interval the tube contains exactly one point of an R-symmetric orbit with P^2(x) = x; it is a "
-    "regular zero of pi_q P and depends smoothly on s",
+    "for every s of the interval the tube contains exactly one point of an R-symmetric orbit with f^2(x) = x; it is a "
+    "regular zero of pi_q f and depends smoothly on s; f = P^m, half orbits that meet the section m times",
     ("piece", "half-return", "newton"),
 )
 
@@ -94,6 +94,7 @@ def prove_piece(
     progress: Progress | None = None,
     symmetry: str | None = None,
     slope_bits: int = SLOPE_BITS,
+    crossings: int = 1,
 ) -> PieceResult[ProvedInterval]:
     """Prove the claim of a piece for s in an interval within [-1, 1], or say why it is not proved.
 
@@ -102,9 +103,10 @@ def prove_piece(
         progress: called after every step with the number of steps; what it raises passes through.
         symmetry: name of the symmetry of a symmetric piece.
         slope_bits: significant bits of the derivatives across the curve.
+        crossings: of the section in a half orbit, its end included.
     """
     limits = PieceLimits() if limits is None else limits
-    proof = _Proof(system, parameters, piece, interval, limits, symmetry, slope_bits)
+    proof = _Proof(system, parameters, piece, interval, limits, symmetry, slope_bits, crossings)
     found = proof.result(progress)
     in_physical = found.computation["coordinates"] == PHYSICAL and system.name in REGULARISATIONS
     mended = isinstance(found.outcome, NotProved) and found.outcome.reason.condition in _MENDED_BY_COORDINATES
@@ -125,6 +127,7 @@ class _Proof:
     limits: PieceLimits
     symmetry: str | None
     slope_bits: int
+    crossings: int
 
     @property
     def divided(self) -> bool:
@@ -220,7 +223,7 @@ class _Proof:
         return tube_points(self.arithmetic, self.system, self.piece, (self.middle, self.radius), self.tube)
 
     def _half_return(self, computation: Account, progress: Progress | None) -> HalfReturn:
-        """The orbits of the tube up to their first return."""
+        """The orbits of the tube up to the end of their half orbits."""
         point = {**parameter_series(self.arithmetic, self.system, self.parameters), **self.points()}
 
         def begun(coordinates: str) -> None:
@@ -231,7 +234,8 @@ class _Proof:
             if progress is not None:
                 progress(steps)
 
-        return HalfReturn.of(self.system, point, self.tube, self.piece.coordinates, begun, after_step)
+        coordinates = self.piece.coordinates
+        return HalfReturn.of(self.system, point, self.tube, coordinates, begun, after_step, self.crossings)
 
     def _images(self, equations: Sequence[Equation]) -> list[tuple[list[arb], list[arb]]]:
         """Newton images and slopes of omega on parts that cover the interval of sigma."""

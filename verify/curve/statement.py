@@ -58,8 +58,10 @@ def _setting(atlas: Atlas) -> str:
     system = atlas.system
     values = ", ".join(f"{name} = {exact_text(value)}" for name, value in atlas.parameters.items())
     with_values = f" with {values}" if values else ""
+    m = atlas.claim.crossings
+    power = "the map P" if m == 1 else f"P = Q^{m}, Q the map"
     return (
-        f"Consider the {system.title}{with_values}, and the map P to the next crossing of the section "
+        f"Consider the {system.title}{with_values}, and {power} to the next crossing of the section "
         f"{{{system.section} = 0}}.{libration_units(atlas)}"
     )
 
@@ -68,6 +70,8 @@ def _curve(atlas: Atlas, ends: Ends) -> str:
     claim = atlas.claim
     coordinates = ", ".join(atlas.system.centre_coordinates)
     orbits = "each of its points is the initial condition of an R-symmetric periodic orbit, P^2(x) = x"
+    if claim.crossings > 1:
+        orbits += f", and the half orbits from Fix(R) to Fix(R) meet the section {claim.crossings} times"
     where = f"in the coordinates ({coordinates}) of Fix(R)"
     first, last = _point(ends["start"]), _point(ends["end"])
     fixed = f"Fix({claim.symmetry})"

@@ -16,7 +16,7 @@ from flint import arb
 
 from orbitproof.shared.systems import Program, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, WideArithmetic, evaluate, prepare
-from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, is_positive
+from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep, advance, dyadic_below, expand, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, choose, physical, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive, wide_parts
@@ -144,6 +144,24 @@ class Returns:
         raise IntegrationFailure(
             "steps", f"no crossing number {self.crossings + 1} within {MOST_STEPS} steps", "give another centre"
         )
+
+    def half_orbit(self, crossings: int, progress: Callable[[int], None] | None = None) -> tuple[Sequence[Series], arb]:
+        """The same at crossing number `crossings`, at none before which an orbit is in Fix(R) (section 8.8).
+
+        Arguments and exceptions are those of `next_crossing`, the latter also if that is not shown.
+        """
+        parts = [counter.wide for counter in self.counters]
+        for number in range(1, crossings):
+            state, _ = self.next_crossing(progress)
+            kernel = [state[index] for index in self.system.kernel_coordinates]
+            if not all(any(excludes_zero(range_of(value, part)) for value in kernel) for part in parts):
+                raise IntegrationFailure(
+                    "half-orbit",
+                    f"orbits may be in Fix(R) at crossing {number} already",
+                    "claim fewer crossings, or give a narrower piece",
+                    needs_precision=True,
+                )
+        return self.next_crossing(progress)
 
     def step(self) -> bool:
         """Advance by one step; true if it ends, at the centre, at the next crossing."""

@@ -69,7 +69,7 @@ class OrbitFunctions:
     Attributes:
         characteristic: a_1, .., a_n with det(c - Sigma) = c^n - a_1 c^(n-1) + a_2 c^(n-2) - ..
         level: the family parameter, or the first integral.
-        half_period: the time of the first return.
+        half_period: the time to the end of a half orbit.
         first_factor: the determinant of D(pi_p P) on Fix(R), up to a constant factor.
     """
 
@@ -98,6 +98,7 @@ def stability_to_json(
     symmetry: str | None = None,
     progress: Callable[[float], None] | None = None,
     half: HalfReturn | None = None,
+    crossings: int = 1,
 ) -> dict[str, Any]:
     """The functions of section 18.3 as JSON, or the reason why there are none; arguments as `orbit_functions`.
 
@@ -106,7 +107,7 @@ def stability_to_json(
     followed = PHYSICAL if coordinates == PHYSICAL else REGULARISED
     try:
         return orbit_functions(
-            system, parameters, piece, interval, limits, followed, symmetry, progress, half
+            system, parameters, piece, interval, limits, followed, symmetry, progress, half, crossings
         ).to_json()
     except IntegrationFailure as error:
         return {"reason": error.reason.to_json()}
@@ -125,6 +126,7 @@ def orbit_functions(
     symmetry: str | None = None,
     progress: Callable[[float], None] | None = None,
     half: HalfReturn | None = None,
+    crossings: int = 1,
 ) -> OrbitFunctions:
     """The functions of section 18.3 on an interval of a piece that is proved there.
 
@@ -134,11 +136,12 @@ def orbit_functions(
         symmetry: name of the symmetry of a symmetric piece.
         progress: called after every step with the number of steps; what it raises passes through.
         half: the return of the tube, if it is known already, with these limits.
+        crossings: of the section in a half orbit, its end included.
 
     Raises `IntegrationFailure`.
     """
     with guarded(limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
-        work = _Integration(system, parameters, piece, interval, limits, coordinates, symmetry)
+        work = _Integration(system, parameters, piece, interval, limits, coordinates, symmetry, crossings)
         try:
             return work.functions(work.wider(progress) if half is None else half, progress)
         except IntegrationFailure:
@@ -158,6 +161,7 @@ class _Integration:
     limits: PieceLimits
     coordinates: str
     symmetry: str | None
+    crossings: int
 
     @property
     def divided(self) -> bool:
@@ -181,7 +185,7 @@ class _Integration:
         flow = WideArithmetic(Grading((1,) * len(widths), 1), limits.precision, bits, limits.order, width=limits.width)
         tube = tube_points(flow, system, self.piece, (self.middle, self.radius), widths)
         start = {**parameter_series(flow, system, self.parameters), **tube}
-        return HalfReturn.of(system, start, widths, self.coordinates, None, progress)
+        return HalfReturn.of(system, start, widths, self.coordinates, None, progress, self.crossings)
 
     @cached_property
     def arithmetic(self) -> WideArithmetic:
@@ -207,7 +211,7 @@ class _Integration:
             if progress is not None:
                 progress(half.steps + number)
 
-        second, _ = Returns(system, flow, begun, self.coordinates).next_crossing(after_step)
+        second, _ = Returns(system, flow, begun, self.coordinates).half_orbit(self.crossings, after_step)
         back = self._back(curve, widths, self._named(begun, second))
         sigma = _stability_matrix(out, back)
         return OrbitFunctions(
