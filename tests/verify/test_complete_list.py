@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from math import cos, pi
 from pathlib import Path
@@ -23,10 +24,13 @@ from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.stability.complete_list import Segment, about_the_list, complete_list, orders
+from orbitproof.verify.stability.complete_list import complete_list, orders
 from orbitproof.verify.stability.decided import open_on
-from orbitproof.verify.stability.functions import BoundedFunction
+from orbitproof.verify.stability.extrema import extrema_on
+from orbitproof.verify.stability.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.linear_stability import is_stable
+from orbitproof.verify.stability.matching import about_the_list, with_certificates
+from orbitproof.verify.stability.places import FOLD, LOSS, SYMMETRIC, Point, Segment
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -61,6 +65,56 @@ def test_linear_stability_is_decided_as_by_the_eigenvalues(seed: int) -> None:
         assert is_stable(segment, arb(0)) is not True
     else:
         assert is_stable(segment, arb(0)) is expected
+
+
+def two_parameters(first: arb_poly, second: arb_poly, error: float = 0.0) -> Segment:
+    """A segment on which the stability parameters are these polynomials of s, for s in [-1, 1]/REACH."""
+    zero, flat = Fraction(0), constant(Fraction(0))
+    functions = tuple(BoundedFunction(f, arb(error)) for f in (first + second, first * second))
+    return Segment(0, -1 / REACH, -1 / REACH, 1 / REACH, zero, Fraction(1), functions, flat, flat, flat)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_extrema_of_stability_parameters_are_found_with_their_values(seed: int) -> None:
+    """The first turns close to -1, in a random place; the second is large, and turns beyond the band."""
+    source = random.Random(seed)
+    place, value = Fraction(source.randint(-60, 60), 100), -1 - Fraction(source.randint(1, 9), 10**5)
+    shift = arb_poly([-ball(place), 1])
+    first = shift * shift * arb_poly([source.choice((1, -1)), arb(1) / 4]) + arb_poly([ball(value)])
+    second = arb_poly([40, -3, 7])
+    found, undecided = extrema_on(two_parameters(first, second, 1e-12), 0)
+    (height,) = (height for tau, height in found if tau.contains(ball(place)))
+    assert height.contains(ball(value))
+    assert float(height.rad()) < 1e-8
+    assert undecided == []
+    for other, reached in found:
+        assert first.derivative()(other).contains(arb(0)) or other.contains(ball(place))
+        assert first(other).overlaps(reached)
+
+
+def test_extrema_within_wide_bounds_or_at_collisions_are_undecided() -> None:
+    shift = arb_poly([arb(1) / 8, 1])
+    found, undecided = extrema_on(two_parameters(shift * shift - 1, arb_poly([40, 1]), 0.5), 0)
+    assert found == []
+    assert undecided
+    same = shift * shift - 1
+    found, undecided = extrema_on(two_parameters(same, same), 0)
+    assert all(not tau.contains(arb(-0.125)) for tau, _ in found)
+    assert any(low <= Fraction(-1, 8) <= high for low, high in undecided)
+
+
+def test_a_symmetric_point_is_not_counted_as_an_extremum() -> None:
+    even = two_parameters(arb_poly([-1, 0, 1]), arb_poly([40, 0, 1]))
+    half = replace(even, start=Fraction(0), entered=Fraction(0))
+    assert extrema_on(half, -1) == ([], [])
+    turning = replace(
+        half, characteristic=two_parameters(arb_poly([0, 0, -1, 0, 1]), arb_poly([40, 0, 1])).characteristic
+    )
+    ((tau, value),) = extrema_on(turning, -1)[0]
+    assert tau.contains(arb(0.5).sqrt())
+    assert value.contains(arb(-0.25))
+    flat = replace(half, characteristic=two_parameters(arb_poly([0]), arb_poly([40])).characteristic)
+    assert extrema_on(flat, -1)[1]
 
 
 # The list
@@ -175,6 +229,29 @@ def test_bifurcations_out_of_the_plane_are_not_looked_for_in_the_plane() -> None
     assert about_the_list(atlas(), [certified(1, 0.0), certified(13, 0.0)], 12) == [certified(1, 0.0)]
 
 
+@pytest.mark.parametrize(
+    ("kind", "found", "fits"),
+    [
+        ("fold", FOLD, True),
+        ("fold", LOSS, False),
+        ("fold", SYMMETRIC, False),
+        ("symmetry_breaking", SYMMETRIC, True),
+        ("symmetry_breaking", FOLD, False),
+    ],
+)
+def test_folds_and_symmetry_breakings_are_matched_by_kind(kind: str, found: str, fits: bool) -> None:
+    at = ball(Fraction(1, 3))
+    point = Point(0, "p001", 1, 0, found, at, at, at, {})
+    entry = Bifurcation("row", kind, 1, Place("p001", at, False), "", {})
+    if fits:
+        assert with_certificates([point], [], [entry])[0].certificates == ("row",)
+    else:
+        with pytest.raises(EmptyIntersectionError):
+            with_certificates([point], [], [entry])
+    with pytest.raises(EmptyIntersectionError):
+        with_certificates([replace(point, piece="p002")], [], [entry])
+
+
 @pytest.mark.parametrize("other_point", [True, False])
 def test_doubling_is_certified_at_the_point_of_the_orbit_where_it_is_found(other_point: bool) -> None:
     outcome = conclude(atlas(), results()).outcome
@@ -207,6 +284,14 @@ def one_too_many(entry: dict[str, Any]) -> None:
     points.insert(3, points[3])
 
 
+def one_extremum_too_many(entry: dict[str, Any]) -> None:
+    listed_ = entry["conclusion"]["complete"]
+    point = listed_["points"][3]
+    listed_["extrema"].append(
+        {"piece": point["piece"], "value": point["s"], **{key: point[key] for key in ("s", "level", "half_period")}}
+    )
+
+
 def wrong_order(entry: dict[str, Any]) -> None:
     entry["conclusion"]["complete"]["points"][3]["k"] = 8
 
@@ -233,7 +318,9 @@ def no_gap(entry: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    "change", [left_out, one_too_many, wrong_order, longer, other_words, fewer_orders, no_gap], ids=lambda f: f.__name__
+    "change",
+    [left_out, one_too_many, one_extremum_too_many, wrong_order, longer, other_words, fewer_orders, no_gap],
+    ids=lambda f: f.__name__,
 )
 def test_a_forged_list_is_found_without_integrating(change: Callable[[dict[str, Any]], None]) -> None:
     document = document_of(results())

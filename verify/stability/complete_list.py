@@ -3,175 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from math import gcd
 from typing import Any
 
 from flint import arb, fmpq
 
 from orbitproof.shared.formats import Atlas, Piece
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Bifurcation, Chain, Stretch
-from orbitproof.verify.evidence import (
-    EmptyIntersectionError,
-    ball_to_json,
-    dot,
-    enclose,
-    excludes_zero,
-    is_below,
-    sign,
-    symmetric,
-)
+from orbitproof.verify.evidence import dot, enclose, excludes_zero, sign, symmetric
+from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
+from orbitproof.verify.stability.matching import about_the_list, with_certificates
+from orbitproof.verify.stability.places import (
+    COLLISION,
+    EXTREMUM,
+    FOLD,
+    HERE,
+    LOSS,
+    RESONANCE,
+    SYMMETRIC,
+    THERE,
+    UNKNOWN,
+    CompleteList,
+    Extremum,
+    Gap,
+    Point,
+    Segment,
+)
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
 PRECISION = 192
 """Bits of the ball arithmetic."""
-
-FOLD, LOSS, SYMMETRIC = "fold", "loss of R", "symmetric point"
-HERE, THERE, RESONANCE, UNKNOWN = "doubling at this point", "doubling at the other point", "resonance", "undecided"
-COLLISION = "Krein collision"
-
-
-@dataclass(frozen=True)
-class Segment:
-    """A part of the curve on one piece, with the functions that are known on it.
-
-    Attributes:
-        stretch: number of the stretch.
-        start, end: of s; the curve runs through it from `start` to `end`.
-        entered: the curve runs through all of it from here on; it begins between `start` and this.
-        middle, radius: s = middle + radius tau.
-        characteristic, level, half_period, first_factor: functions of tau, as in `matrix.OrbitFunctions`.
-    """
-
-    stretch: int
-    start: Fraction
-    entered: Fraction
-    end: Fraction
-    middle: Fraction
-    radius: Fraction
-    characteristic: tuple[BoundedFunction, ...]
-    level: BoundedFunction
-    half_period: BoundedFunction
-    first_factor: BoundedFunction
-
-    def tau(self, s: Fraction) -> Fraction:
-        """The variable of the functions."""
-        return (s - self.middle) / self.radius
-
-    def tau_of(self, s: arb) -> arb:
-        """The same of a ball."""
-        return (s - enclose(self.middle)) / enclose(self.radius)
-
-    def s_of(self, tau: arb) -> arb:
-        """s of a ball of tau."""
-        return enclose(self.middle) + enclose(self.radius) * tau
-
-    def at(self, c: arb) -> BoundedFunction:
-        """det(c - Sigma)."""
-        result = BoundedFunction(ball_polynomial([Fraction(1)]), arb(0))
-        for number, coefficient in enumerate(self.characteristic, start=1):
-            result = result.scaled(c) + coefficient.scaled(arb(-1 if number % 2 else 1))
-        return result
-
-    @cached_property
-    def discriminant(self) -> BoundedFunction | None:
-        """That of the characteristic polynomial for n = 2; `None` for n = 1, where it is 1."""
-        if len(self.characteristic) == 1:
-            return None
-        trace, determinant = self.characteristic
-        return trace * trace - determinant.scaled(arb(4))
-
-    @property
-    def meets_symmetric_point(self) -> int:
-        """-1 or 1 if the segment of a symmetric piece begins or ends at s = 0 = tau; else 0."""
-        if self.middle:
-            return 0
-        return -1 if self.start == 0 else 1 if self.end == 0 else 0
-
-
-@dataclass(frozen=True)
-class Gap:
-    """A part of the curve, or a place on it, of which something is not shown.
-
-    Attributes:
-        stretch: number of the stretch.
-        start, end: of s.
-        about: what is not known there: k and j of a resonance, or in words.
-        reason: why.
-    """
-
-    stretch: int
-    piece: str
-    start: Fraction
-    end: Fraction
-    about: str
-    reason: str
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        ends = [format_exact(shortened(self.start, -1)), format_exact(shortened(self.end, 1))]
-        return {"piece": self.piece, "interval": ends, "about": self.about, "reason": self.reason}
-
-
-@dataclass(frozen=True)
-class Point:
-    """A point of the curve at which an eigenvalue of Sigma, or the discriminant, has a certain value.
-
-    Attributes:
-        stretch, piece: where on the curve.
-        k, j: the eigenvalue is cos(2 pi j/k); 0 for a Krein collision.
-        kind: what happens there.
-        s: a ball that contains it.
-        level, half_period: enclosures.
-        point: enclosures of the coordinates.
-        certificate: ids of the certificates of bifurcations at this point.
-    """
-
-    stretch: int
-    piece: str
-    k: int
-    j: int
-    kind: str
-    s: arb
-    level: arb
-    half_period: arb
-    point: Mapping[str, arb]
-    certificates: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact balls with decimals beside them."""
-        return {
-            "piece": self.piece,
-            "k": self.k,
-            "j": self.j,
-            "kind": self.kind,
-            "s": ball_to_json(self.s),
-            "level": ball_to_json(self.level),
-            "half_period": ball_to_json(self.half_period),
-            "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
-            "certificates": list(self.certificates),
-        }
-
-
-@dataclass(frozen=True)
-class CompleteList:
-    """What is proved of the resonances on a curve.
-
-    Attributes:
-        order: the largest k.
-        points: in order along the curve, those of Krein collisions included.
-        gaps: what is not covered; the list is complete on the rest.
-    """
-
-    order: int
-    points: tuple[Point, ...]
-    gaps: tuple[Gap, ...]
-    segments: tuple[Segment, ...]
 
 
 def orders(order: int) -> list[tuple[int, int]]:
@@ -201,7 +67,9 @@ def complete_list(
     Raises `EmptyIntersectionError` if a certified bifurcation on the curve is not in the list.
     """
     points: list[Point] = []
+    extrema: list[Extremum] = []
     gaps: list[Gap] = []
+    open_extrema: list[Gap] = []
     segments: list[Segment] = []
     for number, stretch in enumerate(chain.stretches):
         found, missing = segments_of(number, stretch, results)
@@ -212,15 +80,20 @@ def complete_list(
             for k, j in orders(order):
                 finder.resonances(k, j)
             finder.collisions()
+            finder.turns()
             points += finder.points
+            extrema += finder.extrema
             gaps += finder.gaps
+            open_extrema += finder.open_extrema
     listed = tuple(sorted(points, key=lambda entry: (entry.stretch, ends_of(entry.s)[0])))
     gaps.sort(key=lambda gap: (gap.stretch, gap.start))
     return CompleteList(
         order,
-        _with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order)),
+        with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order)),
         tuple(gaps),
         tuple(segments),
+        tuple(sorted(extrema, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))),
+        tuple(open_extrema),
     )
 
 
@@ -314,6 +187,8 @@ class _Finder:
         self.segment = segment
         self.points: list[Point] = []
         self.gaps: list[Gap] = []
+        self.extrema: list[Extremum] = []
+        self.open_extrema: list[Gap] = []
 
     def resonances(self, k: int, j: int) -> None:
         """The zeros of det(cos(2 pi j/k) - Sigma)."""
@@ -331,6 +206,22 @@ class _Finder:
             for zero in self._zeros(function, 0, COLLISION):
                 self.points.append(self._point(0, 0, COLLISION, zero.place))
 
+    def turns(self) -> None:
+        """The extrema of the stability parameters close to the resonant values."""
+        segment = self.segment
+        at_end = segment.meets_symmetric_point if self.stretch.tube.is_symmetric else 0
+        found, undecided = extrema_on(segment, at_end)
+        for tau, value in found:
+            s = segment.s_of(tau)
+            self.extrema.append(
+                Extremum(
+                    segment.stretch, self.stretch.tube.piece.id, value, s, segment.level.value(tau),
+                    segment.half_period.value(tau),
+                )
+            )  # fmt: skip
+        why = "extrema are neither excluded nor separated: bounds too wide"
+        self.open_extrema += [self._place(low, high, EXTREMUM, why) for low, high in undecided]
+
     def _zeros(self, function: BoundedFunction, at_end: int, about: str) -> Sequence[Zero]:
         segment = self.segment
         start, entered, end = (segment.tau(s) for s in (segment.start, segment.entered, segment.end))
@@ -346,9 +237,12 @@ class _Finder:
         return found.zeros
 
     def _gap(self, low: Fraction, high: Fraction, about: str, reason: str) -> None:
+        self.gaps.append(self._place(low, high, about, reason))
+
+    def _place(self, low: Fraction, high: Fraction, about: str, reason: str) -> Gap:
         segment = self.segment
         start, end = (segment.middle + segment.radius * tau for tau in (low, high))
-        self.gaps.append(Gap(segment.stretch, self.stretch.tube.piece.id, start, end, about, reason))
+        return Gap(segment.stretch, self.stretch.tube.piece.id, start, end, about, reason)
 
     def _kind(self, k: int, zero: Zero) -> str:
         if k > 2:
@@ -395,45 +289,3 @@ def _point_over(stretch: Stretch, s: arb) -> list[arb]:
         enclose(origin) + dot([enclose(value) for value in row], p)
         for origin, row in zip(piece.centre, piece.frame, strict=True)
     ]
-
-
-def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int) -> list[Bifurcation]:
-    """The bifurcations that have to be in the list; those on a planar family lead out of the plane (section 18.9)."""
-    return [entry for entry in bifurcations if entry.k <= order and not atlas.system.normalised]
-
-
-def _with_certificates(
-    points: Sequence[Point], gaps: Sequence[Gap], bifurcations: Sequence[Bifurcation]
-) -> tuple[Point, ...]:
-    """The points with the certificates that are about them (section 18.5)."""
-    result = list(points)
-    for entry in bifurcations:
-        place = entry.place
-        if place is None:
-            continue
-        here = [
-            index
-            for index, point in enumerate(result)
-            if point.k == entry.k and point.piece == place.piece and point.s.overlaps(place.s)
-        ]
-        if len(here) == 1:
-            found = result[here[0]]
-            if found.kind == (HERE if place.other_point else THERE):
-                raise EmptyIntersectionError(f"{entry.id} is certified at one point of the orbit, found at the other")
-            result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))
-        elif not here and not _in_gap(place.piece, place.s, gaps):
-            raise EmptyIntersectionError(f"{entry.id} is certified on the curve, but is no zero of its characteristic")
-    return tuple(result)
-
-
-def _in_gap(piece: str, s: arb, gaps: Sequence[Gap]) -> bool:
-    return any(
-        gap.piece == piece and not is_below(s, enclose(gap.start)) and not is_below(enclose(gap.end), s) for gap in gaps
-    )
-
-
-def shortened(value: Fraction, side: int) -> Fraction:
-    """A dyadic number next to an end of an interval, beyond it."""
-    scaled = value * 2**60
-    whole = scaled.numerator // scaled.denominator
-    return Fraction(whole + (1 if side > 0 and whole != scaled else 0), 2**60)

@@ -13,7 +13,7 @@ from flint import arb
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.curve import Chain
 from orbitproof.verify.evidence import ball_to_json, enclose, is_positive
-from orbitproof.verify.stability.complete_list import SYMMETRIC, CompleteList, Point, Segment, shortened
+from orbitproof.verify.stability.places import SYMMETRIC, CompleteList, Point, Segment, shortened
 from orbitproof.verify.stability.zeros import ends_of
 
 BEGINNING, END = "the beginning of the curve", "the end of the curve"

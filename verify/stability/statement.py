@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.evidence import decimal_interval, interval_text
-from orbitproof.verify.stability.complete_list import (
+from orbitproof.verify.stability.extrema import BAND
+from orbitproof.verify.stability.linear_stability import Bound, StableInterval
+from orbitproof.verify.stability.places import (
     COLLISION,
     FOLD,
     HERE,
@@ -18,7 +20,6 @@ from orbitproof.verify.stability.complete_list import (
     Gap,
     Point,
 )
-from orbitproof.verify.stability.linear_stability import Bound, StableInterval
 
 _DIGITS = 14
 
@@ -53,11 +54,30 @@ def statement(
     if collisions:
         lines.append(f"{where} two stability parameters are equal at exactly these points:")
         lines += [f"- {_point(atlas, point)}" for point in collisions]
+    lines += _extrema(atlas, found)
     lines += _stability(atlas, stable, unknown)
     if found.gaps:
         lines.append("Not covered, so that nothing is said of it:")
         lines += [f"- {_gap(gap)}" for gap in found.gaps]
     return "\n".join(lines)
+
+
+def _extrema(atlas: Atlas, found: CompleteList) -> list[str]:
+    """The extrema of the stability parameters; symmetric points are extrema by their symmetry."""
+    but = ", but for the places named below" if found.gaps or found.open_extrema else ""
+    band = f"with a value from -{BAND} to {BAND}"
+    level = level_name(atlas)
+    if not found.extrema:
+        lines = [f"Apart from symmetric points no stability parameter is stationary {band}{but}."]
+    else:
+        lines = [f"Apart from symmetric points a stability parameter is stationary {band} exactly here{but}:"]
+    for entry in found.extrema:
+        place = f"{level} in {interval_text(entry.level, _DIGITS)}, in piece {entry.piece}"
+        lines.append(f"- (lambda + 1/lambda)/2 in {interval_text(entry.value, _DIGITS)}: {place}")
+    if found.open_extrema:
+        lines.append("Whether one is stationary there is not decided:")
+        lines += [f"- {_gap(gap)}" for gap in found.open_extrema]
+    return lines
 
 
 def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]) -> list[str]:

@@ -14,6 +14,8 @@ from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import stable_intervals
 from orbitproof.verify.stability.statement import statement
 
+_EMPTY: dict[str, Any] = {name: [] for name in ("points", "stable", "undecided", "gaps", "extrema", "open_extrema")}
+
 
 def with_complete_list(
     atlas: Atlas, results: Sequence[Mapping[str, Any]], conclusion: Conclusion[ProvedCurve], order: int
@@ -25,7 +27,7 @@ def with_complete_list(
     """
     document = conclusion.to_json()
     if not isinstance(conclusion.outcome, Proved):
-        return {**document, "complete": {"order": order, "points": [], "stable": [], "undecided": [], "gaps": []}}
+        return {**document, "complete": _EMPTY | {"order": order}}
     chain = conclusion.outcome.results.chain
     with ctx.workprec(PRECISION):
         try:
@@ -46,5 +48,7 @@ def with_complete_list(
             "stable": [entry.to_json() for entry in stable],
             "undecided": [entry.to_json() for entry in unknown],
             "gaps": [gap.to_json() for gap in found.gaps],
+            "extrema": [entry.to_json() for entry in found.extrema],
+            "open_extrema": [gap.to_json() for gap in found.open_extrema],
         },
     }

@@ -5,17 +5,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Protocol
 
 from flint import arb
 
 from orbitproof.verify.evidence import enclose, exact_value, excludes_zero, hull, is_below, sign
-from orbitproof.verify.stability.functions import BoundedFunction
 
 _SMALLEST = Fraction(1, 2**40)
 """Intervals of tau that are shorter are not divided any more."""
 _SPLITS = (Fraction(1, 2), Fraction(3, 8), Fraction(5, 8), Fraction(7, 16), Fraction(9, 16), Fraction(1, 3))
 """Where an interval is divided: at the first of these points at which the function has a certain sign."""
 _STEPS = 60
+
+
+class Enclosed(Protocol):
+    """A function of tau with enclosures on parts of the interval."""
+
+    def value(self, part: arb) -> arb:
+        """Of its values."""
+
+    def slope(self, part: arb) -> arb:
+        """Of its derivative."""
+
+
+class EnclosedTwice(Enclosed, Protocol):
+    """The same with its second derivative."""
+
+    def curvature(self, part: arb) -> arb:
+        """Of its second derivative."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +62,7 @@ class Zeros:
     undecided: tuple[tuple[Fraction, Fraction], ...]
 
 
-def zeros_on(function: BoundedFunction, lower: Fraction, upper: Fraction) -> Zeros:
+def zeros_on(function: Enclosed, lower: Fraction, upper: Fraction) -> Zeros:
     """The zeros on [lower, upper], |tau| <= 1/REACH; those at the ends are undecided."""
     zeros: list[Zero] = []
     undecided: list[tuple[Fraction, Fraction]] = []
@@ -68,7 +85,7 @@ def zeros_on(function: BoundedFunction, lower: Fraction, upper: Fraction) -> Zer
     return Zeros(tuple(sorted(zeros, key=lambda zero: zero.lower)), _merged(undecided))
 
 
-def zeros_beside_double_one(function: BoundedFunction, upper: Fraction) -> tuple[Fraction, Zeros]:
+def zeros_beside_double_one(function: EnclosedTwice, upper: Fraction) -> tuple[Fraction, Zeros]:
     """For a function with a double zero at 0: its other zeros on [0, upper], or [upper, 0].
 
     Returns the end of an interval from 0 on on which there is none, and what is known beyond it.
@@ -89,7 +106,7 @@ def between(lower: Fraction, upper: Fraction) -> arb:
     return hull(enclose(lower), enclose(upper))
 
 
-def _divided(function: BoundedFunction, lower: Fraction, upper: Fraction) -> Fraction | None:
+def _divided(function: Enclosed, lower: Fraction, upper: Fraction) -> Fraction | None:
     for share in _SPLITS:
         middle = lower + share * (upper - lower)
         if sign(function.value(enclose(middle))):
@@ -97,7 +114,7 @@ def _divided(function: BoundedFunction, lower: Fraction, upper: Fraction) -> Fra
     return None
 
 
-def _narrowed(function: BoundedFunction, lower: Fraction, upper: Fraction) -> arb:
+def _narrowed(function: Enclosed, lower: Fraction, upper: Fraction) -> arb:
     """The zero, by interval Newton: each image contains it."""
     place = between(lower, upper)
     for _ in range(_STEPS):

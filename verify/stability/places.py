@@ -1,0 +1,195 @@
+"""Parts of a curve, places and points on it, and what a complete list is made of (section 18.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.algebra import ball_polynomial
+from orbitproof.verify.evidence import ball_to_json, enclose
+from orbitproof.verify.stability.functions import BoundedFunction
+
+FOLD, LOSS, SYMMETRIC = "fold", "loss of R", "symmetric point"
+HERE, THERE, RESONANCE, UNKNOWN = "doubling at this point", "doubling at the other point", "resonance", "undecided"
+COLLISION = "Krein collision"
+EXTREMUM = "extrema of stability parameters"
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A part of the curve on one piece, with the functions that are known on it.
+
+    Attributes:
+        stretch: number of the stretch.
+        start, end: of s; the curve runs through it from `start` to `end`.
+        entered: the curve runs through all of it from here on; it begins between `start` and this.
+        middle, radius: s = middle + radius tau.
+        characteristic, level, half_period, first_factor: functions of tau, as in `matrix.OrbitFunctions`.
+    """
+
+    stretch: int
+    start: Fraction
+    entered: Fraction
+    end: Fraction
+    middle: Fraction
+    radius: Fraction
+    characteristic: tuple[BoundedFunction, ...]
+    level: BoundedFunction
+    half_period: BoundedFunction
+    first_factor: BoundedFunction
+
+    def tau(self, s: Fraction) -> Fraction:
+        """The variable of the functions."""
+        return (s - self.middle) / self.radius
+
+    def tau_of(self, s: arb) -> arb:
+        """The same of a ball."""
+        return (s - enclose(self.middle)) / enclose(self.radius)
+
+    def s_of(self, tau: arb) -> arb:
+        """s of a ball of tau."""
+        return enclose(self.middle) + enclose(self.radius) * tau
+
+    def at(self, c: arb) -> BoundedFunction:
+        """det(c - Sigma)."""
+        result = BoundedFunction(ball_polynomial([Fraction(1)]), arb(0))
+        for number, coefficient in enumerate(self.characteristic, start=1):
+            result = result.scaled(c) + coefficient.scaled(arb(-1 if number % 2 else 1))
+        return result
+
+    @cached_property
+    def discriminant(self) -> BoundedFunction | None:
+        """That of the characteristic polynomial for n = 2; `None` for n = 1, where it is 1."""
+        if len(self.characteristic) == 1:
+            return None
+        trace, determinant = self.characteristic
+        return trace * trace - determinant.scaled(arb(4))
+
+    @property
+    def meets_symmetric_point(self) -> int:
+        """-1 or 1 if the segment of a symmetric piece begins or ends at s = 0 = tau; else 0."""
+        if self.middle:
+            return 0
+        return -1 if self.start == 0 else 1 if self.end == 0 else 0
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A part of the curve, or a place on it, of which something is not shown.
+
+    Attributes:
+        stretch: number of the stretch.
+        start, end: of s.
+        about: what is not known there: k and j of a resonance, or in words.
+        reason: why.
+    """
+
+    stretch: int
+    piece: str
+    start: Fraction
+    end: Fraction
+    about: str
+    reason: str
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object."""
+        ends = [format_exact(shortened(self.start, -1)), format_exact(shortened(self.end, 1))]
+        return {"piece": self.piece, "interval": ends, "about": self.about, "reason": self.reason}
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of the curve at which an eigenvalue of Sigma, or the discriminant, has a certain value.
+
+    Attributes:
+        stretch, piece: where on the curve.
+        k, j: the eigenvalue is cos(2 pi j/k); 0 for a Krein collision.
+        kind: what happens there.
+        s: a ball that contains it.
+        level, half_period: enclosures.
+        point: enclosures of the coordinates.
+        certificate: ids of the certificates of bifurcations at this point.
+    """
+
+    stretch: int
+    piece: str
+    k: int
+    j: int
+    kind: str
+    s: arb
+    level: arb
+    half_period: arb
+    point: Mapping[str, arb]
+    certificates: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact balls with decimals beside them."""
+        return {
+            "piece": self.piece,
+            "k": self.k,
+            "j": self.j,
+            "kind": self.kind,
+            "s": ball_to_json(self.s),
+            "level": ball_to_json(self.level),
+            "half_period": ball_to_json(self.half_period),
+            "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
+            "certificates": list(self.certificates),
+        }
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """A point of the curve at which a stability parameter is stationary.
+
+    Attributes:
+        stretch, piece: where on the curve.
+        value: encloses the stability parameter.
+        s: a ball that contains the point's.
+        level, half_period: enclosures.
+    """
+
+    stretch: int
+    piece: str
+    value: arb
+    s: arb
+    level: arb
+    half_period: arb
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object: exact balls with decimals beside them."""
+        balls = {"value": self.value, "s": self.s, "level": self.level, "half_period": self.half_period}
+        return {"piece": self.piece, **{name: ball_to_json(ball) for name, ball in balls.items()}}
+
+
+@dataclass(frozen=True)
+class CompleteList:
+    """What is proved of the resonances on a curve.
+
+    Attributes:
+        order: the largest k.
+        points: in order along the curve, those of Krein collisions included.
+        gaps: what is not covered; the list is complete on the rest.
+        segments: the parts of the curve with the functions known on them.
+        extrema: of the stability parameters, close to the resonant values, in order along the curve.
+        open_extrema: where it is not decided whether there are more of them.
+    """
+
+    order: int
+    points: tuple[Point, ...]
+    gaps: tuple[Gap, ...]
+    segments: tuple[Segment, ...]
+    extrema: tuple[Extremum, ...] = ()
+    open_extrema: tuple[Gap, ...] = ()
+
+
+def shortened(value: Fraction, side: int) -> Fraction:
+    """A dyadic number next to an end of an interval, beyond it."""
+    scaled = value * 2**60
+    whole = scaled.numerator // scaled.denominator
+    return Fraction(whole + (1 if side > 0 and whole != scaled else 0), 2**60)
