@@ -75,7 +75,7 @@ class CertifiedCurves:
         try:
             if claim is None:
                 raise ValueError("there is no such level form")
-            stored = tables_from_json(entry, len(claim.radii), computation)
+            stored = tables_from_json(entry, claim, computation)
             with guarded(computation["precision"]):
                 checklist = Checklist()
                 problem = check_enclosures(

@@ -186,7 +186,8 @@ def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement])
     axes.set_ylim(low, high)
     size = np.array([right - left, high - low])
     origin = np.array([left, low])
-    hidden = [members for members in crowds(places / size) if len(members) > 1]
+    # Where all marks are the same point, magnifying shows no more.
+    hidden = [members for members in crowds(places / size) if np.ptp(places[members], axis=0).any()]
     hidden.sort(key=lambda members: float(np.ptp(places[members] / size, axis=0).max()))
     taken = (np.concatenate([curves, np.repeat(places, 40, axis=0)]) - origin) / size
     for members in hidden[:_INSETS]:

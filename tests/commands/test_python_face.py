@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import doctest
 import json
 import os
@@ -18,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.claims import known
+from support.notebooks import run_notebook
 
 from orbitproof import explore, shared, verify
 from orbitproof.shared import CR3BP, EARTH_MOON, FALKNER_SKAN, InputError
@@ -148,18 +148,7 @@ def test_a_resonance_is_found_refined_and_proved(family: explore.OrbitFamily) ->
 
 def test_the_notebook_runs_and_ends_in_a_certificate_that_stands(capsys: pytest.CaptureFixture[str]) -> None:
     """Cell by cell, as a notebook does: the last expression of a cell is shown."""
-    notebook = json.loads((ROOT / "docs" / "first-proof.ipynb").read_text("utf-8"))
-    names: dict[str, object] = {}
-    shown: list[object] = []
-    for cell in notebook["cells"]:
-        if cell["cell_type"] != "code":
-            continue
-        assert cell["outputs"] == []
-        body = ast.parse("".join(cell["source"])).body
-        last = body.pop() if isinstance(body[-1], ast.Expr) else None
-        exec(compile(ast.Module(body, []), "notebook", "exec"), names)
-        if last is not None:
-            shown.append(eval(compile(ast.Expression(last.value), "notebook", "eval"), names))
+    shown = run_notebook(ROOT / "docs" / "first-proof.ipynb")
     assert shown[-1] is True
     assert PROVED in capsys.readouterr().out
     assert all("<table>" in value._repr_html_() for value in shown if hasattr(value, "_repr_html_"))
