@@ -83,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         return verify_atlas(words[1:])
     if "--second-proof" in words:
-        from orbitproof.verify.second_proof.runner import main as prove_again
+        from orbitproof.verify.second_proofs import main as prove_again
 
         return prove_again([word for word in words if word != "--second-proof"])
     options = _parser().parse_args(words)

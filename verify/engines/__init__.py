@@ -2,7 +2,7 @@
 
 from orbitproof.shared.processes import GRACE_SECONDS, Answer, Failure, Progress, Report, Task
 from orbitproof.verify.engines.cluster import connected, engine_of
-from orbitproof.verify.engines.options import ArgumentParser, whole
+from orbitproof.verify.engines.options import ArgumentParser, positive_seconds, whole
 from orbitproof.verify.engines.processes import Engine, Processes, Work
 from orbitproof.verify.engines.progress import Display, aligned
 
@@ -21,5 +21,6 @@ __all__ = [
     "aligned",
     "connected",
     "engine_of",
+    "positive_seconds",
     "whole",
 ]

@@ -1,26 +1,32 @@
-"""The conditions of Walawska and Wilczak on tables of derivatives. README, sections 5 and 6."""
+"""The conditions of Walawska and Wilczak on tables of derivatives. README, section 6."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import factorial
+from math import factorial, prod
 from typing import Any
 
 from flint import arb, arb_mat
 
-from .jets import CannotFollow, Jet, implicit, monomials, substitute, unit, varying
+from .jets import Jet, implicit, joined
 
 Vector = list[arb]
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """An inequality that holds, with its enclosures."""
+    """A condition, whether it certainly holds, and the enclosures that show it."""
 
     name: str
-    says: str
+    holds: bool
     enclosures: dict[str, arb]
+
+
+def hypothesis(name: str, condition: bool, **enclosures: arb) -> Hypothesis:
+    """It holds only if it is certain on finite balls, and there are some."""
+    holds = condition is True and bool(enclosures) and all(value.is_finite() for value in enclosures.values())
+    return Hypothesis(name, holds, enclosures)
 
 
 @dataclass(frozen=True)
@@ -32,29 +38,24 @@ class Table:
     order: int
 
     def jet(self, reach: Sequence[arb]) -> Jet:
-        """Jets at all points centre + `reach`, in the set: mean value theorem. README, section 5."""
-        size = len(reach)
-        result: Jet = {}
-        for degree in range(4):
-            for a in monomials(size, degree):
-                value = self.around.get(a, arb(0))
-                if degree <= self.order:
-                    value = self.centre.get(a, arb(0))
-                    for j, change in enumerate(reach):
-                        # The derivative of the coefficient of a in p_j is (a_j + 1) times that of a + e_j.
-                        above = tuple(c + (i == j) for i, c in enumerate(a))
-                        if not change.is_zero():
-                            value = value + change * (a[j] + 1) * self.around.get(above, arb(0))
-                result[a] = value
+        """Jets at all points centre + `reach`, in the set: mean value theorem. README, section 5.1."""
+        result = Jet(self.around, 3)
+        for a in {**self.centre, **self.around}:
+            if len(a) <= self.order:
+                # The derivative in p_j of the coefficient of a is that of a p_j, as often as p_j occurs there.
+                changes = [x * (a.count(j) + 1) * self.around[joined(a, (j,))] for j, x in enumerate(reach)]
+                result[a] = sum(changes, self.centre[a])
         return result
 
 
-def certain(condition: bool, name: str, says: str, **enclosures: arb) -> Hypothesis:
-    """The hypothesis, or `CannotFollow` if it is not certain on finite balls."""
-    if not (condition is True and enclosures and all(value.is_finite() for value in enclosures.values())):
-        shown = ", ".join(f"{key} = {value.str(6)}" for key, value in enclosures.items())
-        raise CannotFollow(f"{name}: not shown: {says}; {shown}")
-    return Hypothesis(name, says, enclosures)
+@dataclass(frozen=True)
+class Conclusion:
+    """Every condition; if all hold, the point in p, the side, and the slope p_0'(p_1) of the branch there."""
+
+    hypotheses: list[Hypothesis]
+    point: Vector
+    side: str
+    slope: arb
 
 
 def nonzero(value: arb) -> bool:
@@ -67,98 +68,70 @@ def inside(value: arb, radius: arb) -> bool:
     return bool(value < radius) and bool(value > -radius)
 
 
-@dataclass(frozen=True)
-class Claim:
-    """What the conditions are about.
+def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integral: Table, radii: Vector) -> Conclusion:
+    """The conditions, evaluated: all are in the conclusion, also those that do not hold.
 
-    Attributes:
-        k: multiplicity; `breaking`: symmetry breaking, k = 1.
-        iterates: for i = 1, .., k the tables of q_1(P^i), .., q_n(P^i).
-        integral: the table of the first integral.
-        radii: R_0, R_1 (, R_2); the tables hold on this box.
+    For i = 1, .., k `iterates` has the tables of q_1(P^i), .., q_n(P^i), on the box with these radii; `breaking` says
+    that this is about symmetry breaking.
     """
+    n, last, none, found = len(radii) - 1, iterates[-1], arb(0), list[Hypothesis]()
+    whole = [arb(0, r.upper()) for r in radii]
 
-    k: int
-    breaking: bool
-    iterates: list[list[Table]]
-    integral: Table
-    radii: list[arb]
-
-
-def conclude(claim: Claim) -> tuple[list[Hypothesis], Vector, str]:
-    """Every condition in turn, the bifurcation point in p, the side. Raises `CannotFollow` at the first that fails."""
-    radii, n, last, k = claim.radii, len(claim.radii) - 1, claim.iterates[-1], claim.k
-    none, whole, found = arb(0), [arb(0, r.upper()) for r in claim.radii], []
-    origin, centre, units = (0,) * (n + 1), [none] * (n + 1), [unit(n + 1, j) for j in range(n + 1)]
-
-    def check(condition: bool, name: str, says: str, **enclosures: arb) -> None:
-        found.append(certain(condition, name, says, **enclosures))
+    def check(name: str, condition: bool, **enclosures: arb) -> None:
+        found.append(hypothesis(name, condition, **enclosures))
 
     def slopes(table: Table) -> Vector:
         jet = table.jet(whole)
-        return [jet[u] for u in units]
+        return [jet[j,] for j in range(n + 1)]
 
-    p2, p2_centre = none, none
+    p2 = p2_centre = none
     if n == 2:
         steep = slopes(last[1])[2]
-        p2 = -last[1].jet([*whole[:2], none])[origin] / steep
-        p2_centre = -last[1].jet(centre)[origin] / steep
-        says = "pi_q2 P^k = 0 has one solution p_2^H in P_2, inside it, over P_0 x P_1"
-        check(nonzero(steep) and inside(p2, radii[2]), "HC2", says, p2=p2, slope=steep, P2=radii[2])
-    if claim.breaking:
-        family, drift = [none, p2][:n], none
-        check(True, "family", "the doubly symmetric points are p_1 = 0, p_2 = p_2^H(p_0, 0)", p1=none)
-    else:
-        first = [slopes(table) for table in claim.iterates[0]]
+        p2, p2_centre = (-last[1].jet(reach)[()] / steep for reach in ([*whole[:2], none], [none] * 3))
+        check("HC2", nonzero(steep) and inside(p2, radii[2]), p2=p2, slope=steep, P2=radii[2])
+    family, drift = [none, p2][:n], none
+    if not breaking:
+        first = [slopes(table) for table in iterates[0]]
         inverse = arb_mat([row[1:] for row in first]).inv()
-        values = arb_mat([[-table.jet([whole[0], *centre[1:]])[origin]] for table in claim.iterates[0]])
+        values = arb_mat([[-table.jet([whole[0], *[none] * n])[()]] for table in iterates[0]])
         family = [row[0] for row in (inverse * values).tolist()]
-        says = "interval Newton: pi_q P = 0 has one solution (p_1, p_2)(p_0), inside, over P_0"
-        enclosures = {f"p{j}": c for j, c in enumerate(family, 1)}
-        check(all(inside(c, r) for c, r in zip(family, radii[1:], strict=True)), "family", says, **enclosures)
         drift = -(inverse * arb_mat([row[:1] for row in first]))[0, 0]
-        for i in range(1, k):
-            value = arb_mat([slopes(table)[1:] for table in claim.iterates[i - 1]]).det()
-            says = f"every matrix in the enclosure of D_p pi_q P^{i} is regular"
-            check(nonzero(value), f"regular-{i}", says, determinant=value)
+        for i, tables in enumerate(iterates[:-1], 1):
+            value = arb_mat([slopes(table)[1:] for table in tables]).det()
+            check(f"regular-{i}", nonzero(value), determinant=value)
+    is_inside = all(inside(c, r) for c, r in zip(family, radii[1:], strict=True))
+    check("family", is_inside, **{f"p{j}": c for j, c in enumerate(family, 1)})
 
-    def reduced(reach: Sequence[arb]) -> tuple[Jet, Jet]:
+    def reduced(reach: Sequence[arb]) -> list[Jet]:
         """Partial derivatives of the bifurcation function G and of K in (p_0, p_1), by Lyapunov-Schmidt reduction."""
-        jets = [last[0].jet(reach), claim.integral.jet(reach)]
+        jets = [last[0].jet(reach), integral.jet(reach)]
         if n == 2:
-            inner = [{unit(2, i): arb(1)} for i in range(2)] + implicit([last[1].jet(reach)], 2, 3)
-            jets = [substitute(varying(jet), inner, (0, 0), 3) for jet in jets]
-        zero = {a: none for degree in range(4) for a in monomials(2, degree)}
-        g, h = ({a: factorial(a[0]) * factorial(a[1]) * c for a, c in {**zero, **jet}.items()} for jet in jets)
-        return g, h
+            inner = implicit([last[1].jet(reach)], [2])
+            jets = [jet.substitute(inner) for jet in jets]
+        return [Jet({a: prod(factorial(a.count(j)) for j in (0, 1)) * c for a, c in jet.items()}, 3) for jet in jets]
 
     g, h = reduced(whole)
     g_centre, _ = reduced([none, none, arb(0, p2_centre.abs_upper())][: n + 1])
-    g_01, g_11, g_111 = g[1, 1], g[0, 2], g[0, 3]
-    check(inside(family[0], radii[1]), "HC2-family", "p_1(P_0) lies in the interior of P_1", p1=family[0])
 
     def g_over(p1: arb) -> Any:
-        return g_centre[0, 1] + g_centre[0, 2] * p1 + g_111 * p1 * p1 / 2
+        return g_centre[1,] + g_centre[1, 1] * p1 + g[1, 1, 1] * p1 * p1 / 2
 
-    g_0, g_at = g_01 + g_11 * drift / 2, g_over(whole[1])
-    p0 = -g_at / g_0
-    says = "interval Newton: g = 0 has one solution p_0(p_1), inside P_0, for each p_1 in P_1"
-    check(nonzero(g_0) and inside(p0, radii[0]), "HC3", says, g_0=g_0, g=g_at, p0=p0, P0=radii[0])
-    crossing = g_01 + g_11 * drift
-    check(nonzero(crossing), "HC4", "G_01 + G_11 p_1' is not zero", value=crossing)
-    plain, h_fp = slopes(claim.integral)[0], h[1, 0] + h[0, 1] * drift
-    check(nonzero(plain), "dH/dp_0", "the first integral can replace p_0", value=plain)
-    check(nonzero(h_fp), "h_fp'", "the family is a graph over the first integral", value=h_fp)
-    slope = -(g_11 / 2) / g_0
+    g_0, g_at = g[0, 1] + g[1, 1] * drift / 2, g_over(whole[1])
+    p0, crossing = -g_at / g_0, g[0, 1] + g[1, 1] * drift
+    check("HC3", nonzero(g_0) and inside(p0, radii[0]), g_0=g_0, g=g_at, p0=p0, P0=radii[0])
+    check("HC4", nonzero(crossing), value=crossing)
+    plain, h_fp = slopes(integral)[0], h[0,] + h[1,] * drift
+    check("dH/dp_0", nonzero(plain), value=plain)
+    check("h_fp'", nonzero(h_fp), value=h_fp)
+    slope = -(g[1, 1] / 2) / g_0
     if k % 2 and k > 1:
-        rise, side = h[1, 0] * slope + h[0, 1], "both"
-        check(nonzero(rise), "h_b'", "the branch is a graph over the first integral", value=rise)
+        rise, side = h[0,] * slope + h[1,], "both"
+        check("h_b'", nonzero(rise), value=rise)
     else:
-        numerator = ((g[3, 0] * slope + 3 * g[2, 1]) * slope + 3 * g[1, 2]) * slope + g_111
-        second = -numerator / (3 * (g_01 + g[2, 0] * slope))
-        bend = (h[2, 0] * slope + 2 * h[1, 1]) * slope + h[0, 2] + h[1, 0] * second
+        numerator = ((g[0, 0, 0] * slope + 3 * g[0, 0, 1]) * slope + 3 * g[0, 1, 1]) * slope + g[1, 1, 1]
+        second = -numerator / (3 * (g[0, 1] + g[0, 0] * slope))
+        bend = (h[0, 0] * slope + 2 * h[0, 1]) * slope + h[1, 1] + h[0,] * second
         side = "above" if bend > 0 else "below"
-        says = "the first integral has a strict extremum on the branch"
-        check(nonzero(bend), "h_b''", says, value=bend, slope=slope)
+        check("h_b''", nonzero(bend), value=bend, slope=slope)
     # x* lies on the branch and on the family, so p_0* = p_0(p_1*) with p_1* in p_1(P_0).
-    return found, [-g_over(family[0]) / g_0, *family], side
+    return Conclusion(found, [-g_over(family[0]) / g_0, *family], side, slope)

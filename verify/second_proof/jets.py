@@ -1,21 +1,18 @@
-"""Jets: truncated power series in a few variables, coefficients in any ring of balls. README, section 2."""
+"""Jets: truncated power series in several variables with coefficients in balls. README, section 2."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
-from itertools import product
+from itertools import combinations_with_replacement, product
 from typing import Any
 
 from flint import acb, arb, arb_mat, arb_series, ctx, fmpq
 
-from .statement import Program
-
-Exponents = tuple[int, ...]
-Jet = dict[Exponents, Any]
-"""Coefficients by exponents; one that is absent is an exact zero."""
+Monomial = tuple[int, ...]
+"""The variables of a product in ascending order, each as often as it occurs: () is 1, (0, 0, 2) is v_0^2 v_2."""
 
 
 class CannotFollow(Exception):
@@ -39,148 +36,110 @@ def ball(value: Fraction) -> arb:
 
 
 @cache
-def monomials(variables: int, degree: int) -> tuple[Exponents, ...]:
-    """Exponents of all monomials of exactly this degree."""
-    return tuple(a for a in product(range(degree + 1), repeat=variables) if sum(a) == degree)
+def joined(a: Monomial, b: Monomial) -> Monomial:
+    """The product of two monomials."""
+    return tuple(sorted(a + b))
 
 
-@cache
-def unit(variables: int, place: int) -> Exponents:
-    """Exponents of one variable."""
-    return tuple(int(i == place) for i in range(variables))
+class Jet(dict[Monomial, Any]):
+    """Coefficients of a power series truncated after order `degree`; one that is absent is an exact zero.
 
+    Coefficients are arb, acb, or arb_series for functions of time.
+    """
 
-@cache
-def _joined(a: Exponents, b: Exponents) -> tuple[Exponents, int]:
-    joined = tuple(i + j for i, j in zip(a, b, strict=True))
-    return joined, sum(joined)
+    def __init__(self, terms: Mapping[Monomial, Any], degree: int) -> None:
+        super().__init__(terms)
+        self.degree = degree
 
+    def __missing__(self, key: Monomial) -> arb:
+        return arb(0)
 
-def add(left: Jet, right: Jet) -> Jet:
-    """left + right."""
-    return {**left, **{a: left[a] + c if a in left else c for a, c in right.items()}}
+    def map(self, change: Callable[[Any], Any]) -> Jet:
+        """Every coefficient changed."""
+        return Jet({a: change(c) for a, c in self.items()}, self.degree)
 
+    def varying(self) -> Jet:
+        """The jet without its constant."""
+        return Jet({a: c for a, c in self.items() if a}, self.degree)
 
-def scale(factor: Any, jet: Jet) -> Jet:
-    """A number times a jet."""
-    return {a: factor * c for a, c in jet.items()}
+    def __add__(self, other: Jet) -> Jet:
+        return Jet({**self, **{a: self[a] + c if a in self else c for a, c in other.items()}}, self.degree)
 
+    def __sub__(self, other: Jet) -> Jet:
+        return self + other * -1
 
-def varying(jet: Jet) -> Jet:
-    """The jet without its constant."""
-    return {a: c for a, c in jet.items() if any(a)}
-
-
-def combine(factors: Sequence[Any], jets: Sequence[Jet]) -> Jet:
-    """A linear combination."""
-    total: Jet = {}
-    for factor, jet in zip(factors, jets, strict=True):
-        total = add(total, scale(factor, jet))
-    return total
-
-
-def multiply(left: Jet, right: Jet, degree: int) -> Jet:
-    """The product, truncated after `degree`."""
-    result: Jet = {}
-    for i, (a, x) in enumerate(left.items()):
-        for j, (b, y) in enumerate(right.items()):
-            joined, order = _joined(a, b)
-            if order > degree or (left is right and j < i):
-                continue
-            term = x * y
-            if left is right and j > i:
-                term = term + term
-            result[joined] = result[joined] + term if joined in result else term
-    return result
-
-
-def power(base: Jet, exponent: Fraction, degree: int) -> Jet:
-    """base to an exponent with denominator 1 or 2. README, Lemma 1."""
-    zero = next(iter(base))
-    zero = tuple(0 for _ in zero)
-    if exponent.denominator == 1 and exponent >= 0:
-        result: Jet = {zero: arb(1)}
-        for _ in range(int(exponent)):
-            result = multiply(result, base, degree)
+    def __mul__(self, other: Any) -> Jet:
+        if not isinstance(other, Jet):
+            return self.map(lambda c: c * other)
+        if not self.degree:
+            return Jet({(): self[()] * other[()]}, 0)
+        square, result = other is self, Jet({}, self.degree)
+        pairs = combinations_with_replacement(self.items(), 2) if square else product(self.items(), other.items())
+        for (a, x), (b, y) in pairs:
+            if len(a) + len(b) <= self.degree:
+                key, term = joined(a, b), x * y
+                term = term + term if square and a != b else term
+                result[key] = result[key] + term if key in result else term
         return result
-    head = base.get(zero, arb(0))
-    if exponent.denominator == 2:
-        # The principal root is analytic on the right half plane.
-        first = head[0] if isinstance(head, arb_series) else head.real if isinstance(head, acb) else head
-        if not first > 0:
-            raise CannotFollow("the root of an enclosure that is not certainly positive")
-        root = head.rsqrt()
-        inverse, base_root = root * root, root if exponent < 0 else head * root
-        value, times = base_root, int(2 * abs(exponent))
-    else:
+
+    def __truediv__(self, other: Jet) -> Jet:
+        return self * other ** Fraction(-1)
+
+    def __pow__(self, exponent: Fraction) -> Jet:
+        """A power with denominator 1 or 2. README, Lemma 1."""
+        result, rest, half = Jet({(): arb(1)}, self.degree), self.varying(), exponent.denominator == 2
+        if exponent >= 0 and not half:
+            for _ in range(int(exponent)):
+                result = result * self
+            return result
+        head = self[()]
         first = head[0] if isinstance(head, arb_series) else head
+        if half and not (first.real if isinstance(first, acb) else first) > 0:
+            # The principal root is analytic on the right half plane.
+            raise CannotFollow("the root of an enclosure that is not certainly positive")
         if first.contains(0):
             raise CannotFollow("division by an enclosure that contains zero")
-        base_root = value = inverse = 1 / head
-        times = int(-exponent)
-    for _ in range(times - 1):
-        value = value * base_root
-    small, result, ascent = varying(base), {zero: value}, {zero: arb(1)}
-    for j in range(degree):
-        value = value * inverse * ball((exponent - j) / (j + 1))
-        ascent = multiply(ascent, small, degree)
-        result = add(result, scale(value, ascent))
-    return result
+        root = head.rsqrt() if half else 1 / head
+        inverse = root * root if half else root
+        value = factor = root if exponent < 0 else head * root
+        for _ in range(int(abs(exponent) * exponent.denominator) - 1):
+            value = value * factor
+        result, ascent = Jet({(): value}, self.degree), rest
+        for j in range(self.degree):
+            value = value * inverse * ball((exponent - j) / (j + 1))
+            ascent = ascent * rest if j else rest
+            result = result + ascent * value
+        return result
+
+    def substitute(self, inner: Mapping[int, Jet]) -> Jet:
+        """The jet with some variables replaced by jets without constant; the others stay."""
+        known: dict[Monomial, Jet] = {(): Jet({(): arb(1)}, self.degree)}
+
+        def monomial(a: Monomial) -> Jet:
+            if a not in known:
+                last = a[-1]
+                known[a] = monomial(a[:-1]) * (inner[last] if last in inner else Jet({(last,): arb(1)}, self.degree))
+            return known[a]
+
+        return combine([monomial(a) for a in self], list(self.values()), self.degree)
 
 
-def evaluate(text: Program, inputs: Mapping[str, Jet], zero: Exponents, degree: int) -> list[Jet]:
-    """The outputs of a program on jets: by induction over its lines each encloses the jet of that line."""
-    values: list[Jet] = []
-    for operation, operands, value, name in text.lines:
-        sides = [values[i] for i in operands]
-        match operation:
-            case "name":
-                values.append(inputs[name])
-            case "constant":
-                values.append({zero: ball(value)})
-            case "+":
-                values.append(add(sides[0], sides[1]))
-            case "-":
-                values.append(add(sides[0], scale(-1, sides[1])))
-            case "*":
-                values.append(multiply(sides[0], sides[1], degree))
-            case "/":
-                values.append(multiply(sides[0], power(sides[1], Fraction(-1), degree), degree))
-            case _:
-                values.append(power(sides[0], value, degree))
-    return [{} if i is None else values[i] for i in text.outputs]
+def combine(jets: Sequence[Jet], factors: Sequence[Any], degree: int) -> Jet:
+    """A linear combination."""
+    return sum((jet * factor for jet, factor in zip(jets, factors, strict=True)), Jet({}, degree))
 
 
-def substitute(jet: Jet, inner: Sequence[Jet], zero: Exponents, degree: int) -> Jet:
-    """A jet whose variables are replaced by jets without constant."""
-    powers = [[{zero: arb(1)}] for _ in inner]
-    for ladder, value in zip(powers, inner, strict=True):
-        for _ in range(degree):
-            ladder.append(multiply(ladder[-1], value, degree))
-    result: Jet = {}
-    for a, c in jet.items():
-        term: Jet = {zero: c}
-        for ladder, e in zip(powers, a, strict=True):
-            if e:
-                term = multiply(ladder[e], term, degree)
-        result = add(result, term)
-    return result
-
-
-def implicit(equations: Sequence[Jet], size: int, degree: int) -> list[Jet]:
-    """The jets, without constant, of u(v) with E(v, u) = 0, `size` variables v. README, section 2.
+def implicit(equations: Sequence[Jet], unknowns: Sequence[int]) -> dict[int, Jet]:
+    """The jets, without constant, of the functions u of the other variables with E = 0. README, section 2.
 
     Constants of the equations are not used: they are zero at the points that the jets are about.
     """
-    count = len(equations)
-    units = [unit(size + count, size + i) for i in range(count)]
+    degree, units = equations[0].degree, [(u,) for u in unknowns]
     # The inverse of a matrix of balls contains the inverses of all its matrices, or there is an exception.
-    inverse = arb_mat([[e.get(a, arb(0)) for a in units] for e in equations]).inv().tolist()
-    rest = [{a: -c for a, c in varying(e).items() if a not in units} for e in equations]
-    zero = tuple(0 for _ in range(size))
-    variables: list[Jet] = [{unit(size, i): arb(1)} for i in range(size)]
-    found: list[Jet] = [{} for _ in range(count)]
+    inverse = arb_mat([[e[u] for u in units] for e in equations]).inv().tolist()
+    rest = [Jet({a: -c for a, c in e.items() if a and a not in units}, degree) for e in equations]
+    found = {u: Jet({}, degree) for u in unknowns}
     for _ in range(degree):
-        values = [substitute(e, [*variables, *found], zero, degree) for e in rest]
-        found = [combine(row, values) for row in inverse]
+        values = [e.substitute(found) for e in rest]
+        found = {u: combine(values, row, degree) for u, row in zip(unknowns, inverse, strict=True)}
     return found

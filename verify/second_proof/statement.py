@@ -1,73 +1,122 @@
-"""The statement of a certificate, read as data: programs, symmetries, section, parameters, claim, centre."""
+"""The statement of a certificate as data: programs, symmetries, section, claim, centre, frames. README, section 1."""
 
 from __future__ import annotations
 
+import operator
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-_HEXADECIMAL = re.compile(r"(-?)0x([0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?\Z")
-_DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")
-_FRACTION = re.compile(r"-?[0-9]{1,4000}/0*[1-9][0-9]{0,3999}\Z")
-_LINE = re.compile(
-    r"v(?P<index>[0-9]+) = (?:"
-    r"v(?P<left>[0-9]+) (?:(?P<sign>[-+*/]) v(?P<right>[0-9]+)|\*\* \((?P<power>-?[0-9]+(?:/2)?)\))"
-    r"|(?P<constant>-?[0-9]+(?:/[1-9][0-9]*)?)|(?P<name>[A-Za-z_]\w*))\Z"
+from .jets import CannotFollow, Jet, ball
+
+_NUMBER = re.compile(
+    r"(-?)(?:0x(?P<digits>[0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?"
+    r"|[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?|[0-9]+/0*[1-9][0-9]*)"
 )
+_OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "**": operator.pow}
 
 
 class BadCertificate(ValueError):
     """The input is no certificate that can be read; the message names the field."""
 
 
+def read(certificate: Mapping[str, Any], path: str, convert: Callable[[Any], Any]) -> Any:
+    """A field of a certificate, converted. Raises `BadCertificate`."""
+    value: Any = certificate
+    try:
+        for name in path.split("."):
+            value = value[name]
+        return convert(value)
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        raise BadCertificate(f"{path}: {error!r}") from None
+
+
+def exact(value: Any) -> Any:
+    """What a string denotes exactly, hexadecimal dyadic, decimal, or a fraction; the same for lists of them."""
+    if isinstance(value, list):
+        return tuple(map(exact, value))
+    match = _NUMBER.fullmatch(value) if len(value) < 50_000 else None
+    if match is None:
+        raise ValueError("not an exact number")
+    if match["digits"] is None:
+        return Fraction(value)
+    return Fraction(int(match[1] + match["digits"], 16)) * Fraction(2) ** int(match[3] or 0)
+
+
+class Parity(int):
+    """1 of an even function, -1 of an odd one, 0 of one of which neither is known: what a program makes of signs."""
+
+    def __add__(self, other: int) -> Parity:
+        return Parity(self if self == other else 0)
+
+    __sub__ = __add__
+
+    def __mul__(self, other: int) -> Parity:
+        return Parity(int(self) * int(other))
+
+    __truediv__ = __mul__
+
+    def __pow__(self, exponent: Fraction) -> Parity:  # type: ignore[override]
+        even, odd = self * self, self if exponent.denominator == 1 else Parity(self == 1)
+        return odd if exponent.numerator % 2 else even
+
+
 @dataclass(frozen=True)
 class Program:
-    """A straight-line program; an output None is the constant 0.
+    """A straight-line program: lines of an operation and its operands, which are lines before it; lines returned."""
 
-    Attributes:
-        lines: operation (``name``, ``constant``, ``+``, ``-``, ``*``, ``/``, ``**``), numbers of earlier lines,
-            constant or exponent, name.
-    """
+    lines: tuple[tuple[str, tuple[Any, ...]], ...]
+    outputs: tuple[int, ...]
 
-    lines: tuple[tuple[str, tuple[int, ...], Fraction, str], ...]
-    outputs: tuple[int | None, ...]
+    @classmethod
+    def from_text(cls, text: str) -> Program:
+        """One operation a line, ``return v.., v..`` at the end."""
+        *body, last = text.split("\n")
+        lines: list[tuple[str, tuple[Any, ...]]] = []
+        known: dict[str, int] = {}
+        for n, row in enumerate(body):
+            match row.removeprefix(f"v{n} = ").split(" "):
+                case [base, "**", exponent] if re.fullmatch(r"\(-?[0-9]{1,3}(/2)?\)", exponent):
+                    lines.append(("**", (known[base], Fraction(exponent[1:-1]))))
+                case [left, "+" | "-" | "*" | "/" as operation, right]:
+                    lines.append((operation, (known[left], known[right])))
+                case [word]:
+                    lines.append(("name", (word,)) if word.isidentifier() else ("constant", (exact(word),)))
+                case words:
+                    raise ValueError(f"no operation: {' '.join(words)}")
+            known[f"v{n}"] = n
+        return cls(tuple(lines), tuple(known[v] for v in last.removeprefix("return ").split(", ")))
 
     @property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs in their order."""
-        return tuple(name for operation, _, _, name in self.lines if operation == "name")
+        return tuple(operands[0] for operation, operands in self.lines if operation == "name")
 
-    def parities(self, signs: Mapping[str, int]) -> list[int | None]:
-        """For each output 1 if it is even, -1 if it is odd under the sign changes of the inputs, None if unknown."""
-        found: list[int | None] = []
-        for operation, operands, value, name in self.lines:
-            sides = [found[i] for i in operands]
-            if operation in ("name", "constant"):
-                found.append(signs.get(name, 1))
-            elif None in sides:
-                found.append(None)
-            elif operation in "+-":
-                found.append(sides[0] if sides[0] == sides[1] else None)
-            elif operation in "*/":
-                found.append(1 if sides[0] == sides[1] else -1)
-            elif sides[0] == 1 or value.denominator == 1:
-                found.append(1 if sides[0] == 1 or value.numerator % 2 == 0 else -1)
+    def run(self, inputs: Mapping[str, Any], constant: Callable[[Fraction], Any]) -> list[Any]:
+        """The outputs on anything with operations + - * / and powers."""
+        values: list[Any] = []
+        for operation, (first, *more) in self.lines:
+            if operation == "name":
+                values.append(inputs[first])
+            elif operation == "constant":
+                values.append(constant(first))
             else:
-                found.append(None)
-        return [None if i is None else found[i] for i in self.outputs]
+                second = more[0] if operation == "**" else values[more[0]]
+                values.append(_OPERATIONS[operation](values[first], second))
+        return [values[i] for i in self.outputs]
 
 
 @dataclass(frozen=True)
 class Statement:
-    """What a certificate claims, with a family parameter as a further state coordinate that does not move.
+    """What a certificate claims, with a family parameter as a last state coordinate that does not move.
 
     Attributes:
-        field: m outputs, one per name in `state`; `integral`: one output, the bifurcation parameter.
-        reversing, symmetry: m signs of R and, for symmetry breaking, of S.
+        field: one output per name in `state`, but for a family parameter; `integral`: the bifurcation parameter.
+        reversing, symmetry: signs of R and, for symmetry breaking, of S.
         fixed: indices of the coordinates of Fix(R), n + 1 of them; `kernel`: of the n others, without the section.
-        centre: values of the coordinates in `fixed`.
+        centre, frame, kernel_frame: of the claim, in the coordinates `fixed` and `kernel`.
         crossings: of the section in a half orbit, its end included.
     """
 
@@ -83,89 +132,86 @@ class Statement:
     kind: str
     k: int
     centre: tuple[Fraction, ...]
+    frame: tuple[tuple[Fraction, ...], ...]
+    kernel_frame: tuple[tuple[Fraction, ...], ...]
     crossings: int = 1
 
+    def _evaluate(self, program: Program, state: Sequence[Jet]) -> list[Jet]:
+        def constant(value: Fraction) -> Jet:
+            return Jet({(): ball(value)}, state[0].degree)
 
-def exact(text: object, field: str) -> Fraction:
-    """The number that a string denotes exactly: hexadecimal dyadic, decimal, or a fraction."""
-    if isinstance(text, str) and len(text) < 50_000:
-        if match := _HEXADECIMAL.match(text):
-            value = Fraction(int(match[2], 16)) * Fraction(2) ** int(match[3] or 0)
-            return -value if match[1] else value
-        if _DECIMAL.match(text) or _FRACTION.match(text):
-            return Fraction(text)
-    raise BadCertificate(f"{field}: not an exact number")
+        known = {name: constant(value) for name, value in self.parameters.items()}
+        return program.run(known | dict(zip(self.state, state, strict=True)), constant)
 
+    def velocity(self, state: Sequence[Jet]) -> list[Jet]:
+        """The vector field on jets: by induction over the lines of its program each encloses the jet of that line."""
+        rows = self._evaluate(self.field, state)
+        return rows + [Jet({}, state[0].degree)] * (len(state) - len(rows))
 
-def program(text: object, field: str) -> Program:
-    """A straight-line program from its text, one operation a line, the last line ``return v.., v..``."""
-    if not isinstance(text, str):
-        raise BadCertificate(f"{field}: not a program")
-    *body, last = text.split("\n")
-    lines: list[tuple[str, tuple[int, ...], Fraction, str]] = []
-    for number, row in enumerate(body):
-        match = _LINE.match(row)
-        operands = tuple(int(match[key]) for key in ("left", "right") if match[key]) if match else ()
-        if match is None or int(match["index"]) != number or any(i >= number for i in operands):
-            raise BadCertificate(f"{field}: line {number + 1} is no operation on earlier lines")
-        operation = "**" if match["power"] else match["sign"] or ("constant" if match["constant"] else "name")
-        value = Fraction(match["power"] or match["constant"] or 0)
-        lines.append((operation, operands, value, match["name"] or ""))
-    outputs = re.fullmatch(r"return (v[0-9]+(?:, v[0-9]+)*)", last)
-    if outputs is None or any(int(v[1:]) >= len(lines) for v in outputs[1].split(", ")):
-        raise BadCertificate(f"{field}: the last line returns no earlier lines")
-    return Program(tuple(lines), tuple(int(v[1:]) for v in outputs[1].split(", ")))
+    def level(self, state: Sequence[Jet]) -> Jet:
+        """The first integral on jets."""
+        return self._evaluate(self.integral, state)[0]
 
-
-def _signs(value: object, length: int, field: str) -> tuple[int, ...]:
-    if not isinstance(value, list) or len(value) != length or any(sign not in (1, -1) for sign in value):
-        raise BadCertificate(f"{field}: not {length} signs")
-    return tuple(value)
+    def check(self) -> None:
+        """There is a theorem; R reverses the field, S commutes with it, both keep the first integral: section 1."""
+        k, n, breaking = self.k, len(self.kernel), self.symmetry is not None
+        known = (
+            ("symmetry_breaking", breaking and k == 1),
+            ("period_tupling", k % 2 == 0),
+            ("touch_and_go", k % 2 == 1 < k),
+        )
+        if (self.kind, True) not in known or n not in (1, 2):
+            raise CannotFollow(f"no theorem that is used here is about {self.kind} with k = {k} and {n} equations")
+        for name, signs, sense in (("R", self.reversing, -1), ("S", self.symmetry, 1)):
+            if signs is not None:
+                inputs = dict.fromkeys(self.parameters, Parity(1)) | dict(
+                    zip(self.state, map(Parity, signs), strict=True)
+                )
+                field, level = (p.run(inputs, lambda _: Parity(1)) for p in (self.field, self.integral))
+                if any(found != sense * sign for found, sign in zip(field, signs, strict=False)) or level != [1]:
+                    raise CannotFollow(f"{name} is not shown to be a symmetry of the field and its first integral")
 
 
 def read_statement(certificate: Mapping[str, Any]) -> Statement:
-    """The statement of one certificate. Raises `BadCertificate`."""
-    try:
-        words, claim = certificate["statement"], certificate["statement"]["candidate"]
-        kind, k, centre, given = claim["kind"], claim["k"], claim["centre"], claim["parameters"]
-        crossings = claim.get("crossings", 1)
-        text, signs = words["vector_field"], words["reversing_symmetry"]
-    except (KeyError, TypeError) as error:
-        raise BadCertificate(f"statement: {error} is missing") from None
-    if type(k) is not int or not 1 <= k <= 100 or not isinstance(centre, list) or not isinstance(given, dict):
-        raise BadCertificate("statement.candidate: k, centre or parameters are of the wrong type")
-    if type(crossings) is not int or not 1 <= crossings <= 100:
-        raise BadCertificate("statement.candidate.crossings: no number of crossings")
-    if claim.get("parameter"):
-        raise BadCertificate("statement.candidate.parameter: a centre with a level instead of a coordinate is not read")
-    field = program(text, "statement.vector_field")
+    """The statement of one certificate. Raises `BadCertificate`, and `CannotFollow` for one of another form."""
+    claim, words = "statement.candidate", read(certificate, "statement", dict)
+    k, kind = read(certificate, f"{claim}.k", operator.index), read(certificate, f"{claim}.kind", str)
+    if kind not in ("symmetry_breaking", "period_tupling", "touch_and_go"):
+        raise CannotFollow(f"no theorem that is used here is about {kind}")
+    crossings = read(certificate, claim, lambda c: operator.index(c.get("crossings", 1)))
+    if not (0 < k <= 100 and 0 < crossings <= 100):
+        raise BadCertificate(f"{claim}: k and crossings are numbers from 1 to 100")
+    if read(certificate, claim, dict).get("parameter"):
+        raise CannotFollow("a centre that is given by a level of the first integral is not followed")
+    field = read(certificate, "statement.vector_field", Program.from_text)
     m = len(field.outputs)
-    reversing = _signs(signs, m, "statement.reversing_symmetry")
-    symmetry = _signs(words["symmetry"], m, "statement.symmetry") if words.get("symmetry") else None
-    parameters = {name: exact(value, f"statement.candidate.parameters.{name}") for name, value in given.items()}
-    state, free = field.inputs[:m], [name for name in field.inputs[m:] if name not in parameters]
+
+    def signs(values: Sequence[int]) -> tuple[int, ...]:
+        if len(values) != m or any(sign not in (1, -1) for sign in values):
+            raise ValueError(f"not {m} signs")
+        return tuple(values)
+
+    reversing = read(certificate, "statement.reversing_symmetry", signs)
+    symmetry = read(certificate, "statement.symmetry", signs) if words.get("symmetry") else None
+    parameters = read(certificate, f"{claim}.parameters", lambda given: {n: exact(v) for n, v in given.items()})
+    state, free = field.inputs[:m], tuple(name for name in field.inputs[m:] if name not in parameters)
+    section = read(certificate, "statement.section", state.index)
+    if reversing[section] != -1:
+        raise BadCertificate("statement.section: no coordinate that R negates")
+    fixed = tuple(i for i, sign in enumerate(reversing) if sign == 1)
+    kernel = tuple(i for i, sign in enumerate(reversing) if sign == -1 and i != section)
     if words.get("first_integral") is None and len(free) == 1:
         # A parameter nu is a coordinate with nu' = 0, fixed by R and S, and its own first integral.
-        state, reversing = (*state, free[0]), (*reversing, 1)
-        symmetry = None if symmetry is None else (*symmetry, 1)
-        field = Program(field.lines, (*field.outputs, None))
-        integral = Program((("name", (), Fraction(0), free[0]),), (0,))
-    elif not free:
-        integral = program(words.get("first_integral"), "statement.first_integral")
+        integral, state, fixed = Program((("name", free),), (0,)), (*state, *free), (m, *fixed)
+        reversing, symmetry = (*reversing, 1), None if symmetry is None else (*symmetry, 1)
     else:
-        raise BadCertificate(f"statement.candidate.parameters: no value of {', '.join(free)}")
-    known = {*state, *parameters}
-    if len(set(state)) != len(state) or len(integral.outputs) != 1 or not known.issuperset(integral.inputs):
-        raise BadCertificate("statement.first_integral: not one function of state and parameters")
-    if words.get("section") not in state[:m] or reversing[state.index(words["section"])] != -1:
-        raise BadCertificate("statement.section: no coordinate that R negates")
-    section = state.index(words["section"])
-    fixed = tuple(i for i, sign in enumerate(reversing) if sign == 1)
-    if state[-1] in free:
-        fixed = (fixed[-1], *fixed[:-1])
-    kernel = tuple(i for i, sign in enumerate(reversing) if sign == -1 and i != section)
-    if len(fixed) != len(kernel) + 1 or len(centre) != len(fixed):
-        raise BadCertificate("statement.candidate.centre: not one number for each coordinate of Fix(R)")
-    point = tuple(exact(value, "statement.candidate.centre") for value in centre)
-    claimed = (kind, k, point, crossings)
+        integral = read(certificate, "statement.first_integral", Program.from_text)
+    if len(set(state)) != len(state) or not {*state, *parameters} >= {*field.inputs, *integral.inputs}:
+        raise BadCertificate(f"{claim}.parameters: state and parameters are not the inputs of the programs")
+    numbers = [read(certificate, f"{claim}.{name}", exact) for name in ("centre", "frame", "kernel_frame")]
+    size, n = len(fixed), len(kernel)
+    shapes = [len(numbers[0]), [len(row) for row in numbers[1]], [len(row) for row in numbers[2]]]
+    if len(integral.outputs) != 1 or size != n + 1 or shapes != [size, [size] * size, [n] * n]:
+        raise BadCertificate(f"{claim}: centre and frames do not have the sizes of the coordinates p and q")
+    claimed = kind, k, *numbers, crossings
     return Statement(state, parameters, field, integral, reversing, symmetry, section, fixed, kernel, *claimed)

@@ -1,8 +1,0 @@
-"""python -m: see `runner`."""
-
-import sys
-
-from .runner import main
-
-if __name__ == "__main__":
-    sys.exit(main())

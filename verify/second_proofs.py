@@ -1,0 +1,171 @@
+"""Command line of the second proof: ``orbitproof verify --second-proof certificates.json -o second-proofs.json``.
+
+The proof itself is `verify/second_proof`, which shares nothing with the rest. Here its rows are done side by side, and
+what it finds is written down.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.formats import InputError, check_writable, read_document, write_text
+from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.processes import Answer, Failure, Report, Task
+from orbitproof.verify import second_proof as folder
+from orbitproof.verify.engines import ArgumentParser, Display, Processes, aligned, positive_seconds, whole
+from orbitproof.verify.second_proof import BadCertificate, CannotFollow, Proved, compare, read_statement, second_proof
+
+FORMAT = "orbitproof-second-proofs"
+Row = dict[str, Any]
+
+_DESCRIPTION = """\
+Prove certified bifurcations once more, by code that shares nothing with the first proof, and compare the results.
+"""
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify --second-proof certificates.json -o second-proofs.json --jobs 2
+      prove all rows again; if interrupted, the same command goes on
+
+exit codes: 0 all rows are proved again and agree, 1 some row is not or does not, 2 bad input, 130 interrupted
+"cannot follow" says nothing against the certificate
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    parser = ArgumentParser("orbitproof verify --second-proof", _DESCRIPTION, _EXAMPLES)
+    parser.add_argument("file", type=Path, help="certificates file (JSON)")
+    parser.add_argument("-o", "--output", type=Path, help="file of second proofs; rows are saved as they finish")
+    parser.add_argument("--only", nargs="+", metavar="ID", help="only these rows")
+    parser.number("--jobs", "N", "rows side by side, each in a process of its own (default: 1)", whole(1), 1)
+    parser.number("--row-timeout", "SECONDS", "give a row up after this time", positive_seconds, None)
+    parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    options = parser.parse_args(arguments)
+    try:
+        return _run(options)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
+    """The row of one certificate."""
+    used = time.process_time()
+    result = second_proof(certificate)
+    row: Row = {"id": certificate["id"]} | vars(compare(certificate, result))
+    if isinstance(result, Proved):
+        row |= {name: getattr(result, name) for name in ("kind", "k", "side", "bits", "steps")}
+        row |= {"radius": _text(result.radius), "point": _texts(result.point), "parameter": _text(result.parameter)}
+        row["hypotheses"] = [{"name": h.name, "enclosures": _texts(h.enclosures)} for h in result.hypotheses]
+    return row | {"cpu_seconds": round(time.process_time() - used, 1), "fingerprint": fingerprint(certificate)}
+
+
+def fingerprint(certificate: Mapping[str, Any]) -> str:
+    """Which certificate a row is about, and which program proved it: a digest of both."""
+    digest = hashlib.sha256(json.dumps(certificate, sort_keys=True).encode())
+    for source in sorted(Path(str(folder.__file__)).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+def _run(options: argparse.Namespace) -> int:
+    certificates = _selected(options.file, options.only)
+    rows = {} if options.output is None else _earlier(options.output)
+    marks = {name: fingerprint(certificate) for name, certificate in certificates.items()}
+    stale = [name for name, mark in marks.items() if options.fresh or rows.get(name, {}).get("fingerprint") != mark]
+    for name in stale:
+        rows.pop(name, None)
+    display = Display(dict.fromkeys(stale, 1.0), options.quiet)
+    if len(stale) < len(certificates):
+        display.message(f"{len(certificates) - len(stale)} of {len(certificates)} rows are there already, kept")
+
+    def finished(answer: Answer) -> None:
+        row = answer.result
+        if isinstance(row, Failure):
+            # Without a fingerprint: the next run tries it again.
+            row = {"id": answer.task.name, "verdict": "cannot follow", "reason": row.message}
+        rows[answer.task.name] = dict(row)
+        if options.output is not None:
+            _save(options.output, rows)
+        display.finish(answer.task.name, f"{row['verdict']}, {answer.seconds:.1f} s")
+
+    tasks = iter([Task(name, certificates[name]) for name in stale])
+    interrupted = False
+    try:
+        with display.shown():
+            engine = Processes(options.jobs, options.row_timeout)
+            engine.run(prove_row, lambda: next(tasks, None), display.advance, finished)
+    except KeyboardInterrupt:
+        interrupted = True
+    print("\n".join(_table(list(certificates), rows)), flush=True)
+    if interrupted:
+        saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
+        done = sum(name in rows for name in certificates)
+        print(f"interrupted: {done} of {len(certificates)} rows finished{saved}", file=sys.stderr)
+        return INTERRUPTED
+    return 0 if all(rows[name]["verdict"] == "agrees" for name in certificates) else 1
+
+
+def _selected(path: Path, names: Sequence[str] | None) -> dict[str, Row]:
+    """The certificates of a file by id, or some of them. Raises `InputError`."""
+    certificates: dict[str, Row] = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
+    for name in names or ():
+        if name not in certificates:
+            raise InputError(f"{path}: --only: no certificate {name!r}; its ids are: {', '.join(certificates)}")
+    chosen = {name: entry for name, entry in certificates.items() if names is None or name in names}
+    for name, entry in chosen.items():
+        try:
+            with suppress(CannotFollow):
+                read_statement(entry)
+        except BadCertificate as error:
+            raise InputError(f"{path}: {name}: {error}; write the certificate again") from None
+    return chosen
+
+
+def _earlier(path: Path) -> dict[str, Row]:
+    """The rows of an earlier run. Raises `InputError` if the file holds anything else."""
+    check_writable(path)
+    if not path.exists():
+        return {}
+    try:
+        content = json.loads(path.read_text("utf-8"))
+        if content["format"] == FORMAT:
+            return {row["id"]: row for row in content["rows"]}
+    except (OSError, ValueError, TypeError, LookupError):
+        pass
+    raise InputError(f"{path}: no file of second proofs; choose another output")
+
+
+def _save(path: Path, rows: Mapping[str, Row]) -> None:
+    write_text(path, json.dumps({"format": FORMAT, "version": 1, "rows": list(rows.values())}, indent=1) + "\n")
+
+
+def _table(names: Sequence[str], rows: Mapping[str, Row]) -> list[str]:
+    missing = {"verdict": "not tried", "reason": ""}
+    found = [(name, rows.get(name, missing)) for name in names]
+    cells = [[name, row["verdict"], row.get("side", "-"), f"{row.get('cpu_seconds', '-')}"] for name, row in found]
+    lines = aligned([["row", "verdict", "side", "CPU s"], *cells])
+    reasons = [f"{name}: {row['reason']}" for name, row in found if row["verdict"] not in ("agrees", "not tried")]
+    return lines + reasons
+
+
+def _text(value: arb) -> str:
+    """A ball as text: midpoint and radius, both exact."""
+    (mid, power), (radius, scale) = value.mid().man_exp(), value.rad().man_exp()
+    return f"{int(mid):#x}p{int(power):+d} +- {int(radius):#x}p{int(scale):+d}"
+
+
+def _texts(values: Mapping[str, arb]) -> dict[str, str]:
+    return {name: _text(value) for name, value in values.items()}
