@@ -32,7 +32,7 @@ def write(path: Path, *names: str, **claim: Any) -> Path:
 @pytest.fixture
 def certificates(tmp_path: Path) -> Path:
     """Two rows that end at once, since no theorem is about them."""
-    return write(tmp_path / "certificates.json", DOUBLING, TOUCHING, kind="fold")
+    return write(tmp_path / "certificates.json", DOUBLING, TOUCHING, kind="symmetry_breaking")
 
 
 def rows(path: Path) -> dict[str, dict[str, Any]]:
