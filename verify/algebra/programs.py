@@ -162,7 +162,7 @@ class Recurrence(ABC, Generic[Coefficient]):
 def _singular() -> IntegrationFailure:
     return IntegrationFailure(
         "singularity",
-        "a power or quotient of the vector field could not be bounded on the box",
+        "a power or quotient of the vector field could not be bounded on all orbits",
         "the box comes too close to a singularity: give smaller radii or a better centre",
     )
 

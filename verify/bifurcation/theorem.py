@@ -43,6 +43,7 @@ from orbitproof.verify.evidence import (
     balls_to_json,
     dot,
     enclose,
+    without_result,
 )
 
 
@@ -207,7 +208,12 @@ def prove(
         return NotProved(reason, tuple(checklist.hypotheses))
     except ArithmeticError as error:
         pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
-        reason = Reason(pending, f"{pending} could not be evaluated: {error}", "more precision", needs_precision=True)
+        reason = Reason(
+            pending,
+            f"{pending} could not be evaluated: {without_result(error)}",
+            "more precision",
+            needs_precision=True,
+        )
         return NotProved(reason, tuple(checklist.hypotheses))
     return Proved(theorem, results, tuple(checklist.hypotheses))
 

@@ -8,7 +8,15 @@ from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.curve.lyapunov_family import point_name
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.piece_result import Account, Interval, PieceResult, attempt, interval_to_json
+from orbitproof.verify.curve.piece_result import (
+    Account,
+    Interval,
+    PieceResult,
+    about_pieces,
+    attempt,
+    broken_off,
+    interval_to_json,
+)
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.curve.theorem import ProvedCurve, conclude
 
@@ -26,7 +34,9 @@ __all__ = [
     "ProvedCurve",
     "ProvedInterval",
     "Stretch",
+    "about_pieces",
     "attempt",
+    "broken_off",
     "conclude",
     "curve_hypotheses",
     "divided_by_wide",

@@ -258,10 +258,13 @@ class _Proof:
         residual = [equation.value(part) for equation in equations]
         if not all_finite(residual) or not all_finite(entry for row in matrix for entry in row):
             raise IntegrationFailure("newton", "the half return was not enclosed", "give a narrower piece")
-        if not is_regular(matrix):
+        try:
+            image = newton_image(matrix, residual) if is_regular(matrix) else None
+        except ZeroDivisionError:
+            image = None
+        if image is None:
             remedy = "give a narrower tube or piece; the curve may bifurcate or turn"
             raise IntegrationFailure("newton", "the derivative across the curve may be singular", remedy)
-        image = newton_image(matrix, residual)
         if not all(is_inside(ball, TUBE / _MARGIN) for ball in image):
             far = ", ".join(f"{float(ball.abs_upper() / enclose(TUBE)):.3g}" for ball in image)
             message = f"the Newton image, {far} of the tube, is not well inside of it"

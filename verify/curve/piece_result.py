@@ -1,17 +1,26 @@
-"""What became of an interval of a piece, of a curve or of a surface (sections 15.3 and 17.2)."""
+"""What became of an interval of a piece, of a curve or of a surface (sections 15.3 and 17.2), in words about pieces."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
 from orbitproof.shared.numbers import format_exact
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, Reason, Theorem
+from orbitproof.verify.evidence import (
+    Checklist,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    Proved,
+    Reason,
+    Theorem,
+    without_result,
+)
 
 Interval = tuple[Fraction, Fraction]
 Account = dict[str, float | int | str]
@@ -26,6 +35,19 @@ class Results(Protocol):
 
 
 Known = TypeVar("Known", bound=Results, covariant=True)
+
+
+_NARROWER = "give a narrower piece or a narrower tube"
+_REMEDIES = {
+    "singularity": f"orbits of the piece come too close to a collision, or grow without bound: {_NARROWER}",
+    "collision": f"{_NARROWER}; the curve may contain a collision",
+    "crossing count": f"orbits of the piece may touch the section: {_NARROWER}, or end the curve before it",
+    "section": "the half periods differ too much along the piece: give a narrower piece",
+    "tube": f"{_NARROWER}, or more precision",
+    "steps": f"the orbits may not return, or the steps become too short: {_NARROWER}",
+    "size": _NARROWER,
+}
+"""By the condition that failed; the integrator itself speaks of the boxes of candidates."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +89,16 @@ def interval_to_json(interval: Interval) -> list[str]:
     return [format_exact(end) for end in interval]
 
 
+def broken_off(condition: str, error: ArithmeticError | ValueError) -> Reason:
+    """The reason of a check of a piece that no hypothesis accounts for, in words about the piece."""
+    return Reason(condition, f"on the whole piece {without_result(error)}", _NARROWER)
+
+
+def about_pieces(reason: Reason) -> Reason:
+    """A reason with the remedy that a piece allows."""
+    return replace(reason, remedy=_REMEDIES.get(reason.condition, reason.remedy))
+
+
 def attempt(
     piece: str,
     interval: Interval,
@@ -83,9 +115,8 @@ def attempt(
         with np.errstate(all="ignore"):
             outcome = Proved(theorem, check(checklist), tuple(checklist.hypotheses))
     except NotEstablishedError as error:
-        outcome = NotProved(error.reason, tuple(checklist.hypotheses))
+        outcome = NotProved(about_pieces(error.reason), tuple(checklist.hypotheses))
     except (ArithmeticError, ValueError) as error:
-        message = " ".join(f"the verification broke off: {type(error).__name__}: {error}".split())
-        outcome = NotProved(Reason("verification", message, "give a narrower piece"), tuple(checklist.hypotheses))
+        outcome = NotProved(broken_off("verification", error), tuple(checklist.hypotheses))
     computation["seconds"] = round(time.monotonic() - start, 3)
     return PieceResult(piece, interval, outcome, computation)

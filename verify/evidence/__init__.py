@@ -37,7 +37,7 @@ from orbitproof.verify.evidence.derivatives import (
     indices_of_degree,
     indices_up_to,
 )
-from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.verify.evidence.failure import IntegrationFailure, without_result
 from orbitproof.verify.evidence.outcome import (
     Checklist,
     Evidence,
@@ -101,4 +101,5 @@ __all__ = [
     "symmetric",
     "total",
     "up_to",
+    "without_result",
 ]

@@ -7,6 +7,15 @@ from dataclasses import replace
 from orbitproof.verify.evidence.outcome import NotEstablishedError, Reason
 
 
+def without_result(error: ArithmeticError | ValueError) -> str:
+    """What happened where arithmetic of balls ends in an exception, in words."""
+    if isinstance(error, ZeroDivisionError):
+        return "a divisor may vanish, or a matrix may be singular"
+    if isinstance(error, OverflowError):
+        return "a number leaves the range of floating-point numbers"
+    return " ".join(f"the arithmetic has no result: {error}".split())
+
+
 class IntegrationFailure(NotEstablishedError):
     """The integrator could not enclose what was asked for: the claim is not proved.
 

@@ -142,7 +142,7 @@ def _tube(
             break
     raise IntegrationFailure(
         "tube",
-        "no tube around the approximate solution holds the box over one step",
+        "no tube around the approximate solution holds all orbits over one step",
         "the box is too large for its orbit: give smaller radii",
         needs_precision=True,
     )

@@ -38,6 +38,7 @@ from orbitproof.verify.evidence import (
     is_positive,
     show,
     symmetric,
+    without_result,
 )
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph
 from orbitproof.verify.orbit.following import Distance, OrbitEnclosures
@@ -152,7 +153,12 @@ def prove_orbit(
     except NotEstablishedError as error:
         return NotProved(error.reason, tuple(checklist.hypotheses))
     except ArithmeticError as error:
-        reason = Reason("results", f"a result could not be evaluated: {error}", "more precision", needs_precision=True)
+        reason = Reason(
+            "results",
+            f"a result could not be evaluated: {without_result(error)}",
+            "more precision",
+            needs_precision=True,
+        )
         return NotProved(reason, tuple(checklist.hypotheses))
     return Proved(orbit_theorem(candidate), results, tuple(checklist.hypotheses))
 

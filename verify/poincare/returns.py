@@ -253,7 +253,7 @@ class Returns:
         if not all(stays_positive(rate, counter.wide) for counter in self.counters):
             raise IntegrationFailure(
                 "collision",
-                f"the orbits of the box are not separated from a collision at time {self._clock():.6g}",
+                f"the orbits are not shown to stay away from a collision at time {self._clock():.6g}",
                 "give smaller radii or another centre",
                 needs_precision=True,
             )

@@ -25,6 +25,8 @@ from orbitproof.verify.curve import (
     HalfReturn,
     Interval,
     PieceLimits,
+    about_pieces,
+    broken_off,
     divided_by_wide,
     parameter_series,
     tube_points,
@@ -110,10 +112,9 @@ def stability_to_json(
             system, parameters, piece, interval, limits, followed, symmetry, progress, half, crossings
         ).to_json()
     except IntegrationFailure as error:
-        return {"reason": error.reason.to_json()}
+        return {"reason": about_pieces(error.reason).to_json()}
     except (ArithmeticError, ValueError) as error:
-        message = " ".join(f"broke off: {type(error).__name__}: {error}".split())
-        return {"reason": {"condition": "stability", "message": message, "remedy": "give a narrower piece"}}
+        return {"reason": broken_off("stability", error).to_json()}
 
 
 def orbit_functions(
