@@ -30,7 +30,10 @@ def add_command(commands: Any, name: str, meaning: str, examples: str) -> argpar
 def add_system(parser: Any) -> None:
     """``--system`` and ``--parameter``."""
     parser.add_argument(
-        "--system", metavar="NAME|FILE", help=f"{', '.join(FAMILY_NAMES)}, or a file of your own, .py or .json"
+        "--system",
+        metavar="NAME|FILE",
+        help=f"{', '.join(FAMILY_NAMES)}, or a file of your own, .py or .json; "
+        "NAME:REVERSOR for a further reversing symmetry",
     )
     parser.add_argument(
         "--parameter", nargs="+", metavar="NAME=VALUE", help="the system's fixed parameters, taken exactly as written"

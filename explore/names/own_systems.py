@@ -14,9 +14,15 @@ from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
 
 
 def system_named(text: str) -> ReversibleSystem:
-    """A system by its name or by its file. Raises `InputError`."""
+    """A system by its name or by its file, with a further reversor after a colon. Raises `InputError`."""
     if text in FAMILY_NAMES:
         return SYSTEMS[text]
+    name, colon, reversor = text.rpartition(":")
+    if colon and not Path(text).exists():
+        try:
+            return system_named(name).under(reversor)
+        except ValueError as error:
+            raise InputError(f"--system {text}: {error}") from None
     if Path(text).suffix not in (".py", ".json"):
         known = ", ".join(FAMILY_NAMES)
         raise InputError(f"--system {text}: unknown; give one of {known}, or your own system's file (.py or .json)")

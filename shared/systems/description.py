@@ -18,16 +18,16 @@ from typing import Any
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.program import Program, Variable, record
-from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
+from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem, Reversor
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}", re.ASCII)
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}", re.ASCII)
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
-    "level_coordinate",
+    "level_coordinate", "reversors", "reversor",
 )  # fmt: skip
 KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
-"""What a description has; the last eight may be missing."""
+"""What a description has; the last ten may be missing."""
 
 _INTERNED: dict[str, ReversibleSystem] = {}
 
@@ -43,6 +43,12 @@ def describe(system: ReversibleSystem) -> str | dict[str, Any]:
     """
     if BRANCH_SYSTEMS.get(system.name) is system:
         return system.name
+    if system.original is not None:
+        original = describe(system.original)
+        chosen: dict[str, Any] = {**(original if isinstance(original, dict) else {"name": original})}
+        chosen["reversor"] = system.reversor
+        _INTERNED.setdefault(_text(chosen), system)
+        return chosen
     if system.derived_parameters or system.normalised:
         raise DescriptionError("derived_parameters: are not part of a description; give such parameters")
     entry: dict[str, Any] = {
@@ -64,6 +70,7 @@ def describe(system: ReversibleSystem) -> str | dict[str, Any]:
         "first_integral": None if integral is None else integral.text(),
         "first_integral_name": system.first_integral_name,
         "level_coordinate": system.level_coordinate,
+        "reversors": {name: list(each.signs) for name, each in system.reversors.items()} or None,
     }
     entry |= {key: value for key, value in optional.items() if value is not None}
     _INTERNED.setdefault(_text(entry), system)
@@ -120,7 +127,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
     functions = _Functions(state, tuple(ranges), entry.get("where", {}))
     integral = entry.get("first_integral")
     try:
-        return ReversibleSystem(
+        system = ReversibleSystem(
             name=name,
             title=entry.get("title") or name,
             state=state,
@@ -136,7 +143,13 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             first_integral=None if integral is None else functions.function("first_integral", integral, None),
             first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
             level_coordinate=entry.get("level_coordinate"),
+            reversors={
+                _name("reversors", key): Reversor(_signs(f"reversors.{key}", signs, state), f"{key}")
+                for key, signs in _mapping("reversors", entry.get("reversors", {})).items()
+            },
         )
+        chosen = entry.get("reversor")
+        return system if chosen is None else system.under(chosen)
     except DescriptionError:
         raise
     except (TypeError, ValueError) as error:

@@ -33,11 +33,12 @@ def _faults(system: ReversibleSystem, points: Sequence[tuple[Numbers, Numbers]])
     integral = system.first_integral_program
     for label, signs, orientation in (
         ("R", system.reversing_symmetry, -1),
+        *((f"reversors.{name}", reversor.signs, -1) for name, reversor in system.reversors.items()),
         *((name, signs, 1) for name, signs in system.symmetries.items()),
     ):
         wanted = tuple(orientation * sign for sign in signs)
-        rule = "f(R x) = -R f(x)" if label == "R" else f"f({label} x) = {label} f(x)"
-        what = "is not reversible under R" if label == "R" else f"does not commute with {label}"
+        rule = f"f({label} x) = -{label} f(x)" if orientation < 0 else f"f({label} x) = {label} f(x)"
+        what = f"is not reversible under {label}" if orientation < 0 else f"does not commute with {label}"
         for x, parameters in points:
             image = [sign * value for sign, value in zip(signs, x, strict=True)]
             here, there = (_values(system.program, [*state, *parameters]) for state in (x, image))
@@ -73,7 +74,8 @@ def _points(system: ReversibleSystem) -> Iterator[tuple[Numbers, Numbers]]:
     """Points at which the field, its images and the first integral can be evaluated."""
     source = random.Random(1)
     programs = [program for program in (system.program, system.first_integral_program) if program is not None]
-    images = (system.reversing_symmetry, *system.symmetries.values())
+    further = [reversor.signs for reversor in system.reversors.values()]
+    images = (system.reversing_symmetry, *further, *system.symmetries.values())
     found = 0
     for attempt in range(_TRIES):
         size = 2.0 if attempt % 2 else 0.5

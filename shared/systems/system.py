@@ -53,6 +53,14 @@ class DerivedParameter:
 
 
 @dataclass(frozen=True)
+class Reversor:
+    """A further reversing symmetry of a system: its signs, and what people call it."""
+
+    signs: tuple[int, ...]
+    title: str
+
+
+@dataclass(frozen=True)
 class ReversibleSystem:
     """x' = vector_field(x, parameters), reversible under the involution R = diag(reversing_symmetry).
 
@@ -75,6 +83,8 @@ class ReversibleSystem:
         normalised: initial values of state coordinates that R fixes and that are no coordinates of a centre, because
             the state is measured in such units.
         derived_parameters: parameters that nobody gives, by name.
+        reversors: further reversing symmetries by name; claims use R unless they say which other one (`under`).
+        original, reversor: of a system in which one of these stands for R: the one that names it, and its name there.
         squared_distance: the square of the distance from a body, plain arithmetic like the vector field, invariant
             under R; returns one value. `None` if orbits have no such distance.
         distance_name: from what, as people say it.
@@ -94,6 +104,9 @@ class ReversibleSystem:
     level_coordinate: str | None = None
     normalised: Mapping[str, Fraction] = field(default_factory=dict)
     derived_parameters: Mapping[str, DerivedParameter] = field(default_factory=dict)
+    reversors: Mapping[str, Reversor] = field(default_factory=dict)
+    original: ReversibleSystem | None = None
+    reversor: str | None = None
     squared_distance: VectorField | None = None
     distance_name: str | None = None
 
@@ -120,6 +133,11 @@ class ReversibleSystem:
         for name in self.derived_parameters:
             if name not in self.parameters or name == self.family_parameter:
                 raise ValueError(f"{self.name}: the derived {name!r} is no fixed parameter")
+        for name in self.reversors:
+            try:
+                self.under(name)
+            except ValueError as error:
+                raise ValueError(f"{self.name}: reversors.{name}: {str(error).partition(': ')[2]}") from None
         dimension = len(self.kernel_coordinates)
         if len(self.fixed_coordinates) != dimension + (self.family_parameter is None):
             rule = "a first integral, as many" if self.family_parameter is None else "a family parameter, one less"
@@ -127,6 +145,28 @@ class ReversibleSystem:
                 f"{self.name}: Fix(R) has the wrong dimension: R fixes {len(self.fixed_coordinates)} coordinates and "
                 f"negates {dimension + 1}; with {rule} have to be fixed as negated"
             )
+
+    def under(self, name: str) -> ReversibleSystem:
+        """The same system with one of its further reversors for R. Raises `ValueError` for a name of none."""
+        if name not in self.reversors:
+            known = ", ".join(self.reversors) or "none"
+            raise ValueError(f"{self.name}: no further reversing symmetry {name!r}; known: {known}")
+        return self._settings[name]
+
+    @cached_property
+    def _settings(self) -> Mapping[str, ReversibleSystem]:
+        return {
+            name: replace(
+                self,
+                name=f"{self.name}-{name}",
+                title=f"{self.title}, reversible under {reversor.title}",
+                reversing_symmetry=reversor.signs,
+                reversors={},
+                original=self,
+                reversor=name,
+            )
+            for name, reversor in self.reversors.items()
+        }
 
     @cached_property
     def section_index(self) -> int:
@@ -243,17 +283,13 @@ CR3BP = ReversibleSystem(
     level_coordinate="vy",
     squared_distance=_from_smaller_primary,
     distance_name="the smaller primary",
+    reversors={"axial": Reversor((1, -1, -1, -1, 1, 1), "the half turn about the x axis")},
 )
 
-CR3BP_AXIAL = replace(
-    CR3BP,
-    name="cr3bp-axial",
-    title="circular restricted three-body problem, reversible under the half turn about the x axis",
-    reversing_symmetry=(1, -1, -1, -1, 1, 1),
-)
+CR3BP_AXIAL = CR3BP.under("axial")
 
 THREE_BODY = (CR3BP, CR3BP_AXIAL)
-"""The same equations with the two reversing symmetries that they have, R and R S."""
+"""The same equations with their two reversing symmetries: R, and R S, the half turn about the x axis."""
 
 HILL = ReversibleSystem(
     name="cr3bp-hill",

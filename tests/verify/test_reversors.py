@@ -1,0 +1,161 @@
+"""Systems with two reversing symmetries: a claim uses one of them, and the axial orbits are born where S breaks."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction as F
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support.claims import known
+
+from orbitproof.explore.names import system_named
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, load_system, read_candidates
+from orbitproof.shared.systems import CR3BP, SYSTEMS, ReversibleSystem, describe, described
+from orbitproof.verify.certificate.certificate import Certificate, digest
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
+from orbitproof.verify.certificate.rechecking import recheck
+
+BIRTHS = {
+    "earth-moon-L1-axial-k1-1": "3.02139212923076323216679724384125",
+    "earth-moon-L2-axial-k1-1": "3.01376751514413786420556360224670",
+    "sun-jupiter-L1-axial-k1-1": "3.00840226465034401746886395246522",
+    "sun-jupiter-L2-axial-k1-1": "3.00781743092469500173323669963470",
+}
+"""First digits of the Jacobi constant."""
+
+TWO = {
+    "format": "orbitproof-system",
+    "version": 1,
+    "name": "two-oscillators",
+    "state": ["x", "y", "vx", "vy"],
+    "field": {"x": "vx", "y": "vy", "vx": "-x - 2*x*y**2", "vy": "-2*y - 2*x**2*y"},
+    "R": {"x": -1, "vy": -1},
+    "reversors": {"other": {"x": -1, "y": -1}},
+    "symmetries": {"S": {"y": -1, "vy": -1}},
+    "section": "x",
+    "first_integral": "(vx**2 + vy**2 + x**2)/2 + y**2 + x**2*y**2",
+}
+
+
+@cache
+def births() -> dict[str, Candidate]:
+    return {item.id: item for item in read_candidates(Path(__file__).parents[1] / "data" / "axial-births.json")}
+
+
+@cache
+def certified(name: str) -> Certificate:
+    return certify(births()[name], Limits(max_precision=512))
+
+
+@pytest.mark.parametrize("name", BIRTHS)
+def test_the_axial_family_is_born_on_the_planar_one(name: str) -> None:
+    certificate = certified(name)
+    assert certificate.proved, certificate.reason
+    assert certificate.side == "below"
+    assert certificate.parameter is not None
+    with ctx.workprec(200):
+        assert certificate.parameter.overlaps(arb(BIRTHS[name]) + arb(0, "1e-32"))
+    assert certificate.point["vz"].contains(0)
+    assert "reversible under the half turn about the x axis" in str(certificate.theorem)
+    assert "(x, -y, -z, -vx, vy, vz) reverses the flow" in certificate.statement["in_full"]
+
+
+def test_where_one_family_is_born_the_other_is_not() -> None:
+    limits = Limits(max_precision=256, level="coordinates")
+    for there, kernel_frame in (
+        (births()["earth-moon-L1-axial-k1-1"], ((0, 1), (1, 0))),
+        (known("em1"), ((1, 0), (0, 1))),
+    ):
+        # The same planar orbit and box: one of z and vz is a coordinate of Fix(R), the other one of q.
+        x, *rest = zip(there.centre, there.frame, strict=True)
+        system = CR3BP if there.system is not CR3BP else CR3BP.under("axial")
+        centre, frame = zip(x, *reversed(rest), strict=True)
+        rows = tuple(tuple(F(value) for value in row) for row in kernel_frame)
+        certificate = certify(replace(there, system=system, centre=centre, frame=frame, kernel_frame=rows), limits)
+        assert certificate.reason is not None
+        assert certificate.reason.condition == "HC3"
+
+
+def _first(entry: dict[str, Any]) -> None:
+    entry["statement"]["candidate"]["system"] = "cr3bp"
+
+
+def _signs(entry: dict[str, Any]) -> None:
+    entry["statement"]["reversing_symmetry"] = list(CR3BP.reversing_symmetry)
+
+
+def _both(entry: dict[str, Any]) -> None:
+    _first(entry)
+    _signs(entry)
+
+
+@pytest.mark.parametrize("forge", [_first, _signs, _both])
+def test_a_forged_choice_is_found(forge: Callable[[dict[str, Any]], None]) -> None:
+    entry = certified("sun-jupiter-L2-axial-k1-1").to_json()
+    assert recheck(Certificate.from_json(entry)).stands
+    forge(entry)
+    entry["digest"] = digest(entry)
+    assert not recheck(Certificate.from_json(entry)).stands
+
+
+def written(path: Path, **changes: Any) -> Path:
+    path.write_text(json.dumps({**TWO, **changes}))
+    return path
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> ReversibleSystem:
+    return load_system(written(tmp_path / "two.json"))
+
+
+def test_a_system_of_ones_own_names_its_reversors_and_a_claim_says_which(two: ReversibleSystem) -> None:
+    other = two.under("other")
+    assert two.centre_coordinates == ("y", "vx")
+    assert other.centre_coordinates == ("vx", "vy")
+    for system in (two, other):
+        assert described(json.loads(json.dumps(describe(system)))) == system
+        assert pickle.loads(pickle.dumps(system)) is described(describe(system))
+    entry = describe(other)
+    assert isinstance(entry, dict)
+    assert entry["reversor"] == "other"
+    claim = {
+        "id": "a", "system": entry, "parameters": {}, "kind": "period_tupling", "k": 2, "centre": ["1", "0"],
+        "frame": [["1", "0"], ["0", "1"]], "kernel_frame": [["1"]], "radii": ["0x1p-9", "0x1p-9"],
+    }  # fmt: skip
+    candidate = candidate_from_json(claim, "claim")
+    assert candidate.system.reversing_symmetry == (-1, -1, 1, 1)
+    assert candidate.to_json()["system"] == entry
+
+
+def test_the_command_line_takes_a_reversor_by_name(tmp_path: Path) -> None:
+    path = written(tmp_path / "two.json")
+    assert system_named(f"{path}:other").reversing_symmetry == (-1, -1, 1, 1)
+    assert system_named("cr3bp:axial") is SYSTEMS["cr3bp-axial"] is CR3BP.under("axial")
+    for text in (f"{path}:third", "cr3bp:third", "falkner-skan:axial"):
+        with pytest.raises(InputError, match="no further reversing symmetry"):
+            system_named(text)
+
+
+@pytest.mark.parametrize(
+    "signs, words",
+    [
+        ({"x": -1, "vx": -1}, ("reversors.other", "not reversible")),
+        ({"x": -1}, ("reversors.other", "wrong dimension")),
+        ({"y": -1, "vx": -1}, ("reversors.other", "must negate the section")),
+        ({"u": -1}, ("reversors.other.u",)),
+    ],
+)
+def test_a_wrong_reversor_is_named_in_one_line(signs: dict[str, int], words: tuple[str, ...], tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        load_system(written(tmp_path / "two.json", reversors={"other": signs}))
+    assert "\n" not in str(error.value)
+    for word in words:
+        assert word in str(error.value)
