@@ -4,8 +4,8 @@
   planar family breaks first; ``L1-halo-2``, ``L1-halo-3``, .. branch off where it does so the next times. The same for
   L2 and L3. ``L2-butterfly`` branches off, with twice the period, at the last 1:2 resonance of the L2 halo family.
   ``dro``, the distant retrograde orbits, are planar orbits around the smaller primary, from small circles outwards.
-- cr3bp-axial, the CR3BP under its second reversor, the half turn about the x axis: ``L1-axial`` branches off where S breaks first on
-  the planar family among orbits with that symmetry. The same for L2 and L3.
+- cr3bp-axial, the CR3BP under its second reversor, the half turn about the x axis: ``L1-axial`` branches off where S
+  breaks first on the planar family among orbits with that symmetry. The same for L2 and L3.
 - falkner-skan: ``odd``, the symmetric periodic orbits in the parameter beta.
 
 The first point of an orbit on Fix(R) is the crossing from which the paper draws the family: for L1
