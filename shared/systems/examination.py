@@ -60,6 +60,22 @@ def _faults(system: ReversibleSystem, points: Sequence[tuple[Numbers, Numbers]])
                     f"first_integral: it is not conserved: its rate of change is {sum(parts):.6g} at "
                     f"{_place(system, x)}; correct it or the field"
                 )
+    if integral is not None and system.level_coordinate is not None:
+        index = system.state.index(system.level_coordinate)
+        factors = [factor for x, parameters in points for factor in _square_factors(integral, x, parameters, index)]
+        if not all(_agree(factor, factors[0]) for factor in factors):
+            form = f"A + b {system.level_coordinate}^2"
+            yield f"level_coordinate: the first integral is not {form} with b constant; choose another or leave it out"
+
+
+def _square_factors(integral: Program, x: Numbers, parameters: Numbers, index: int) -> Iterator[float]:
+    """b at some points, if the integral is A + b w^2 with a constant b in the coordinate w of that index."""
+    places = ([*x[:index], w, *x[index + 1 :], *parameters] for w in (0.0, 1.0, -1.0, 0.5))
+    try:
+        base, one, other, half = (_values(integral, place)[0] for place in places)
+    except (ArithmeticError, ValueError):
+        return
+    yield from (one - base, other - base, 4 * (half - base))
 
 
 def _agree(value: float, other: float) -> bool:

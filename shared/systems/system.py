@@ -116,17 +116,22 @@ class ReversibleSystem:
             if len(signs) != m or any(sign not in (1, -1) for sign in signs):
                 raise ValueError(f"{self.name}: {label} needs {m} signs, each 1 or -1")
         if self.section not in self.state:
-            raise ValueError(f"{self.name}: section {self.section!r} is not a state coordinate")
+            raise ValueError(
+                f"{self.name}: section: {self.section!r} is no state coordinate; there are {', '.join(self.state)}"
+            )
         if self.reversing_symmetry[self.section_index] != -1:
-            raise ValueError(f"{self.name}: R must negate the section coordinate")
+            negated = ", ".join(self.state[i] for i in range(m) if self.reversing_symmetry[i] == -1)
+            raise ValueError(f"{self.name}: section: R must negate the section coordinate; it negates {negated}")
         if (self.family_parameter is None) == (self.first_integral is None):
-            raise ValueError(f"{self.name}: give a family parameter or a first integral, not both")
+            given = "neither" if self.first_integral is None else "more than one"
+            raise ValueError(f"{self.name}: give one of family_parameter and first_integral; {given} is there")
         if self.family_parameter is not None and self.family_parameter not in self.parameters:
-            raise ValueError(f"{self.name}: unknown family parameter {self.family_parameter!r}")
+            known = ", ".join(self.parameters) or "none"
+            raise ValueError(f"{self.name}: unknown family parameter {self.family_parameter!r}; parameters: {known}")
         if self.level_coordinate is not None and (
             self.first_integral is None or self.level_coordinate not in [self.state[i] for i in self.fixed_coordinates]
         ):
-            raise ValueError(f"{self.name}: a level coordinate needs a first integral and is fixed by R")
+            raise ValueError(f"{self.name}: level_coordinate: needs a first integral and a coordinate that R fixes")
         for name in self.normalised:
             if name not in self.state or self.reversing_symmetry[self.state.index(name)] != 1:
                 raise ValueError(f"{self.name}: the normalised {name!r} is no state coordinate that R fixes")
@@ -140,10 +145,14 @@ class ReversibleSystem:
                 raise ValueError(f"{self.name}: reversors.{name}: {str(error).partition(': ')[2]}") from None
         dimension = len(self.kernel_coordinates)
         if len(self.fixed_coordinates) != dimension + (self.family_parameter is None):
-            rule = "a first integral, as many" if self.family_parameter is None else "a family parameter, one less"
+            rule = (
+                "first integral it fixes as many as"
+                if self.family_parameter is None
+                else "family parameter it fixes one less than"
+            )
             raise ValueError(
                 f"{self.name}: Fix(R) has the wrong dimension: R fixes {len(self.fixed_coordinates)} coordinates and "
-                f"negates {dimension + 1}; with {rule} have to be fixed as negated"
+                f"negates {dimension + 1}; with a {rule} it negates"
             )
 
     def under(self, name: str) -> ReversibleSystem:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,6 +40,13 @@ def test_all_is_proved_and_the_points_are_the_known_ones(folder: Path) -> None:
     values = {entry.k: float(entry.parameter.mid()) for entry in found.values() if entry.parameter is not None}
     assert all(entry.proved for entry in found.values())
     assert values == pytest.approx({4: 0.22544048261393621, 3: 0.27634323081200158}, abs=1e-15)
+
+
+def test_a_process_that_never_saw_the_file_checks_the_certificates(folder: Path) -> None:
+    for words in (["--recheck"], ["--recheck", "--integrate"]):
+        command = [sys.executable, "-m", "orbitproof", "verify", *words, "certificates.json"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("integrate", [False, True])
@@ -141,6 +150,39 @@ def test_the_families_of_an_equilibrium_are_found_by_their_frequencies(tmp_path:
     known = explore.trace(shared.CR3BP, "L1-lyapunov", mu=shared.EARTH_MOON, max_orbits=2, quiet=True)
     assert planar.orbits[0].half_period == pytest.approx(known[0].period / 2, rel=1e-5)
     assert vertical.orbits[0].crossings == 2
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "line"),
+    [
+        ("- x**2/2", "- x/2", "field.z: is not reversible under R"),
+        ("- x**2/2", "- abs(x)", "field.z: 'abs(x)' is not allowed"),
+        ("- x**2/2", "- q**2/2", "field.z: the name 'q'"),
+        ('"y": 1,', '"y": -1,', "Fix(R) has the wrong dimension"),
+        ('section = "x"', 'section = "y"', "section: R must negate the section coordinate"),
+        ('section = "x"', "section = ", "cannot be run: SyntaxError"),
+        ('family_parameter = "c"', 'family_parameter = "d"', "unknown family parameter 'd'"),
+        ('family_parameter = "c"', "", "give one of family_parameter and first_integral"),
+        ("title =", 'symmetries = {"S": {"y": -1}}\ntitle =', "field.x: does not commute with S"),
+        ('family_parameter = "c"', 'first_integral = "y"', "Fix(R) has the wrong dimension"),
+    ],
+)
+def test_an_error_in_a_clause_of_the_file_is_one_line_of_every_command(
+    right: str, wrong: str, line: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (EXAMPLES / "michelson.py").read_text("utf-8")
+    assert right in text
+    file = tmp_path / "michelson.py"
+    file.write_text(text.replace(right, wrong), "utf-8")
+    output = ["-o", str(tmp_path / "never.json")]
+    start = ["--system", str(file), "--start", "c=0.1", "y=0.2"]
+    for words in (["orbit", *start], ["family", *start, *output], ["candidates", *start, *output]):
+        assert explore_main(words) == 2
+        error = capsys.readouterr().err
+        assert "michelson.py" in error
+        assert line in error
+        assert error.count("\n") == 1
+    assert not (tmp_path / "never.json").exists()
 
 
 @pytest.mark.parametrize(
