@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import Candidate, InputError, check_writable, read_candidates
+from orbitproof.shared.formats import ORBIT, Candidate, InputError, check_writable, read_candidates
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
@@ -27,7 +27,7 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.engines import ArgumentParser, Display, engine_of, whole
 
 _DESCRIPTION = """\
-Prove bifurcations of symmetric periodic orbits: rigorous verification of candidate boxes.
+Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous verification of candidate boxes.
 
 commands:
   orbitproof verify FILE ..         certificates of bifurcations, from candidates (this page)
@@ -44,6 +44,8 @@ examples:
       the same on two cores, certificates in a file; if interrupted, the same command goes on
   orbitproof verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
       one row again, with more bits
+  orbitproof verify candidates.json -o certificates.json --curve curve.json
+      and for each orbit say where it lies on a curve that orbitproof verify atlas has proved
   orbitproof verify candidates.json -o certificates.json --scheduler tcp://192.0.2.1:8786
       hand the candidates to a cluster (dask.distributed)
   orbitproof verify --recheck certificates.json
@@ -71,6 +73,8 @@ def _parser() -> ArgumentParser:
         "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)"
     )
     parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
+    words = "certificate of a curve (orbitproof verify atlas): where on it the orbits of the candidates lie"
+    parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
     parser.run_options("candidates", "--row-timeout", "a candidate")
     return parser
 
@@ -97,6 +101,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     if options.integrate:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    curve = None
+    if options.curve is not None:
+        # Only now: curves take a moment to load.
+        from orbitproof.verify.atlas import places_on, read_atlas_certificate
+
+        curve = read_atlas_certificate(options.curve)
     everything = read_candidates(options.file)
     selected = _select(everything, options.only, options.file)
     earlier: dict[str, Certificate] = {}
@@ -137,6 +147,9 @@ def _run(options: argparse.Namespace) -> int:
         unsaved = error
     done = {name: certificate for name, certificate in certificates.items() if name in fresh | kept}
     print(verdict_table(selected, done, kept), flush=True)
+    if curve is not None:
+        for line in places_on(curve, [done[c.id] for c in selected if c.kind == ORBIT and c.id in done]):
+            print(line, flush=True)
     if unsaved is not None:
         raise unsaved
     if interrupted:
@@ -150,6 +163,8 @@ def _recheck(options: argparse.Namespace) -> int:
     for name in ("output", "fresh"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
+    if options.curve is not None:
+        raise InputError("--curve: places on a curve are found when candidates are verified; leave it out")
     if options.scheduler is not None:
         raise InputError("--scheduler: certificates are checked again on this machine; give --jobs instead")
     stored = read_certificates(options.file)

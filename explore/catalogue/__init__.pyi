@@ -1,3 +1,5 @@
+from .comparison import ROW as ROW
+from .comparison import compare_certificates as compare_certificates
 from .file import Catalogue as Catalogue
 from .file import read_catalogue as read_catalogue
 from .file import write_catalogue_csv as write_catalogue_csv

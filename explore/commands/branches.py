@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.shared.formats import (
+    ORBIT,
     Candidate,
     InputError,
     candidate_from_json,
@@ -115,7 +116,7 @@ def run(options: argparse.Namespace) -> int:
 def read_claims(path: Path) -> list[Claim]:
     """The points of a candidates or a certificates file. Raises `InputError`."""
     if _format(path) != "orbitproof-certificates":
-        return [Claim(candidate) for candidate in read_candidates(path)]
+        return [Claim(candidate) for candidate in read_candidates(path) if candidate.kind != ORBIT]
     claims: dict[str, Claim] = {}
     for index, entry in enumerate(read_document(path, "certificates")["certificates"]):
         where = f"{path}: field certificates[{index}]"
@@ -125,6 +126,8 @@ def read_claims(path: Path) -> list[Claim]:
         candidate = candidate_from_json(stated, f"{where}.statement.candidate")
         if candidate.id in claims:
             raise InputError(f"{where}.id: {candidate.id!r} appears twice; keep one certificate for each candidate")
+        if candidate.kind == ORBIT:
+            continue
         results = entry["results"]
         claims[candidate.id] = Claim(candidate, entry["verdict"], results["side"] if results else None)
     return list(claims.values())

@@ -1,56 +1,133 @@
-"""``orbitproof explore orbit``: from an approximate symmetric orbit to a corrected one."""
+"""``orbitproof explore orbit``: one symmetric orbit, corrected; or to many digits, as a claim for the verifier."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import system_named
-from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.explore.names import (
+    exact_number,
+    given_parameters,
+    is_family_name,
+    label_of,
+    mirrored_name,
+    system_named,
+)
+from orbitproof.shared.formats import (
+    COORDINATE,
+    HALF_PERIOD,
+    LEVEL,
+    Candidate,
+    Equation,
+    InputError,
+    check_writable,
+    read_candidates,
+    write_candidates,
+)
+from orbitproof.shared.systems import ReversibleSystem
 
 if TYPE_CHECKING:
-    from orbitproof.explore.families import TracedFamily
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.families import Family, TracedFamily
+    from orbitproof.explore.refinement import OrbitTask
 
 _EXAMPLES = """\
 examples:
   orbitproof explore orbit --system mine.py --start c=0.1 y=0.2
   orbitproof explore orbit --system cr3bp --mass earth-moon --start x=0.8234 z=0 vy=0.126 -o orbit.json
   orbitproof explore family --from-family orbit.json --parameter-max x 0.83 -o family.json
+  orbitproof explore orbit --family L2-halo --mass earth-moon --mirror --period 1.5 -o candidate.json
+  orbitproof explore orbit --family L2-halo --mass 0.01215 --period '29.530588*86400/375200*2/9' -o candidate.json
+  orbitproof explore orbit --from-catalogue halo.json --every 10 -o candidates.json
+  orbitproof explore orbit --from-catalogue halo.json --certificates certificates.json
+  orbitproof verify candidate.json -o certificate.json
 
-The family of the orbit is traced, both ways, from the file that -o writes, or by explore family with the same options.
-Exit codes: 0 corrected, 1 not, 2 bad input.
+With --start alone the orbit is corrected in float64; its family is traced, both ways, from the file that -o writes, or
+by explore family with the same options. With --period, --level or --at, or with a catalogue, orbits are refined to many
+digits, and -o is a candidates file: orbitproof verify proves that they exist. An interrupted run goes on with the same
+command. Exit codes: 0 corrected, 1 not, 2 bad input.
 """
 
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
-    parser = common.add_command(commands, "orbit", "correct an approximate symmetric orbit of any system", _EXAMPLES)
+    meaning = "one symmetric orbit: corrected, or to many digits for the verifier"
+    parser = common.add_command(commands, "orbit", meaning, _EXAMPLES)
     common.add_start(parser)
     parser.add_argument("--mass", nargs=1, metavar="MU", help="mass parameter of the CR3BP: a name or a number")
-    parser.add_argument("--family", nargs=1, metavar="NAME", help="what to call its family (default: family)")
-    common.add_output(parser, "family file of this orbit", required=False)
-    parser.set_defaults(run=run, mirror=False, vy_max=None)
+    parser.add_argument(
+        "--family", nargs=1, metavar="NAME", help="the family to take it from; with --start what to call its family"
+    )
+    parser.add_argument("--mirror", action="store_true", help="halo families: the mirror image")
+    parser.add_argument("--from-family", type=Path, metavar="FILE", help="take it from a family in a family file")
+    parser.add_argument("--from-catalogue", type=Path, metavar="FILE", help="orbits near rows of a catalogue file")
+    parser.add_argument(
+        "--catalogue-orbit", type=common.index, nargs="+", metavar="N", help="these rows, counted from 1 (default: all)"
+    )
+    parser.add_argument("--every", type=common.index, metavar="N", help="every N-th row: 1, 1 + N, 1 + 2 N, ..")
+    parser.add_argument(
+        "--certificates",
+        type=Path,
+        metavar="FILE",
+        help="with --from-catalogue: compare certified orbits with their rows, find none",
+    )
+    wanted = parser.add_argument_group(
+        "what singles out the orbit, exactly as written: a number or arithmetic with some"
+    )
+    wanted.add_argument("--period", metavar="P", help="its period")
+    wanted.add_argument("--level", metavar="H", help="its value of the first integral")
+    wanted.add_argument(
+        "--at", metavar="NAME=VALUE", help="a coordinate of its point on Fix(R), or the family parameter"
+    )
+    parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
+    parser.add_argument("--id", metavar="NAME", help="of the candidate (default: mass and family)")
+    common.add_output(parser, "family file of this orbit, or candidates file", required=False)
+    common.add_jobs(parser, ": orbits refined at the same time")
+    common.add_quiet(parser)
+    parser.set_defaults(run=run, vy_max=None)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Correct, print and write; returns the exit code. Raises `InputError`."""
-    for option in ("system", "start"):
-        if getattr(options, option) is None:
-            raise InputError(f"--{option}: missing; give one")
+    """Correct or refine, print and write; returns the exit code. Raises `InputError`."""
     if options.output is not None:
         check_writable(options.output)
+    if options.from_catalogue is not None:
+        return _catalogue(options)
+    for option in ("certificates", "catalogue_orbit", "every"):
+        if getattr(options, option) is not None:
+            raise InputError(f"--{option.replace('_', '-')}: belongs to --from-catalogue; give that too")
+    if options.from_family is not None:
+        return _of_families(options, None)
+    if options.system is None and options.mass is not None:
+        options.system = "cr3bp"
+    if options.system is None:
+        raise InputError("--system: missing; give one")
     system = system_named(options.system)
+    if options.start is None and options.family is not None and is_family_name(system.name, options.family[0]):
+        return _of_families(options, system)
+    if options.start is None:
+        raise InputError("--start: missing; give one, or the --family that the orbit is of")
+    return _started(options, system)
+
+
+def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
+    """An approximate orbit: corrected, and refined if an equation is given."""
+    equation = _equation(options, system, wanted=False)
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import CONTROL, FamilyFailure, TracedFamily, family_record, first_family
     from orbitproof.explore.records import write_families
+    from orbitproof.explore.refinement import OrbitTask
     from orbitproof.explore.search import started
 
     found: list[TracedFamily] = []
     requests = started(options, system)
-    with Reporter(quiet=False) as report:
+    with Reporter(options.quiet) as report:
         for request in requests:
             assert request.first is not None
             try:
@@ -59,12 +136,172 @@ def run(options: argparse.Namespace) -> int:
                 report.error(f"{request.name}: {error}")
                 continue
             found.append(TracedFamily(request.name, request.label, family))
+        if equation is not None:
+            tasks = [
+                OrbitTask(
+                    options.id or item.title.replace(" ", "-"), system, item.family.problem.parameters, equation,
+                    tuple(map(float, item.family.orbits[0].centre("first"))), options.digits, {},
+                )
+                for item in found
+            ]  # fmt: skip
+            return _refined(options, tasks, report) if len(found) == len(requests) else 1
         if options.output is not None and found:
             write_families(options.output, [family_record(item) for item in found])
             report.message(f"written to {options.output}")
     for item in found:
         print("\n".join(_lines(item)))
     return 0 if len(found) == len(requests) else 1
+
+
+def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -> int:
+    """Orbits of a family by name, or of one in a file, that satisfy an equation."""
+    if options.output is None:
+        raise InputError("--output: missing; give the candidates file to write")
+
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.families import FamilyFailure
+    from orbitproof.explore.search import tasks_of_family
+
+    try:
+        with Reporter(options.quiet) as report:
+            title, family = _family(options, system, report)
+            equation = _equation(options, family.problem.system)
+            assert equation is not None
+            tasks = tasks_of_family(family, equation, options.id or title, options.digits)
+            if not tasks:
+                report.error(f"{title}: no orbit with {_shown(equation)} on the part traced; it ends: {family.reason}")
+                return 1
+            return _refined(options, tasks, report)
+    except FamilyFailure as error:
+        print(f"{options.family[0]}: {error}")
+        return 1
+
+
+def _family(options: argparse.Namespace, system: ReversibleSystem | None, report: Reporter) -> tuple[str, Family]:
+    """The family that is meant, traced or read, and what it is called. Raises `FamilyFailure`, `InputError`."""
+    from orbitproof.explore.families import Limits, family_of, trace_family
+    from orbitproof.explore.records import read_families
+
+    if system is None:
+        records = read_families(options.from_family)
+        named = [record for record in records if options.family is None or record.name == options.family[0]]
+        if len(named) != 1:
+            names = ", ".join(record.name for record in records)
+            raise InputError(f"--family: {options.from_family} holds {names}; give the name of one")
+        return named[0].name, family_of(named[0])
+    parameters = given_parameters(system, None if options.mass is None else options.mass[0], options.parameter)
+    _equation(options, system)
+    name = mirrored_name(options.family[0]) if options.mirror else options.family[0]
+    label = label_of(system, None if options.mass is None else options.mass[0], options.parameter)
+    report.stage(f"tracing {label} {name}")
+    family = trace_family(
+        system, options.family[0], parameters, Limits(), mirrored=options.mirror, progress=report.update
+    )
+    return f"{label}-{name}", family
+
+
+def _catalogue(options: argparse.Namespace) -> int:
+    """Orbits near rows of a catalogue: refined, or compared with their certificates."""
+    from orbitproof.explore.catalogue import compare_certificates, read_catalogue
+
+    for option in ("system", "mass", "family", "start", "from_family", "half_period"):
+        if getattr(options, option) is not None:
+            raise InputError(f"--{option.replace('_', '-')}: --from-catalogue says which orbits; leave it out")
+    catalogue = read_catalogue(options.from_catalogue)
+    if options.certificates is not None:
+        lines, complete = compare_certificates(catalogue, options.certificates)
+        print("\n".join(lines))
+        return 0 if complete else 1
+    if options.output is None:
+        raise InputError("--output: missing; give the candidates file to write")
+    if options.every is not None and options.catalogue_orbit is not None:
+        raise InputError("--every: --catalogue-orbit says which rows; leave out one of the two")
+    rows: Sequence[int] = options.catalogue_orbit or range(1, len(catalogue) + 1, options.every or 1)
+    if max(rows) > len(catalogue):
+        raise InputError(f"--catalogue-orbit {max(rows)}: there are {len(catalogue)} rows; give a smaller number")
+
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.search import tasks_of_catalogue
+    from orbitproof.shared.systems import CR3BP
+
+    equation = _equation(options, CR3BP, wanted=False)
+    with Reporter(options.quiet) as report:
+        tasks, failures = tasks_of_catalogue(catalogue, rows, equation, options.digits)
+        for line in failures:
+            report.error(line)
+        return max(_refined(options, tasks, report), 1 if failures else 0)
+
+
+def _equation(options: argparse.Namespace, system: ReversibleSystem, wanted: bool = True) -> Equation | None:
+    """What the options single out the orbit by. Raises `InputError`."""
+    given = [option for option in ("period", "level", "at") if getattr(options, option) is not None]
+    if len(given) > 1 or (wanted and not given):
+        raise InputError("--period, --level or --at: give one of them, to single out an orbit")
+    if not given:
+        return None
+    text: str = getattr(options, given[0])
+    if given[0] == "at":
+        name, _, text = text.partition("=")
+        if name not in system.centre_coordinates:
+            known = ", ".join(system.centre_coordinates)
+            raise InputError(f"--at {name}: no coordinate of {system.name} on Fix(R); give {known}")
+        return Equation(COORDINATE, exact_number(f"--at {name}", text), name)
+    value = exact_number(f"--{given[0]}", text)
+    if given[0] == "level":
+        if system.first_integral is None:
+            raise InputError(f"--level: {system.name} has no first integral; give --period or --at")
+        return Equation(LEVEL, value)
+    if not value > 0:
+        raise InputError(f"--period {text}: not positive; give a positive number")
+    return Equation(HALF_PERIOD, value / 2)
+
+
+def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Reporter) -> int:
+    """Refine what the output file does not hold yet; every orbit is written as soon as it is refined."""
+    from orbitproof.explore.refinement import refine_orbits
+
+    if options.output is None:
+        raise InputError("--output: missing; give the candidates file to write")
+    kept = {each.id: each for each in (read_candidates(options.output) if options.output.exists() else [])}
+    done = {task.id: kept[task.id] for task in tasks if task.id in kept and _is_refined(task, kept[task.id])}
+    waiting = [task for task in tasks if task.id not in done]
+    if done:
+        report.message(f"{len(done)} of {len(tasks)} orbits are in {options.output} already")
+    report.stage(f"refining {len(waiting)} orbits" if len(waiting) != 1 else f"refining {waiting[0].id}")
+    complete = True
+    others = [each for name, each in kept.items() if name not in {task.id for task in tasks}]
+    try:
+        for _, result in refine_orbits(waiting, options.jobs, report.update):
+            if result.candidate is None:
+                report.error(f"{result.task.id}: not refined: {result.failure}")
+                complete = False
+                continue
+            done[result.task.id] = result.candidate
+            write_candidates(options.output, [*others, *(done[task.id] for task in tasks if task.id in done)])
+    except KeyboardInterrupt:
+        report.error(f"interrupted: {len(done)} of {len(tasks)} orbits refined; the same command goes on from there")
+        return 130
+    report.message(f"{len(done)} of {len(tasks)} orbits are in {options.output}")
+    return 0 if complete else 1
+
+
+def _is_refined(task: OrbitTask, candidate: Candidate) -> bool:
+    """Whether a candidate of an earlier run is what the task asks for."""
+    return (
+        candidate.system == task.system
+        and dict(candidate.parameters) == dict(task.parameters)
+        and (task.equation is None or candidate.equation == task.equation)
+        and candidate.provenance.get("digits") == task.digits
+        and all(abs(float(c) - g) < 1e-2 for c, g in zip(candidate.centre, task.guess, strict=True))
+    )
+
+
+def _shown(equation: Equation) -> str:
+    if equation.quantity == HALF_PERIOD:
+        return f"the period {float(2 * equation.value):.15g}"
+    name = equation.coordinate or "level"
+    return f"{name} = {float(Fraction(equation.value)):.15g}"
 
 
 def _lines(item: TracedFamily) -> list[str]:

@@ -6,6 +6,7 @@ from .jets import Jet as Jet
 from .jets import JetBasis as JetBasis
 from .orbit import OrbitTask as OrbitTask
 from .orbit import refine_orbit as refine_orbit
+from .orbit import refine_orbits as refine_orbits
 from .reduction import branch_geometry as branch_geometry
 from .resonance import working_context as working_context
 from .tasks import Task as Task

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isfinite, log2
 from typing import Any
 
 import mpmath
+import numpy as np
 
+from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.refinement.crossing import level_jet, section_crossings, shorter_coordinates
 from orbitproof.explore.refinement.frames import RefinementFailure
 from orbitproof.explore.refinement.half_return import section_jets, start_jets
@@ -35,6 +37,7 @@ class OrbitTask:
     """One orbit to refine; the fields are those of a candidate.
 
     Attributes:
+        equation: `None` for the coordinate that changes most along the family, at its value in the guess.
         guess: float64 point, in the order of `ReversibleSystem.centre_coordinates`.
         digits: decimal digits of the centre.
     """
@@ -42,13 +45,42 @@ class OrbitTask:
     id: str
     system: ReversibleSystem
     parameters: Mapping[str, Fraction]
-    equation: Equation
+    equation: Equation | None
     guess: tuple[float, ...]
     digits: int
     provenance: Mapping[str, Any]
 
 
-def refine_orbit(task: OrbitTask, progress: Callable[[str, float], None] | None = None) -> Candidate:
+@dataclass(frozen=True)
+class RefinedOrbit:
+    """The result of a task: a candidate, or a reason."""
+
+    task: OrbitTask
+    candidate: Candidate | None
+    failure: str | None
+
+
+def refine_orbit_task(task: OrbitTask, progress: Progress) -> RefinedOrbit:
+    """Refine one orbit; a failure is a result, not an exception."""
+    try:
+        return RefinedOrbit(task, refine_orbit(task, progress), None)
+    except RefinementFailure as error:
+        return RefinedOrbit(task, None, str(error))
+    except (ArithmeticError, ValueError) as error:
+        return RefinedOrbit(task, None, f"the arithmetic broke down ({type(error).__name__}: {error})")
+
+
+def _name(task: OrbitTask) -> str:
+    return task.id
+
+
+def refine_orbits(tasks: Sequence[OrbitTask], jobs: int, progress: Progress) -> Iterator[tuple[int, RefinedOrbit]]:
+    """Refine all orbits with `jobs` processes; yields (index, result) in the order of completion."""
+    for index, result in run_all(Job(refine_orbit_task, _name), tasks, jobs, progress):
+        yield index, RefinedOrbit(tasks[index], None, result.reason) if isinstance(result, Lost) else result
+
+
+def refine_orbit(task: OrbitTask, progress: Progress | None = None) -> Candidate:
     """The orbit to many digits, with the box in which it is to be proved.
 
     Raises `RefinementFailure`, one line, if Newton's method does not converge near the guess.
@@ -58,12 +90,14 @@ def refine_orbit(task: OrbitTask, progress: Callable[[str, float], None] | None 
         raise RefinementFailure("the guess is not finite")
     try:
         regularisation = shorter_coordinates(task.system, task.parameters, task.guess)
+        if task.equation is None:
+            task = replace(task, equation=_along_family(task, regularisation))
         return _refined(task, regularisation, report)
     except (IntegrationFailure, ZeroDivisionError) as failure:
         raise RefinementFailure(str(failure)) from None
 
 
-def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Callable[[str, float], None]) -> Candidate:
+def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Progress) -> Candidate:
     goal = ceil((task.digits + _MARGIN_DIGITS) * log2(10))
     point = [Fraction(value) for value in task.guess]
     bits = _FIRST_BITS
@@ -89,6 +123,18 @@ def _refined(task: OrbitTask, regularisation: Regularisation | None, report: Cal
     raise RefinementFailure(f"Newton's method did not converge in {_MOST_STEPS} steps")
 
 
+def _along_family(task: OrbitTask, regularisation: Regularisation | None) -> Equation:
+    """The coordinate with the largest component in the tangent of the family, at its value in the guess."""
+    names = task.system.centre_coordinates
+    about = replace(task, equation=Equation(COORDINATE, Fraction(0), names[0]))
+    point = [Fraction(value) for value in task.guess]
+    _, matrix, _ = _linearised(about, point, working_context(_FIRST_BITS), regularisation)
+    rows = np.array([[float(matrix[i, j]) for j in range(len(names))] for i in range(len(names) - 1)])
+    tangent = np.linalg.svd(rows)[2][-1]
+    index = int(np.argmax(np.abs(tangent)))
+    return Equation(COORDINATE, Fraction(repr(float(task.guess[index]))), names[index])
+
+
 def _linearised(
     task: OrbitTask, point: Sequence[Fraction], context: mpmath.MPContext, regularisation: Regularisation | None
 ) -> tuple[Any, Any, float]:
@@ -105,6 +151,7 @@ def _linearised(
     )
     image = section_jets(system, crossing, parameter)
     equation = task.equation
+    assert equation is not None
     if equation.quantity == HALF_PERIOD:
         quantity = crossing.duration
     elif equation.quantity == COORDINATE:
@@ -127,6 +174,7 @@ def _fraction(value: Any) -> Fraction:
 def _candidate(task: OrbitTask, point: Sequence[Fraction], bits: int, spread: float, steps: int) -> Candidate:
     size = len(point)
     equation = task.equation
+    assert equation is not None
     exponent = ceil((task.digits - _BOX_DIGITS) * log2(10) + log2(max(1.0, spread)))
     centre = [round_dyadic(value, bits) for value in point]
     if equation.quantity == COORDINATE:

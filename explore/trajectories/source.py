@@ -15,7 +15,16 @@ from orbitproof.explore.catalogue import Catalogue, correct_catalogue, read_cata
 from orbitproof.explore.flow import Vector
 from orbitproof.explore.records import FamilyRecord, read_families
 from orbitproof.explore.trajectories.units import Units
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates, read_document
+from orbitproof.shared.formats import (
+    HALF_PERIOD,
+    ORBIT,
+    Candidate,
+    InputError,
+    candidate_from_json,
+    read_candidates,
+    read_document,
+)
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 
 _LISTED = 5
@@ -100,13 +109,21 @@ def _certificate(path: Path, choice: Choice) -> SourceOrbit:
     entries = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
     entry = entries[_identifier(path, choice, list(entries))]
     candidate = candidate_from_json(entry["statement"]["candidate"], f"{path}: certificate {entry['id']}")
-    said = (
-        f'the certificate says "{entry["verdict"]}" of the bifurcation at the first state, up to the radii of its box'
-    )
-    return _bifurcating(candidate, f"certificate {candidate.id}", f"{said}; not checked again here")
+    what = "orbit" if candidate.kind == ORBIT else "bifurcation"
+    said = f'the certificate says "{entry["verdict"]}" of the {what} at the first state, up to the radii of its box'
+    results = entry["results"] if candidate.kind == ORBIT else None
+    half_period = None if results is None else float(parse_exact(results["half_period"]["mid"]))
+    return _bifurcating(candidate, f"certificate {candidate.id}", f"{said}; not checked again here", half_period)
 
 
-def _bifurcating(candidate: Candidate, title: str, verdict: str) -> SourceOrbit:
+def _bifurcating(candidate: Candidate, title: str, verdict: str, half_period: float | None = None) -> SourceOrbit:
+    if candidate.equation is not None:
+        if candidate.equation.quantity == HALF_PERIOD:
+            half_period = float(candidate.equation.value)
+        if half_period is None:
+            raise NoOrbit(f"{title}: the half period is not known before it is certified")
+        unknowns = np.array([*map(float, candidate.centre), half_period])
+        return SourceOrbit(candidate.system, candidate.parameters, unknowns, title, verdict)
     try:
         start = branch_point(candidate)
     except NoBranch as failure:

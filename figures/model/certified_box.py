@@ -15,7 +15,7 @@ import numpy as np
 from flint import arb
 
 from orbitproof.figures.model.family import Array
-from orbitproof.shared.formats import FOLD, Candidate, InputError, candidate_from_json, validate_document
+from orbitproof.shared.formats import FOLD, ORBIT, Candidate, InputError, candidate_from_json, validate_document
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,
     DoublySymmetricFamily,
@@ -30,6 +30,7 @@ from orbitproof.verify.bifurcation import (
 )
 from orbitproof.verify.certificate import tables_from_json
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, guarded, meet
+from orbitproof.verify.poincare import Enclosures
 
 
 @dataclass(frozen=True)
@@ -69,13 +70,14 @@ class CertifiedCurves:
         document = {"format": "orbitproof-candidates", "version": 1, "candidates": [stated]}
         validate_document(document, "candidates", f"{where}.statement.candidate")
         candidate = candidate_from_json(stated, f"{where}.statement.candidate")
-        if candidate.kind == FOLD:
-            raise InputError(f"{where}: a fold has one curve and not two that cross; choose another certificate")
+        if candidate.kind in (FOLD, ORBIT):
+            raise InputError(f"{where}: {candidate.kind}: no two curves cross there; choose another certificate")
         claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
         try:
             if claim is None:
                 raise ValueError("there is no such level form")
             stored = tables_from_json(entry, claim, computation)
+            assert isinstance(stored, Enclosures)
             with guarded(computation["precision"]):
                 checklist = Checklist()
                 problem = check_enclosures(

@@ -29,7 +29,7 @@ from orbitproof.figures.style import (
     use_style,
     verdict_handles,
 )
-from orbitproof.shared.formats import FOLD, InputError
+from orbitproof.shared.formats import FOLD, ORBIT, InputError
 from orbitproof.verify.certificate import read_certificates
 
 _WIDTH = 7.2
@@ -45,7 +45,7 @@ def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Pa
     proved = {name: entry for name, entry in read_certificates(certificates).items() if entry.proved}
     if not proved:
         raise InputError(f'{certificates}: no certificate says "proved"; there is nothing certified to draw')
-    entries = {name: entry.to_json() for name, entry in proved.items() if entry.kind != FOLD}
+    entries = {name: entry.to_json() for name, entry in proved.items() if entry.kind not in (FOLD, ORBIT)}
     if not entries:
         raise InputError(f"{certificates}: folds only, which have one curve; give certificates of two that cross")
     records = {record.id: record for path in branches for record in read_branches(path)}

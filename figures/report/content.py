@@ -64,7 +64,7 @@ def report_of(entries: Sequence[Checked], draw: Draw = lambda entry: ()) -> Docu
 
 
 def _in_order(proved: Sequence[Checked]) -> list[Checked]:
-    """Bifurcations, then curves, then surfaces, each as they were given."""
+    """Bifurcations and orbits, then curves, then surfaces, each as they were given."""
     return sorted(proved, key=lambda entry: isinstance(entry, CheckedAtlas) and 1 + entry.atlas.is_surface)
 
 
@@ -89,11 +89,11 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
     rows: list[tuple[Runs, ...]] = []
     for entry in proved:
         name = name_of(entry)
-        side = str(entry.certificate.side) if isinstance(entry, CheckedRow) else ""
+        side = (entry.certificate.side or "") if isinstance(entry, CheckedRow) else ""
         number: Runs = (Place(theorem_label(name), str(numbers[name])),)
         rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (side,)))
     if rows:
-        header = ("theorem", "about", "certificate", "bifurcation parameter", "new orbits")
+        header = ("theorem", "about", "certificate", "bifurcation parameter, or period", "new orbits")
         blocks.append(Table(header, tuple(rows), "The theorems", (0.1, 0.19, 0.24, 0.31, 0.08)))
     return Section("summary", "Summary", tuple(blocks))
 

@@ -14,7 +14,7 @@ from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import FOLD
+from orbitproof.shared.formats import FOLD, ORBIT
 from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS
 from orbitproof.verify.atlas import AtlasCertificate
 
@@ -29,7 +29,7 @@ def pictures_of(entry: Checked) -> tuple[Picture, ...]:
 
 
 def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
-    if entry.candidate.system.name not in SYSTEMS or entry.candidate.kind == FOLD:
+    if entry.candidate.system.name not in SYSTEMS or entry.candidate.kind in (FOLD, ORBIT):
         return ()
     name = entry.certificate.id
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)

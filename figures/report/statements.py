@@ -27,6 +27,7 @@ _KINDS = {
     "fold": "Fold",
     "period_tupling": "Period {k}-tupling",
     "touch_and_go": "Touch-and-go of order {k}",
+    "orbit": "One symmetric periodic orbit",
 }
 _CURVES = {
     "arc": "A curve of symmetric periodic orbits",
@@ -215,7 +216,7 @@ def _box_rows(claim: Candidate, which: str) -> Iterator[tuple[Runs, ...]]:
 
 
 def parameter_text(entry: Checked) -> str:
-    """The parameter at a bifurcation, for the summary."""
+    """The parameter at a bifurcation, or the period of an orbit, for the summary."""
     if not isinstance(entry, CheckedRow) or entry.certificate.parameter is None:
         return ""
     return f"{entry.certificate.parameter_name} in {interval_text(entry.certificate.parameter, 20)}"

@@ -13,7 +13,14 @@ from typing import Any
 from flint import arb
 
 from orbitproof.figures.tables.intervals import Interval, parse_interval
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates, validate_document
+from orbitproof.shared.formats import (
+    ORBIT,
+    Candidate,
+    InputError,
+    candidate_from_json,
+    read_candidates,
+    validate_document,
+)
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.certificate import read_certificates
 from orbitproof.verify.evidence import ball_from_json, bounds
@@ -89,6 +96,8 @@ def read_rows(paths: Sequence[Path], candidates: Sequence[Path] = ()) -> list[Ce
             if name in sources:
                 raise InputError(f"{path}: id {name!r} is in {sources[name]} as well; give each certificate once")
             sources[name] = path
+            if certificate.kind == ORBIT:
+                continue
             row, claims[name] = _row(certificate.to_json(), f"{path}: field certificates[{index}]")
             rows.append(row)
     origins = {candidate.id: (path, candidate) for path in candidates for candidate in read_candidates(path)}

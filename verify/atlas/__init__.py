@@ -2,6 +2,7 @@
 
 from orbitproof.verify.atlas.certificate import SCHEMA, AtlasCertificate, read_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.atlas.places import places_on
 from orbitproof.verify.atlas.recheck import Means, atlas_of, order_of, recheck_atlas
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "atlas_of",
     "conclusion_of",
     "order_of",
+    "places_on",
     "read_atlas_certificate",
     "recheck_atlas",
 ]

@@ -9,7 +9,7 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.formats import Atlas, InputError, read_system
+from orbitproof.shared.formats import ORBIT, Atlas, InputError, read_system
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 from orbitproof.verify.certificate import Certificate, Recheck, recheck
 from orbitproof.verify.claim import signs_on
@@ -51,7 +51,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Bifurcation:
-    """A certificate of a bifurcation, and whether the point lies on the curve.
+    """A certificate of a bifurcation, or of one orbit, and whether the point lies on the curve.
 
     Attributes:
         id, kind, k: of the certificate.
@@ -124,6 +124,8 @@ def place_bifurcation(
         return replace(entry, reason="the certificate does not have all coordinates of the point")
     point = {name: certificate.point[name] for name in names}
     breaks = entry.kind == "symmetry_breaking"
+    if point_name(atlas.system) is not None and entry.kind == ORBIT:
+        return replace(entry, reason="the curve is one of orbits in units of their size")
     if point_name(atlas.system) is not None:
         planar = breaks and candidate.get("symmetry") == PLANAR
         carried = in_units_of_orbit(atlas.system, atlas.parameters, point) if planar else None
@@ -138,7 +140,8 @@ def place_bifurcation(
     if isinstance(place, Place):
         return replace(entry, place=place)
     if point_name(atlas.system) is None:
-        second = partner(atlas.system, atlas.parameters, point, crossings)
+        orbit = certificate.orbit
+        second = orbit.other_point if orbit else partner(atlas.system, atlas.parameters, point, crossings)
         found_there = None if second is None else locate(atlas, chain, list(second.values()), False)
         if isinstance(found_there, Place):
             return replace(entry, place=replace(found_there, other_point=True))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from orbitproof.shared.formats import Atlas
+from orbitproof.shared.formats import ORBIT, Atlas
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Ends
@@ -37,14 +37,18 @@ def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
 
 
 def bifurcation_statement(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
-    """Which of the certified bifurcations lie on the curve and which are not shown to; empty if there are none."""
+    """Which of the certified bifurcations and orbits lie on the curve, and which are not shown to."""
     lines = []
-    on = [entry for entry in bifurcations if entry.place is not None]
+    on = [entry for entry in bifurcations if entry.place is not None and entry.kind != ORBIT]
+    orbits = [entry for entry in bifurcations if entry.place is not None and entry.kind == ORBIT]
     off = [entry for entry in bifurcations if entry.place is None and not entry.is_foreign]
     foreign = sum(entry.is_foreign for entry in bifurcations)
     if on:
         lines.append("Of the certified bifurcations these lie on it:")
         lines += [f"- {_bifurcation(entry)}" for entry in on]
+    if orbits:
+        lines.append("Of the certified orbits these lie on it:")
+        lines += [f"- {_bifurcation(entry)}" for entry in orbits]
     if off:
         lines.append("Of these it is not shown that they lie on it:")
         lines += [f"- {entry.id} (k = {entry.k}): {entry.reason}" for entry in off]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from flint import arb
 
-from orbitproof.shared.formats import Atlas
+from orbitproof.shared.formats import ORBIT, Atlas
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
 from orbitproof.verify.stability.places import FOLD, HERE, LOSS, SYMMETRIC, THERE, Gap, Point
@@ -18,7 +18,7 @@ _KINDS = {"fold": FOLD, "symmetry_breaking": SYMMETRIC}
 
 def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int) -> list[Bifurcation]:
     """The bifurcations that have to be in the list; those on a planar family lead out of the plane (section 18.9)."""
-    return [entry for entry in bifurcations if entry.k <= order and not atlas.system.normalised]
+    return [entry for entry in bifurcations if entry.k <= order and entry.kind != ORBIT and not atlas.system.normalised]
 
 
 def with_certificates(

@@ -1,0 +1,95 @@
+"""Single orbits of a family, singled out by an equation, as tasks to refine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from orbitproof.explore.catalogue import ROW, Catalogue
+from orbitproof.explore.families import Family
+from orbitproof.explore.numerics import bracketed_zero
+from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit
+from orbitproof.explore.refinement import OrbitTask
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Equation
+from orbitproof.shared.systems import CR3BP
+
+_OFF_SYMMETRY = 1e-6
+_ACCURACY = 1e-6
+
+
+def orbits_with(family: Family, equation: Equation) -> Iterator[SymmetricOrbit]:
+    """The orbits of a traced family that satisfy an equation, in order; none is found between two that both are off
+    it to the same side.
+    """
+    names, value = family.problem.system.centre_coordinates, float(equation.value)
+
+    def off(orbit: SymmetricOrbit) -> float:
+        if equation.quantity == HALF_PERIOD:
+            return float(orbit.half_period) - value
+        if equation.quantity == COORDINATE:
+            return float(orbit.unknowns[names.index(str(equation.coordinate))]) - value
+        assert orbit.first_integral is not None
+        return orbit.first_integral - value
+
+    for left, right in pairwise(family.orbits):
+        heights = (off(left), off(right))
+        if heights[0] * heights[1] > 0:
+            continue
+        ends = (left.arclength, right.arclength)
+        try:
+            place = bracketed_zero(
+                lambda arclength: off(family.orbit_at(arclength)), ends, heights, _ACCURACY * (ends[1] - ends[0])
+            )
+            yield family.orbit_at(place)
+        except (CorrectionFailure, ZeroDivisionError):
+            yield left if abs(heights[0]) < abs(heights[1]) else right
+
+
+def tasks_of_family(family: Family, equation: Equation, id: str, digits: int) -> list[OrbitTask]:
+    """The orbits of a family that satisfy an equation, to be refined; numbered if there are several."""
+    problem = family.problem
+    found = list(orbits_with(family, equation))
+    return [
+        OrbitTask(
+            id=id if len(found) == 1 else f"{id}-{number}",
+            system=problem.system,
+            parameters=problem.parameters,
+            equation=equation,
+            guess=tuple(map(float, orbit.centre("first"))),
+            digits=digits,
+            provenance={},
+        )
+        for number, orbit in enumerate(found, start=1)
+    ]
+
+
+def tasks_of_catalogue(
+    catalogue: Catalogue, rows: Sequence[int], equation: Equation | None, digits: int
+) -> tuple[list[OrbitTask], list[str]]:
+    """Orbits near rows of a catalogue, counted from 1, to be refined; and which rows do not start on Fix(R)."""
+    tasks, failures = [], []
+    odd = [index for index, sign in enumerate(CR3BP.reversing_symmetry) if sign == -1]
+    for row in rows:
+        state = catalogue.states[row - 1]
+        if np.max(np.abs(state[odd])) > _OFF_SYMMETRY:
+            failures.append(f"row {row} does not start in the plane of symmetry")
+            continue
+        tasks.append(
+            OrbitTask(
+                id=row_id(row),
+                system=CR3BP,
+                parameters={"mu": catalogue.mass_ratio},
+                equation=equation,
+                guess=tuple(float(state[index]) for index in CR3BP.fixed_coordinates),
+                digits=digits,
+                provenance={"catalogue": catalogue.title, "row": row},
+            )
+        )
+    return tasks, failures
+
+
+def row_id(row: int) -> str:
+    """The id of the candidate of a row."""
+    return f"{ROW}{row:04d}"

@@ -1,0 +1,133 @@
+"""One orbit on the command line: from a family or a catalogue to its certificate, and to its place on a curve."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from orbitproof.explore.__main__ import main as explore
+from orbitproof.shared.formats import read_atlas, read_candidates
+from orbitproof.verify.__main__ import main as verify
+from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.certificate import read_certificates
+from orbitproof.verify.curve import conclude
+
+DATA = Path(__file__).resolve().parents[1] / "data"
+FAMILY = DATA / "figures-falkner-skan-family.json"
+CATALOGUE = DATA / "catalogue-halo.json"
+
+
+@pytest.fixture(scope="module")
+def curve(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The certificate of a curve of Falkner-Skan orbits, 260 <= beta <= 690, from stored results."""
+    path = tmp_path_factory.mktemp("curve") / "curve.json"
+    atlas = read_atlas(DATA / "atlas-falkner-skan.json")
+    results = json.loads((DATA / "stability-falkner-skan.json").read_text())
+    conclusion = conclude(atlas, results)
+    assert conclusion.is_proved
+    write_atlas_certificate(path, make_atlas_certificate(atlas, results, conclusion.to_json()))
+    return path
+
+
+@pytest.fixture(scope="module")
+def orbits(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two orbits of the Falkner-Skan family as candidates, one of them on the curve."""
+    path = tmp_path_factory.mktemp("orbits") / "orbits.json"
+    for beta in ("400", "150"):
+        words = [
+            "orbit",
+            "--from-family",
+            str(FAMILY),
+            "--at",
+            f"beta={beta}",
+            "--digits",
+            "25",
+            "--id",
+            f"beta-{beta}",
+        ]
+        assert explore([*words, "-o", str(path), "--quiet"]) == 0
+    return path
+
+
+def test_an_orbit_of_a_family_is_proved_and_placed_on_a_curve(
+    orbits: Path, curve: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / "certificates.json"
+    words = [str(orbits), "-o", str(output), "--curve", str(curve), "--digits", "10", "--jobs", "1", "--quiet"]
+    assert verify(words) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (on,) = [line for line in lines if line.startswith("beta-400: ")]
+    (off,) = [line for line in lines if line.startswith("beta-150: ")]
+    assert "lies on the proved curve falkner-skan" in on
+    assert "not shown to lie on falkner-skan-part: it lies beyond the ends of all pieces" in off
+    assert verify(["--recheck", str(output), "--quiet"]) == 0
+    found = read_certificates(output)["beta-400"].orbit
+    assert found is not None
+    assert found.point["beta"] == 400
+    assert len(found.stability.parameters) == 1
+
+
+def test_a_curve_whose_certificate_was_changed_places_nothing(
+    orbits: Path, curve: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = json.loads(curve.read_text())
+    document["statement"]["vector_field"] += "\n"
+    changed = tmp_path / "changed.json"
+    changed.write_text(json.dumps(document))
+    words = [str(orbits), "--only", "beta-400", "--curve", str(changed), "--digits", "10", "--jobs", "1", "--quiet"]
+    assert verify(words) == 2
+    assert "digest" in capsys.readouterr().err
+
+
+def test_a_run_goes_on_with_what_is_refined_already(orbits: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = orbits.read_text()
+    words = ["orbit", "--from-family", str(FAMILY), "--at", "beta=150", "--digits", "25", "--id", "beta-150"]
+    assert explore([*words, "-o", str(orbits)]) == 0
+    assert "1 of 1 orbits are in" in capsys.readouterr().err
+    assert {each.id for each in read_candidates(orbits)} == {"beta-400", "beta-150"}
+    assert len(orbits.read_text()) == len(before)
+
+
+def test_rows_of_a_catalogue_are_proved_near_their_rows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    candidates, certificates = tmp_path / "rows.json", tmp_path / "certificates.json"
+    words = ["orbit", "--from-catalogue", str(CATALOGUE)]
+    assert explore([*words, "--catalogue-orbit", "4", "6", "--digits", "20", "-o", str(candidates), "--quiet"]) == 0
+    assert [each.id for each in read_candidates(candidates)] == ["row-0004", "row-0006"]
+    assert verify([str(candidates), "-o", str(certificates), "--digits", "5", "--jobs", "1", "--quiet"]) == 0
+    capsys.readouterr()
+    assert explore([*words, "--certificates", str(certificates)]) == 0
+    *_, last = capsys.readouterr().out.splitlines()
+    assert last.startswith("2 of 2 orbits proved to exist near their rows, at most ")
+    assert float(last.split("at most ")[1].split()[0]) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--family", "L2-halo", "--mass", "0.01"], "--period, --level or --at"),
+        (["--family", "L2-halo", "--mass", "0.01", "--period", "1", "--level", "3"], "--period, --level or --at"),
+        (["--family", "L2-halo", "--mass", "0.01", "--period", "-1"], "--period -1"),
+        (["--family", "L2-halo", "--mass", "0.01", "--period", "month"], "--period month"),
+        (["--family", "L2-halo", "--mass", "0.01", "--at", "y=0"], "--at y"),
+        (["--family", "L9-halo", "--mass", "0.01", "--period", "1"], "--start"),
+        (["--every", "3", "--mass", "0.01"], "--every"),
+        (["--from-catalogue", str(CATALOGUE), "--mass", "0.01"], "--mass"),
+        (["--from-catalogue", str(CATALOGUE), "--catalogue-orbit", "99"], "--catalogue-orbit 99"),
+        (["--from-catalogue", str(CATALOGUE), "--certificates", str(CATALOGUE)], "catalogue-halo.json"),
+        (["--system", "falkner-skan", "--start", "beta=400", "y=0.9", "--level", "1"], "--level"),
+    ],
+)
+def test_bad_input_is_named(words: list[str], named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert explore(["orbit", *words, "-o", str(tmp_path / "out.json"), "--quiet"]) == 2
+    error = capsys.readouterr().err
+    assert named in error
+    assert "Traceback" not in error
+    assert not (tmp_path / "out.json").exists()
+
+
+def test_a_period_that_no_orbit_has_is_not_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["orbit", "--from-family", str(FAMILY), "--period", "7", "-o", str(tmp_path / "out.json"), "--quiet"]
+    assert explore(words) == 1
+    assert "no orbit with the period 7" in capsys.readouterr().err
