@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from orbitproof.figures.files import file_name, save
-from orbitproof.figures.model import Curve
-from orbitproof.figures.pictures import Surface, draw_curves, draw_pieces, draw_surface
+from orbitproof.figures.model import CertifiedStability, Curve
+from orbitproof.figures.pictures import Surface, draw_certified_stability, draw_curves, draw_pieces, draw_surface
 from orbitproof.figures.style import close
 
 
@@ -22,6 +22,14 @@ def write_curves(curves: Sequence[Curve], folder: Path) -> Iterator[Path]:
     for name, group in groups.items():
         figure = draw_curves(group)
         yield from save(figure, folder / f"curves-{file_name(name)}")
+        close(figure)
+
+
+def write_stability(found: Sequence[CertifiedStability], folder: Path) -> Iterator[Path]:
+    """Draw the stability along each curve that has a complete list; yields the paths written."""
+    for stability in found:
+        figure = draw_certified_stability(stability)
+        yield from save(figure, folder / f"stability-{file_name(stability.curve.atlas.id)}")
         close(figure)
 
 

@@ -17,7 +17,8 @@ examples:
 
 For each certificate its atlas (atlas-*: widths of the pieces, the coordinates in which orbits were followed, tubes,
 certified points); for all certificates of one kind of curve together the curves themselves, drawn from the certified
-polynomials (curves-*); surfaces over the mass parameter (surface-*). Every verdict is copied.
+polynomials (curves-*); of those with a complete list (--complete K) the stability parameters with all resonances
+(stability-*); surfaces over the mass parameter (surface-*). Every verdict is copied.
 Exit codes: 0 written, 1 written, but something is not proved, 2 bad input.
 """
 
@@ -47,15 +48,22 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"two certificates of one atlas, {name!r}; give each atlas once")
 
     # Matplotlib takes a second to load: only after the input is known to be good.
-    from orbitproof.figures.collection.proved import write_curves, write_surfaces
-    from orbitproof.figures.model import Curve
+    from orbitproof.figures.collection.proved import write_curves, write_stability, write_surfaces
+    from orbitproof.figures.model import CertifiedStability, Curve
     from orbitproof.figures.pictures import surface_of
     from orbitproof.figures.style import use_style
 
     check_folder(options.output)
     curves = [Curve.of(certificate) for certificate in certificates if not certificate.atlas.is_surface]
     surfaces = [surface_of(certificate) for certificate in certificates if certificate.atlas.is_surface]
+    listed = [CertifiedStability.of(certificate) for certificate in certificates if not certificate.atlas.is_surface]
+    stability = [found for found in listed if found is not None]
     with use_style():
-        for path in (*write_curves(curves, options.output), *write_surfaces(surfaces, options.output)):
-            print(path, flush=True)
+        for paths in (
+            write_curves(curves, options.output),
+            write_stability(stability, options.output),
+            write_surfaces(surfaces, options.output),
+        ):
+            for path in paths:
+                print(path, flush=True)
     return 0 if all(certificate.is_proved for certificate in certificates) else 1

@@ -1,6 +1,8 @@
 from .certified_box import CertifiedCurves as CertifiedCurves
 from .certified_branch import Curve as Curve
 from .certified_branch import Stretch as Stretch
+from .certified_stability import CertifiedStability as CertifiedStability
+from .certified_stability import ListedPoint as ListedPoint
 from .family import Array as Array
 from .family import MarkedPoint as MarkedPoint
 from .family import Placement as Placement

@@ -50,7 +50,7 @@ def draw_pieces(curve: Curve) -> Figure:
     )
     widths = figure.add_subplot(grid[0, 0])
     tubes = figure.add_subplot(grid[1, 0], sharex=widths)
-    axis = _Along(curve)
+    axis = Along(curve)
     for stretch in curve.stretches:
         height = axis.half_width(stretch)
         _bar(widths, axis.ends(stretch), height, stretch)
@@ -108,7 +108,7 @@ def draw_curves(curves: Sequence[Curve]) -> Figure:
 def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
     """One panel; returns the legend's handles by label."""
     names = curve.system.centre_coordinates
-    axis = _Along(curve)
+    axis = Along(curve)
     handles = {}
     for number, stretch in enumerate(curve.stretches):
         colour = (CURVE, _LIGHT)[number % 2] if stretch.is_proved else _UNPROVED
@@ -189,7 +189,7 @@ def _draw_primaries(axes: Axes, curve: Curve) -> dict[str, Line2D]:
 _NEAR = 0.2
 
 
-class _Along:
+class Along:
     """The horizontal axis: the family parameter where it increases along the curve, else arclength."""
 
     def __init__(self, curve: Curve) -> None:
@@ -200,15 +200,19 @@ class _Along:
         self.label = label_of(name) if self.is_parameter else "arclength along the curve  (nondimensional)"
 
     def half_width(self, stretch: Stretch) -> float:
+        """Of the piece."""
         return stretch.first_half_width if self.is_parameter else stretch.half_width
 
     def values(self, stretch: Stretch) -> Array:
+        """Along the stretch, at its s."""
         return stretch.points[:, 0] if self.is_parameter else stretch.arclength
 
     def at(self, stretch: Stretch, s: float) -> float:
+        """At one s."""
         return float(np.interp(s, stretch.s, self.values(stretch)))
 
     def ends(self, stretch: Stretch) -> tuple[float, float]:
+        """At both ends of the stretch."""
         values = self.values(stretch)
         return float(values[0]), float(values[-1])
 

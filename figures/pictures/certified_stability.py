@@ -1,0 +1,128 @@
+"""Stability along a certified curve: its stability parameters, all resonances, and where it is linearly stable."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from orbitproof.figures.model import CertifiedStability, ListedPoint
+from orbitproof.figures.pictures.certified_branches import Along, title_of
+from orbitproof.figures.style import (
+    CURVE,
+    INK,
+    SECOND_CURVE,
+    draw_resonance,
+    legend_row,
+    level_label,
+    marker_of,
+    resonances,
+)
+
+_WIDTH, _HEIGHT = 7.2, 6.4
+_STABLE = "#d9ead3"
+_NAMED = 4
+"""Resonant values up to 1:4 are drawn as lines."""
+_SHOWN = 1.25
+_IN_A_ROW = 9
+_MANY = 7
+"""Multiplicities from here on look alike."""
+_ROW = 0.22
+"""Inches."""
+
+
+def draw_certified_stability(found: CertifiedStability) -> Figure:
+    """The stability parameters with their bounds, and the level, along the curve; stable intervals are filled."""
+    figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
+    rows = _legend(found)
+    foot = (0.62 + _ROW * len(rows)) / _HEIGHT
+    grid = figure.add_gridspec(2, 1, left=0.1, right=0.95, top=0.91, bottom=foot, hspace=0.16, height_ratios=(2.2, 1.0))
+    upper = figure.add_subplot(grid[0, 0])
+    lower = figure.add_subplot(grid[1, 0], sharex=upper)
+    axis = Along(found.curve)
+    stretches = {stretch.piece: stretch for stretch in found.curve.stretches}
+    for part in found.parts:
+        x = axis.values(part.stretch)
+        for values, bounds in zip(part.parameters.T, part.bounds.T, strict=True):
+            real = np.where(values.imag == 0, values.real, np.nan)
+            upper.fill_between(x, real - bounds, real + bounds, color=CURVE, alpha=0.35, linewidth=0)
+            upper.plot(x, real, color=CURVE)
+        pairs = np.where((part.parameters.imag != 0).any(axis=1), part.parameters[:, 0].real, np.nan)
+        upper.plot(x, pairs, color=SECOND_CURVE, linestyle="dotted")
+        lower.plot(x, part.half_period if axis.is_parameter else part.level, color=CURVE)
+    for begin, end in found.stable:
+        places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
+        for axes in (upper, lower):
+            axes.axvspan(*places, facecolor=_STABLE, zorder=0, gid="stable")
+    for k, values in resonances(range(1, min(found.order, _NAMED) + 1)).items():
+        for value in values:
+            draw_resonance(upper, k, value)
+    for point in found.points:
+        x_at = axis.at(stretches[point.piece], point.s)
+        _mark(upper, x_at, point.value, point)
+        _mark(lower, x_at, point.half_period if axis.is_parameter else point.level, point)
+    if axis.is_logarithmic:
+        upper.set_xscale("log")
+    upper.set_ylim(-_SHOWN, _SHOWN)
+    upper.margins(x=0.015)
+    upper.tick_params(labelbottom=False)
+    upper.set_ylabel(r"$(\lambda+1/\lambda)/2$")
+    lower.set_ylabel("half period" if axis.is_parameter else level_label(found.curve.system).split("  ")[0])
+    lower.set_xlabel(axis.label)
+    figure.text(0.1, 0.965, title_of(found.curve).replace("<=", "≤"), color=INK, fontweight="bold", va="center")
+    upper.set_title(f"(a)  stability parameters, with all resonances up to 1:{found.order}", color=INK)
+    lower.set_title(f"(b)  {'half period' if axis.is_parameter else 'the level of the orbits'}", color=INK)
+    for number, row in enumerate(rows):
+        legend_row(figure, row, 0.06 + _ROW * number)
+    return figure
+
+
+def _legend(found: CertifiedStability) -> list[list[Any]]:
+    """The rows from the lowest one up."""
+    curves = [
+        Line2D([], [], color=CURVE, label="enclosed"),
+        Line2D([], [], color=SECOND_CURVE, linestyle="dotted", label="complex pair (real part)"),
+        Patch(facecolor=_STABLE, label="proved linearly stable"),
+    ]
+    marks = {_label(point): Line2D([], [], label=_label(point), **_look(point)) for point in found.points}
+    handles = [marks[name] for name in sorted(marks, key=lambda name: (len(name), name))]
+    half = len(handles) if len(handles) <= _IN_A_ROW else (len(handles) + 1) // 2
+    meanings = {
+        False: ("white", "hollow: resonance proved"),
+        True: ("#666666", "filled: its bifurcation certified too"),
+    }
+    faces = [meanings[verdict] for verdict in sorted({point.certified for point in found.points})]
+    filled = [
+        Line2D([], [], marker="o", color="#666666", markerfacecolor=face, linestyle="none", label=label)
+        for face, label in faces
+    ]
+    return [row for row in (filled, handles[half:], handles[:half], curves) if row]
+
+
+def _label(point: ListedPoint) -> str:
+    if point.kind == "fold":
+        return "fold"
+    return f"1:{point.k}" if point.k < _MANY else f"1:{_MANY} and above"
+
+
+def _look(point: ListedPoint) -> dict[str, Any]:
+    marker, colour = marker_of(point.k, "fold" if point.kind == "fold" else "")
+    small = point.k > _NAMED
+    return {
+        "marker": marker,
+        "color": colour,
+        "markerfacecolor": colour if point.certified else "white",
+        "linestyle": "none",
+        "markersize": 3.0 if small else 4.4,
+        "markeredgewidth": 0.7,
+        "zorder": 4 if small else 6,
+    }
+
+
+def _mark(axes: Axes, x: float, y: float, point: ListedPoint) -> None:
+    axes.plot([x], [y], gid=f"listed {point.k} {point.j}", **_look(point))

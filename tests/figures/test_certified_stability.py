@@ -1,0 +1,82 @@
+"""The picture of a complete list shows the points, bounds and stable intervals of the certificate, and no others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.stability_cases import atlas, listed, results
+
+from orbitproof.figures.__main__ import main
+from orbitproof.figures.model.certified_stability import CertifiedStability
+from orbitproof.figures.pictures.certified_stability import draw_certified_stability
+from orbitproof.figures.style.style import close, use_style
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.curve.theorem import conclude
+
+
+@pytest.fixture(autouse=True)
+def style() -> Iterator[None]:
+    with use_style():
+        yield
+
+
+def document(**changes: Any) -> dict[str, Any]:
+    conclusion = listed(results())
+    return make_atlas_certificate(atlas(), results(), {**conclusion, "complete": {**conclusion["complete"], **changes}})
+
+
+def stability(**changes: Any) -> CertifiedStability:
+    found = CertifiedStability.of(AtlasCertificate(atlas(), document(**changes)))
+    assert found is not None
+    return found
+
+
+def test_the_picture_shows_the_points_and_stable_intervals_of_the_list() -> None:
+    complete = listed(results())["complete"]
+    figure = draw_certified_stability(stability())
+    upper = figure.axes[0]
+    drawn = [line for line in upper.lines if str(line.get_gid()).startswith("listed")]
+    assert len(drawn) == len(complete["points"])
+    for line, point in zip(drawn, complete["points"], strict=True):
+        beta = float(parse_exact(point["level"]["mid"]))
+        assert line.get_xdata()[0] == pytest.approx(beta, rel=1e-4)
+        assert line.get_ydata()[0] == pytest.approx(np.cos(2 * np.pi * point["j"] / point["k"]))
+    (span,) = [patch for patch in upper.patches if patch.get_gid() == "stable"]
+    assert span.get_x() == pytest.approx(340.1875, abs=0.01)
+    close(figure)
+
+
+def test_what_the_certificate_does_not_say_is_not_drawn() -> None:
+    figure = draw_certified_stability(stability(stable=[], points=[]))
+    upper = figure.axes[0]
+    assert not [line for line in upper.lines if str(line.get_gid()).startswith("listed")]
+    assert not upper.patches
+    close(figure)
+
+
+def test_the_curve_lies_on_the_drawn_resonances() -> None:
+    found = stability()
+    for point in found.points:
+        (part,) = [part for part in found.parts if part.stretch.piece == point.piece]
+        near = np.interp(point.s, part.stretch.s, part.parameters[:, 0].real)
+        assert near == pytest.approx(point.value, abs=1e-3)
+    assert all(np.nanmax(part.bounds) < 1e-6 for part in found.parts)
+
+
+def test_a_certificate_without_a_list_has_no_such_picture() -> None:
+    plain = make_atlas_certificate(atlas(), results(), conclude(atlas(), results()).to_json())
+    assert CertifiedStability.of(AtlasCertificate(atlas(), plain)) is None
+
+
+@pytest.mark.parametrize("with_list", [True, False])
+def test_the_command_draws_it_if_there_is_a_list(with_list: bool, tmp_path: Path) -> None:
+    path, folder = tmp_path / "curve.json", tmp_path / "pictures"
+    plain = make_atlas_certificate(atlas(), results(), conclude(atlas(), results()).to_json())
+    write_atlas_certificate(path, document() if with_list else plain)
+    assert main(["atlas", str(path), "-o", str(folder)]) == 0
+    assert bool(list(folder.glob("stability-*.png"))) is with_list
