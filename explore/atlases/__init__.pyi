@@ -1,4 +1,5 @@
 from .check import check_file as check_file
+from .libration_sheet import pieces_to as pieces_to
 from .lyapunov import LibrationFailure as LibrationFailure
 from .lyapunov import LyapunovFamily as LyapunovFamily
 from .lyapunov import lyapunov_atlas as lyapunov_atlas

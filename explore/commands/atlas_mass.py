@@ -9,7 +9,7 @@ from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet, positive
 from orbitproof.explore.names import mass_parameter
-from orbitproof.shared.formats import SURFACE, Atlas, Claim, Covers, InputError, check_writable, write_atlas
+from orbitproof.shared.formats import SURFACE, AnyPiece, Atlas, Claim, Covers, InputError, check_writable, write_atlas
 
 POINTS = ("L1", "L2", "L3")
 AMPLITUDES = {"L1": Fraction(4, 1000), "L2": Fraction(3, 1000), "L3": Fraction(125, 10**6)}
@@ -28,6 +28,7 @@ _EXAMPLES = """\
 examples:
   orbitproof explore atlas-mass --point L1 -o mass-l1.json
   orbitproof explore atlas-mass --point L2 --z 0.001 -o mass-l2.json
+  orbitproof explore atlas-mass --point L1 --lyapunov -o mass-l1.json
   orbitproof explore atlas-mass --point L3 --mu-min 0.0002 --z 0.00005 -o mass-l3.json
   orbitproof verify atlas mass-l1.json -o mass-l1-certificate.json
 
@@ -64,6 +65,8 @@ def add_parser(commands: Any) -> None:
         metavar="S",
         help="half-width of a piece as a share of the radius of convergence, at most 0.5 (default: %(default)s)",
     )
+    words = "also pieces from which the verifier proves that the planar orbits are the Lyapunov family (L1, L2)"
+    parser.add_argument("--lyapunov", action="store_true", help=words)
     add_output(parser, "atlas file")
     add_quiet(parser)
     parser.set_defaults(run=run)
@@ -82,6 +85,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--z {options.z:g}: above {WIDEST_AMPLITUDE:g}; give a smaller number")
     if options.share > WIDEST_SHARE:
         raise InputError(f"--share {options.share:g}: above {WIDEST_SHARE:g}; the default is 0.2")
+    if options.lyapunov and point == "L3":
+        raise InputError("--lyapunov: goes down to the libration point for L1 and L2 only; leave it out")
     check_writable(options.output)
     lowest, highest = (smallest, largest) if point == "L3" else (_root(smallest, floor), _root(largest, ceil))
     z = AMPLITUDES[point] if options.z is None else Fraction(str(options.z))
@@ -91,13 +96,13 @@ def run(options: argparse.Namespace) -> int:
         ranges += [(LIGHT[0], highest, z)] if highest > LIGHT[1] else []
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.atlases import intervals, piece, system_of, trace
+    from orbitproof.explore.atlases import LibrationFailure, intervals, piece, pieces_to, system_of, trace
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import FamilyFailure
     from orbitproof.explore.orbits import CorrectionFailure
 
     system = system_of(point)
-    pieces = []
+    pieces: list[AnyPiece] = []
     with Reporter(options.quiet) as report:
         try:
             report.stage(f"{point}, the curve of symmetry-breaking points")
@@ -111,7 +116,10 @@ def run(options: argparse.Namespace) -> int:
             for number, (interval, width) in enumerate(places, start=1):
                 report.update(f"{number} of {len(places)}", number / len(places))
                 pieces.append(piece(point, curve.points, interval, width, f"p{number:03d}"))
-        except (FamilyFailure, CorrectionFailure) as error:
+            if options.lyapunov:
+                report.stage(f"{point}, planar orbits down to the libration point")
+                pieces += pieces_to(point, highest**3, lambda share: report.update("", share))
+        except (FamilyFailure, CorrectionFailure, LibrationFailure) as error:
             report.error(f"orbitproof explore atlas-mass: {error}")
             return 1
         parameter = system.fixed_parameters[0]

@@ -25,7 +25,15 @@ from orbitproof.shared.formats.documents import (
     write_bytes,
     write_text,
 )
-from orbitproof.shared.formats.pieces import Piece, SurfacePiece, evaluate, is_regular, piece_from_json
+from orbitproof.shared.formats.pieces import (
+    AnyPiece,
+    LibrationPiece,
+    Piece,
+    SurfacePiece,
+    evaluate,
+    is_regular,
+    piece_from_json,
+)
 from orbitproof.shared.formats.systems import load_system
 
 __all__ = [
@@ -38,12 +46,14 @@ __all__ = [
     "ORBIT",
     "QUANTITIES",
     "SURFACE",
+    "AnyPiece",
     "Atlas",
     "Candidate",
     "Claim",
     "Covers",
     "Equation",
     "InputError",
+    "LibrationPiece",
     "Piece",
     "SurfacePiece",
     "atlas_from_json",

@@ -15,9 +15,16 @@ from typing import Any, NoReturn
 
 from orbitproof.shared.formats.candidates import find_system, read_system
 from orbitproof.shared.formats.documents import InputError, read_document, validate_document, write_text
-from orbitproof.shared.formats.pieces import Piece, SurfacePiece, check_length, piece_from_json
+from orbitproof.shared.formats.pieces import (
+    AnyPiece,
+    LibrationPiece,
+    Piece,
+    SurfacePiece,
+    check_length,
+    piece_from_json,
+)
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe
+from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ReversibleSystem, describe
 
 SURFACE = "symmetry-breaking-surface"
 CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
@@ -76,7 +83,7 @@ class Atlas:
         system: the reversible system.
         parameters: exact values of the system's fixed parameters, by name; empty for a surface.
         claim: what the pieces are together.
-        pieces: all of them `Piece`, or for a surface all of them `SurfacePiece`.
+        pieces: all of them `Piece`, or for a surface `SurfacePiece`, and `LibrationPiece` in Hill's units.
         provenance: free-form, ignored by the verifier.
     """
 
@@ -85,7 +92,7 @@ class Atlas:
     system: ReversibleSystem
     parameters: Mapping[str, Fraction]
     claim: Claim
-    pieces: tuple[Piece | SurfacePiece, ...]
+    pieces: tuple[AnyPiece, ...]
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -100,6 +107,10 @@ class Atlas:
     def surface_pieces(self) -> tuple[SurfacePiece, ...]:
         """The pieces of a surface; none for a curve."""
         return tuple(piece for piece in self.pieces if isinstance(piece, SurfacePiece))
+
+    def libration_pieces(self) -> tuple[LibrationPiece, ...]:
+        """The pieces of the planar families over which a surface lives; none for a curve."""
+        return tuple(piece for piece in self.pieces if isinstance(piece, LibrationPiece))
 
     def to_json(self, provenance: bool = True) -> dict[str, Any]:
         """The JSON object of the atlas, a whole document. All numbers must be dyadic or decimal fractions."""
@@ -160,13 +171,15 @@ def atlas_from_json(
         for name, value in parameters.items():
             check_length(value, f"{source}: field parameters.{name}")
     claim = claim_from_json(entry["claim"], system, f"{source}: field claim")
-    pieces: list[Piece | SurfacePiece] = []
+    pieces: list[AnyPiece] = []
     seen: set[str] = set()
     for index, item in enumerate(entry["pieces"]):
         place = f"pieces[{index}]"
-        if (item["kind"] == SurfacePiece.kind) != surface:
+        if (item["kind"] in (SurfacePiece.kind, LibrationPiece.kind)) != surface:
             why = f"{item['kind']!r} in a claim {claim.kind!r}"
-            refuse(f"{place}.kind", why, "symmetry_breaking belongs to surfaces, the others to curves")
+            refuse(f"{place}.kind", why, "symmetry_breaking and libration belong to surfaces, the others to curves")
+        if item["kind"] == LibrationPiece.kind and system is not HILL:
+            refuse(f"{place}.kind", f"'libration' in a surface of {system.name}", f"it belongs to {HILL.name}")
         piece = piece_from_json(item, system, f"{source}: field {place}")
         if piece.id in seen:
             refuse(f"{place}.id", f"{piece.id!r} appears twice", "give each piece its own id")
@@ -174,6 +187,10 @@ def atlas_from_json(
             refuse(f"{place}.kind", "a symmetric piece in a claim without a symmetry", "name it in claim.symmetry")
         seen.add(piece.id)
         pieces.append(piece)
+    if len({piece.point for piece in pieces if isinstance(piece, LibrationPiece)}) > 1:
+        refuse("pieces", "libration pieces of two points", "an atlas is about one libration point")
+    if surface and not any(isinstance(piece, SurfacePiece) for piece in pieces):
+        refuse("pieces", "no symmetry_breaking piece in a surface", "give the pieces of the surface")
     provenance = entry.get("provenance", {})
     return Atlas(entry["id"], entry["title"], system, parameters, claim, tuple(pieces), provenance)
 

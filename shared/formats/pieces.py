@@ -121,6 +121,50 @@ class SurfacePiece:
         return result
 
 
+@dataclass(frozen=True)
+class LibrationPiece:
+    """Planar orbits about L1 or L2 over a rectangle of (b, eps), in the system `shared.systems.OVER_MASSES[point]`.
+
+    For abs(beta) <= 1, s in [-1, 1] and abs(w) <= 1 the points of the piece are
+
+        b = distance_0 + distance_1 beta,   eps = size_0 + size_1 s,   vy = sum_k polynomial_k(s) beta^k + tube w.
+
+    Its claim: for all beta and s there is exactly one w for which the point lies on a symmetric periodic orbit.
+
+    Attributes:
+        id: unique name within the atlas.
+        point: "L1" or "L2".
+        distance: of the libration point from the smaller mass, signed: middle and half-width, the latter positive.
+        size: of the orbits, in units of the distance: middle and half-width, the latter positive.
+        polynomial: for beta^0, beta^1, .. the coefficients of 1, s, s^2, ..
+        tube: half-width in vy, positive.
+    """
+
+    id: str
+    point: str
+    distance: Vector
+    size: Vector
+    polynomial: Matrix
+    tube: Fraction
+
+    kind = "libration"
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object of the piece. All numbers must be dyadic or decimal fractions."""
+        return {
+            "id": self.id,
+            "kind": self.kind,
+            "point": self.point,
+            "distance": _vector_text(self.distance),
+            "size": _vector_text(self.size),
+            "polynomial": _matrix_text(self.polynomial),
+            "tube": format_exact(self.tube),
+        }
+
+
+AnyPiece = Piece | SurfacePiece | LibrationPiece
+
+
 def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:
     """The value at s of the polynomial with these coefficients of 1, s, s^2, .., exactly."""
     value = Fraction(0)
@@ -129,11 +173,13 @@ def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:
     return value
 
 
-def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> Piece | SurfacePiece:
+def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> AnyPiece:
     """A piece from a schema-valid JSON object; raises `InputError` that names the field."""
     numbers = _Numbers(entry, source)
     if not entry["id"].isprintable():
         numbers.refuse("id", "has characters that cannot be printed", "use letters, digits and signs")
+    if entry["kind"] == LibrationPiece.kind:
+        return _libration_piece(entry, numbers)
     size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
     wanted = f"{system.name} needs {size}: {', '.join(system.centre_coordinates)}"
     frame = numbers.regular("frame", size)
@@ -170,6 +216,19 @@ def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
         tube=numbers.positive("tube", kernel, across),
         coordinates=entry.get("coordinates", "auto"),
     )
+
+
+def _libration_piece(entry: Mapping[str, Any], numbers: _Numbers) -> LibrationPiece:
+    pairs = {}
+    for name in ("distance", "size"):
+        pairs[name] = numbers.vector(name, entry[name])
+        if len(pairs[name]) != 2 or pairs[name][1] <= 0:
+            numbers.refuse(name, "not a middle and a positive half-width", "give two numbers")
+    (tube,) = numbers.vector("tube", [entry["tube"]])
+    if tube <= 0:
+        numbers.refuse("tube", "not positive", "give a positive half-width")
+    rows = tuple(numbers.vector(f"polynomial[{index}]", texts) for index, texts in enumerate(entry["polynomial"]))
+    return LibrationPiece(entry["id"], entry["point"], pairs["distance"], pairs["size"], rows, tube)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from orbitproof.shared.systems.description import (
 )
 from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
-from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS
+from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
 from orbitproof.shared.systems.system import (
@@ -34,7 +34,9 @@ __all__ = [
     "HILL",
     "KEYS",
     "MASS_PARAMETERS",
+    "OVER_MASSES",
     "REGULARISATIONS",
+    "SIDES",
     "SYSTEMS",
     "THREE_BODY",
     "DerivedParameter",
@@ -49,6 +51,7 @@ __all__ = [
     "described",
     "evaluate_formula",
     "fault",
+    "mass_of_distance",
     "program_function",
     "record",
 ]

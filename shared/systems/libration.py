@@ -91,5 +91,64 @@ AROUND: Mapping[str, ReversibleSystem] = {
 }
 """The system around each collinear libration point, by the name of the point."""
 
+
+def mass_of_distance(side: int, distance: Any) -> Any:
+    """k(b) = mu/b^3 for the mass mu at which L1 (side -1) or L2 (side 1) has x_l = 1 - mu + b, as in (16.3)."""
+    square = distance * distance
+    larger = 1 + distance
+    return (3 + 3 * distance + square) / (side * (larger * larger) + square * distance * (2 + distance))
+
+
+def _over_masses_field(side: int) -> VectorField:
+    """The planar CR3BP about L1 or L2 in units of b eps, b the signed distance from the smaller mass, as in (16.4)."""
+
+    def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        x, y, vx, vy = state
+        distance, eps = parameters
+        square = x * x + y * y
+        ratio_of_masses = mass_of_distance(side, distance)
+        larger_mass = 1 - distance * distance * distance * ratio_of_masses
+        inverse = (1 + distance) ** -1
+        along, across = x + 2 * vy, y - 2 * vx
+        for stiffness, unit, linear in (
+            (
+                larger_mass * (inverse * inverse * inverse),
+                distance * inverse,
+                2 * x + eps * distance * inverse * square,
+            ),
+            (side * ratio_of_masses, 1, 2 * x + eps * square),
+        ):
+            ratio = (1 + eps * unit * linear) ** -0.5
+            inverse_square = ratio * ratio
+            cube = inverse_square * ratio
+            quotient = inverse_square * (ratio + 1 / (1 + ratio))
+            along = along - stiffness * (x * cube - linear * quotient)
+            across = across - stiffness * (y * cube)
+        return (vx, vy, along, across)
+
+    return field
+
+
+def _over_masses(point: str, side: int) -> ReversibleSystem:
+    lower, upper = (Fraction(-1), None) if side < 0 else (Fraction(-1, 4), None)
+    return ReversibleSystem(
+        name=f"cr3bp-{point.lower()}-masses",
+        title=f"planar circular restricted three-body problem around {point} in units of the orbit's size, all masses",
+        state=("x", "y", "vx", "vy"),
+        parameters={"b": ParameterRange(lower, upper), "eps": ParameterRange(None, None)},
+        vector_field=_over_masses_field(side),
+        reversing_symmetry=(1, -1, -1, 1),
+        section="y",
+        family_parameter="eps",
+        normalised={"x": Fraction(1)},
+    )
+
+
+SIDES: Mapping[str, int] = {"L1": -1, "L2": 1}
+"""On which side of the smaller mass the libration point lies."""
+
+OVER_MASSES: Mapping[str, ReversibleSystem] = {point: _over_masses(point, side) for point, side in SIDES.items()}
+"""The system around L1 and L2 with the distance from the smaller mass as parameter, which determines the mass."""
+
 BRANCH_SYSTEMS: Mapping[str, ReversibleSystem] = {**SYSTEMS, **{system.name: system for system in AROUND.values()}}
 """Systems whose branches can be proved, by name. Those of `AROUND` are not for single candidates."""

@@ -144,6 +144,9 @@ def _conclusion(
         for index, result in enumerate(document["results"]):
             for number, part in enumerate(result.get("parts", ())):
                 place = f"results[{index}].parts[{number}]"
+                if result["piece"] not in pieces:
+                    yield Finding(place, "the piece is not one of the surface")
+                    continue
                 yield from (Finding(place, text) for text in unshown(pieces[result["piece"]], part))
     conclusion = means.conclude(atlas, document["results"], bifurcations)
     examination.hypotheses = len(conclusion["hypotheses"])

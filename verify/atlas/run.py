@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from orbitproof.shared.formats import Atlas, Piece, SurfacePiece
+from orbitproof.shared.formats import AnyPiece, Atlas, Piece
 from orbitproof.verify.atlas.certificate import Result
 from orbitproof.verify.atlas.splitting import Plan, interval_of, plan, whole
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task, result_of, task_of
@@ -74,13 +74,13 @@ class AtlasRun:
 
         engine.run(work, self._next, progress, finished)
 
-    def _plan(self, piece: Piece | SurfacePiece) -> Plan:
+    def _plan(self, piece: AnyPiece) -> Plan:
         return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits, self._lacks)
 
     def _lacks(self, result: Result) -> str:
         """What a list of resonances leaves open on a proved interval."""
         piece = self._pieces[result["piece"]]
-        if not self.limits.stability or isinstance(piece, SurfacePiece):
+        if not self.limits.stability or not isinstance(piece, Piece):
             return ""
         if id(result) not in self._lacking:
             # The result is kept with it, so that its identity is not given to another one.

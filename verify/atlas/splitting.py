@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.formats import Piece, SurfacePiece
+from orbitproof.shared.formats import AnyPiece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.curve import Interval
 
@@ -56,7 +56,7 @@ class Plan:
         return not self.missing or bool(self.failed)
 
 
-def whole(piece: Piece | SurfacePiece) -> Interval:
+def whole(piece: AnyPiece) -> Interval:
     """The interval of s on which a piece has to be proved; its symmetry gives the other half of a symmetric one."""
     return (Fraction(0), Fraction(1)) if piece.kind == "symmetric" else (Fraction(-1), Fraction(1))
 
@@ -69,7 +69,7 @@ def halves(interval: Interval) -> tuple[Interval, Interval]:
 
 
 def plan(
-    piece: Piece | SurfacePiece,
+    piece: AnyPiece,
     results: Sequence[Mapping[str, Any]],
     attempts: Sequence[Settings],
     max_splits: int,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from orbitproof.shared.formats import Atlas, Piece, SurfacePiece, piece_from_json
+from orbitproof.shared.formats import AnyPiece, Atlas, LibrationPiece, SurfacePiece, piece_from_json
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
 from orbitproof.verify.atlas.splitting import Settings
@@ -16,7 +16,7 @@ from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
 from orbitproof.verify.engines import Answer, Failure, Report, Task
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
-from orbitproof.verify.surface import SurfaceLimits, prove_surface_piece
+from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95
 """The number of steps is not known before; progress stops here until the interval is done."""
@@ -60,7 +60,7 @@ _FOR_STABILITY = {"precision": 96, "order": 40, "width": 48}
 
 
 def task_of(
-    atlas: Atlas, piece: Piece | SurfacePiece, interval: Interval, settings: Settings, limits: RunLimits, steps: int
+    atlas: Atlas, piece: AnyPiece, interval: Interval, settings: Settings, limits: RunLimits, steps: int
 ) -> Task:
     """The task of proving a piece on an interval; the expected number of `steps` is for progress only."""
     return Task(
@@ -104,6 +104,9 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
             return prove_surface_piece(
                 system, piece, (start, end), surface_limits, stepped, argument["symmetry"], parts
             ).to_json()
+        if isinstance(piece, LibrationPiece):
+            surface_limits = SurfaceLimits(**argument["integrator"])
+            return prove_libration_piece(piece, (start, end), surface_limits, stepped).to_json()
         parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
         limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
         more = {"crossings": crossings, **({"slope_bits": SLOPE_BITS} if argument.get("stability") else {})}

@@ -1,6 +1,7 @@
 """Halo orbits over ranges of the mass parameter (section 17)."""
 
 from orbitproof.verify.surface.half_return import SurfaceLimits
+from orbitproof.verify.surface.libration_piece import prove_libration_piece
 from orbitproof.verify.surface.piece import prove_surface_piece
 from orbitproof.verify.surface.stored_parts import unshown
 from orbitproof.verify.surface.theorem import conclude_surface
@@ -9,6 +10,7 @@ from orbitproof.verify.surface.theorem import hypotheses_of as surface_hypothese
 __all__ = [
     "SurfaceLimits",
     "conclude_surface",
+    "prove_libration_piece",
     "prove_surface_piece",
     "surface_hypotheses",
     "unshown",

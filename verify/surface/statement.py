@@ -15,6 +15,7 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL
 from orbitproof.verify.curve import Ends
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text
+from orbitproof.verify.surface.planar_family import PlanarFamily
 
 _DIGITS = 12
 _SIDES = {"below": "less than at it", "above": "greater than at it"}
@@ -30,8 +31,20 @@ class Height:
     z: Fraction
 
 
-def surface_statement(atlas: Atlas, ends: Ends, heights: Sequence[Height], sides: set[str], half_period: arb) -> str:
-    """What is proved. `sides`: of the levels of the first integral at which the new orbits live, from all pieces."""
+def surface_statement(
+    atlas: Atlas,
+    ends: Ends,
+    heights: Sequence[Height],
+    sides: set[str],
+    half_period: arb,
+    family: PlanarFamily | None = None,
+) -> str:
+    """What is proved.
+
+    Args:
+        sides: of the levels of the first integral at which the new orbits live, from all pieces.
+        family: where the planar orbits are shown to be the Lyapunov family of a libration point.
+    """
     height = min(entry.z for entry in heights)
     system, claim = atlas.system, atlas.claim
     parameter = system.fixed_parameters[0]
@@ -53,8 +66,7 @@ def surface_statement(atlas: Atlas, ends: Ends, heights: Sequence[Height], sides
         f"the coordinates ({', '.join(names)}), has these properties.",
         f"1. X({parameter}, 0) is a symmetry breaking bifurcation of P^2, with {level} as parameter: a pair of "
         f"R-symmetric periodic orbits, exchanged by {symmetry}, branches off from the family of R- and "
-        f"{symmetry}-symmetric ones. Which family of such orbits that is, and whether it is the one that emanates "
-        f"from a libration point, is not part of the theorem.",
+        f"{symmetry}-symmetric ones. {_which_family(family)}",
         f"2. X({parameter}, {odd}) is the initial condition of an R-symmetric periodic orbit, P^2(X) = X; if {odd} is "
         f"not 0, it is none of the orbits that {symmetry} fixes point by point.",
     ]
@@ -72,7 +84,7 @@ def surface_statement(atlas: Atlas, ends: Ends, heights: Sequence[Height], sides
     ]
     if half_period.is_finite():
         paragraphs.append(f"All half periods lie in {decimal_interval(half_period, 6)}.")
-    further = _meaning(atlas, height)
+    further = _meaning(atlas, height, family)
     return "\n".join([*paragraphs, *([further] if further else [])])
 
 
@@ -86,19 +98,48 @@ def _higher(heights: Sequence[Height], least: Fraction) -> list[Height]:
     return runs
 
 
-def _meaning(atlas: Atlas, height: Fraction) -> str:
+def _which_family(family: PlanarFamily | None) -> str:
+    if family is not None:
+        return f"That this family is the one that emanates from {family.point} is said below, with the masses."
+    return (
+        "Which family of such orbits that is, and whether it is the one that emanates from a libration point, is not "
+        "part of the theorem."
+    )
+
+
+def _lyapunov(family: PlanarFamily, first: Fraction, last: Fraction) -> tuple[bool, str]:
+    """Whether the family is known for all masses from `first` to `last`, and a sentence about it."""
+    start, end = max(family.start, first), min(family.end, last)
+    whole = start == first and end == last
+    return whole, (
+        f"For all mu in {_masses(start, end)} the planar orbit of X(h, 0) belongs to the planar Lyapunov family of "
+        f"{family.point}: there is a smooth curve of planar R-symmetric periodic orbits that ends in {family.point}, "
+        f"to which they shrink with periods that tend to that of the linear centre, and that orbit is one of them."
+    )
+
+
+def _masses(start: Fraction, end: Fraction) -> str:
+    """An interval of masses with nine decimals, rounded inward; 0 itself is no mass."""
+    return f"{'(0' if start == 0 else f'[{_decimal(start, ceil)}'}, {_decimal(end, floor)}]"
+
+
+def _meaning(atlas: Atlas, height: Fraction, family: PlanarFamily | None) -> str:
     """What a surface in Hill's units says about the CR3BP (section 17.1)."""
     covers = atlas.claim.covers
     if atlas.system is not HILL or covers is None or covers.end <= 0 or covers.start < 0:
         return ""
-    lowest = "(0" if covers.start == 0 else f"[{_decimal(covers.start**3, ceil)}"
-    masses = f"{lowest}, {_decimal(covers.end**3, floor)}]"
+    masses = _masses(covers.start**3, covers.end**3)
+    whole, known = (False, "") if family is None else _lyapunov(family, covers.start**3, covers.end**3)
+    reserve = "" if whole else " up to the identification of the family with that of Lyapunov"
+    if known and not whole:
+        reserve += ", where that is not said here"
     return (
         f"In the circular restricted three-body problem with mass parameter mu = h^3 this is the point (x, z, vy) = "
         f"(1 - mu + h xi, h zeta, h veta): for all mu in {masses} there is a symmetry breaking, and there are the "
-        f"orbits that branch off, halo orbits up to the identification of the family with that of Lyapunov, for "
+        f"orbits that branch off, halo orbits{reserve}, for "
         f"|z| <= {exact_text(height)} mu^(1/3)."
         + (" At h = 0 the equations are those of Hill's lunar problem." if covers.start == 0 else "")
+        + (f"\n{known}" if known else "")
     )
 
 

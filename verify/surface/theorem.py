@@ -11,6 +11,7 @@ from typing import Any
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas, evaluate
+from orbitproof.shared.systems import HILL
 from orbitproof.verify.claim import check_symmetries, determinant, is_adapted, signs_on
 from orbitproof.verify.curve import Conclusion, Ends
 from orbitproof.verify.evidence import (
@@ -26,6 +27,7 @@ from orbitproof.verify.evidence import (
     hull,
 )
 from orbitproof.verify.surface.gluing import Sheet, SurfaceJoint, glue, read_sheet
+from orbitproof.verify.surface.planar_family import PlanarFamily, require_family
 from orbitproof.verify.surface.statement import Height, surface_statement
 
 PRECISION = 256
@@ -52,7 +54,9 @@ class ProvedSurface:
 
 def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
     """Names of the hypotheses that the claim takes, in the order of checking."""
-    return ("symmetries", "frames", "pieces", "parameter", "glued", *(("covers",) if atlas.claim.covers else ()))
+    always = ("symmetries", "frames", "pieces", "parameter", "glued")
+    covers = ("covers",) if atlas.claim.covers else ()
+    return (*always, *covers, *(("planar-family",) if atlas.libration_pieces() else ()))
 
 
 def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Conclusion[ProvedSurface]:
@@ -65,9 +69,10 @@ def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Conc
     with ctx.workprec(PRECISION):
         try:
             sheets, joints = _check(checklist, atlas, results)
+            family = _check_family(checklist, atlas, sheets, results)
             surface = ProvedSurface(joints, _ends(atlas, sheets))
             sides = {part.side for sheet in sheets for part in sheet.parts}
-            statement = surface_statement(atlas, surface.ends, heights(atlas), sides, _half_period(results))
+            statement = surface_statement(atlas, surface.ends, heights(atlas), sides, _half_period(results), family)
         except NotEstablishedError as error:
             return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)))
         except (EmptyIntersectionError, ValueError, KeyError) as error:
@@ -161,6 +166,23 @@ def _check_covers(checklist: Checklist, atlas: Atlas, sheets: Sequence[Sheet]) -
         evidence.require(last >= covers.end, f"the last piece ends at {float(last):.17g}, below the range's end")
 
 
+def _check_family(
+    checklist: Checklist, atlas: Atlas, sheets: Sequence[Sheet], results: Sequence[Mapping[str, Any]]
+) -> PlanarFamily | None:
+    """For an atlas with pieces of the planar family: over which masses it is that of the libration point."""
+    if not atlas.libration_pieces():
+        return None
+    with checklist.hypothesis(
+        "planar-family",
+        "17.6",
+        "the planar orbits of the surface are those of pieces that go down to the libration point",
+        "write the atlas again, or leave out the libration pieces",
+    ) as evidence:
+        evidence.require(atlas.system is HILL, f"{atlas.system.name} is not in Hill's units")
+        family = require_family(evidence, atlas, sheets, results)
+    return family
+
+
 def _require_adapted(evidence: Evidence, atlas: Atlas) -> None:
     """As `verify.claim.frames.check_adapted_frames`, for all s: the centre stays in the set that the symmetry fixes."""
     system = atlas.system
@@ -190,5 +212,7 @@ def _ends(atlas: Atlas, sheets: Sequence[Sheet]) -> Ends:
 
 
 def _half_period(results: Sequence[Mapping[str, Any]]) -> arb:
-    times = [ball_from_json(result["time"]) for result in results if result["verdict"] == "proved"]
+    times = [
+        ball_from_json(result["time"]) for result in results if result["verdict"] == "proved" and "parts" in result
+    ]
     return hull(times[0], *times[1:])

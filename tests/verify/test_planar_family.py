@@ -1,0 +1,279 @@
+"""The planar orbits under a surface are the Lyapunov family of the libration point; other ones are refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import pytest
+from flint import arb
+from support.forgeries import atlas_certificate, checked, forged, honest
+
+from orbitproof.explore.atlases.lyapunov import LyapunovFamily
+from orbitproof.explore.seeds.libration_points import libration_point
+from orbitproof.shared.formats.atlas import Atlas, read_atlas
+from orbitproof.shared.formats.pieces import LibrationPiece, evaluate
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems.libration import AROUND, OVER_MASSES, SIDES, mass_of_distance
+from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.surface.half_return import SurfaceLimits
+from orbitproof.verify.surface.libration_piece import prove_libration_piece
+from orbitproof.verify.surface.theorem import conclude_surface
+
+DATA = Path(__file__).parents[1] / "data"
+WHOLE = (Fraction(-1), Fraction(1))
+
+
+@pytest.fixture(scope="module")
+def atlas() -> Atlas:
+    """A surface of L1 around the mass of the Earth and the Moon, with the planar family over it."""
+    return read_atlas(DATA / "surface-planar.json")
+
+
+@pytest.fixture(scope="module")
+def piece(atlas: Atlas) -> LibrationPiece:
+    return atlas.libration_pieces()[0]
+
+
+@pytest.fixture(scope="module")
+def results() -> list[dict[str, Any]]:
+    """What the verifier found for all pieces."""
+    names = ("surface-results.json", "surface-planar-results.json")
+    return [result for name in names for result in json.loads((DATA / name).read_text())]
+
+
+@pytest.mark.parametrize("point", ["L1", "L2"])
+@pytest.mark.parametrize("mu", [1e-6, 0.012, 0.3, 0.5])
+def test_the_distance_of_the_libration_point_determines_the_mass(point: str, mu: float) -> None:
+    distance = libration_point(point, mu).x - 1 + mu
+    assert distance**3 * mass_of_distance(SIDES[point], distance) == pytest.approx(mu, rel=1e-8)
+
+
+@pytest.mark.parametrize("point", ["L1", "L2"])
+def test_the_equations_over_masses_are_those_around_the_libration_point(point: str) -> None:
+    source = random.Random(1)
+    with mpmath.workdps(50):
+        number = lambda value: mpmath.mpf(value.numerator) / value.denominator  # noqa: E731
+        power = lambda base, exponent: mpmath.power(base, number(exponent))  # noqa: E731
+        for _ in range(5):
+            b = SIDES[point] * mpmath.mpf(source.uniform(0.01, 0.4))
+            mu = b**3 * mass_of_distance(SIDES[point], b)
+            eps = mpmath.mpf(source.uniform(-0.1, 0.1))
+            state = [mpmath.mpf(source.uniform(-1, 1)) for _ in range(4)]
+            around = AROUND[point].program.evaluate([*state, mu, 1 - mu + b, b * eps], number, power)
+            over = OVER_MASSES[point].program.evaluate([*state, b, eps], number, power)
+            for left, right in zip(around, over, strict=True):
+                assert abs(left - right) < mpmath.mpf(10) ** -44
+
+
+def test_at_distance_zero_the_equations_are_hills_about_his_point() -> None:
+    x, y, vx, vy = state = [0.3, -0.4, 0.5, 0.6]
+    for point in ("L1", "L2"):
+        field = OVER_MASSES[point].program.evaluate([*state, 0.0, 0.0], float, lambda base, power: base ** float(power))
+        assert field == pytest.approx([vx, vy, 2 * vy + 9 * x, -2 * vx - 3 * y])
+
+
+def test_planar_orbits_that_go_down_to_the_libration_point_make_the_statement_stronger(
+    atlas: Atlas, results: list[dict[str, Any]]
+) -> None:
+    conclusion = conclude_surface(atlas, results)
+    assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
+    text = conclusion.statement
+    assert "belongs to the planar Lyapunov family of L1" in text
+    assert "For all mu in [0.010648000, 0.013824000] the planar orbit" in text
+    assert "up to the identification" not in text
+    assert "not part of the theorem" not in text
+    alone = conclude_surface(replace(atlas, pieces=atlas.surface_pieces()), results[:1])
+    assert isinstance(alone.outcome, Proved)
+    assert "not part of the theorem" in alone.statement
+    assert "up to the identification" in alone.statement
+
+
+def test_where_the_family_is_known_for_some_masses_only_the_statement_says_so(
+    atlas: Atlas, piece: LibrationPiece, results: list[dict[str, Any]]
+) -> None:
+    middle, half = piece.distance
+    polynomial = tuple(tuple(value / 2**k for value in row) for k, row in enumerate(piece.polynomial))
+    narrow = replace(piece, distance=(middle, half / 2), polynomial=polynomial)
+    conclusion = conclude_surface(replace(atlas, pieces=(*atlas.surface_pieces(), narrow)), results)
+    assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
+    assert "up to the identification of the family with that of Lyapunov, where that is not said here" in (
+        conclusion.statement
+    )
+    mass = [(middle + sign * half / 2) ** 3 * mass_of_distance(-1, middle + sign * half / 2) for sign in (1, -1)]
+    _, _, words = conclusion.statement.rpartition("For all mu in [")
+    low, high = (float(text) for text in words[: words.index("]")].split(", "))
+    assert float(mass[0]) <= low < float(mass[0]) + 2e-9
+    assert float(mass[1]) - 2e-9 < high <= float(mass[1])
+
+
+Change = Callable[[list[LibrationPiece], list[dict[str, Any]]], None]
+
+
+def _other_family(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    (constant, *rest), *others = pieces[0].polynomial
+    pieces[0] = replace(pieces[0], polynomial=((constant + 2 * pieces[0].tube, *rest), *others))
+
+
+def _wrong_point(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    middle, half = pieces[0].distance
+    pieces[0] = replace(pieces[0], point="L2", distance=(-middle + Fraction(1, 50), half))
+
+
+def _other_side(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    pieces[0] = replace(pieces[0], point="L2")
+
+
+def _without_the_point(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    middle, half = pieces[0].size
+    pieces[0] = replace(pieces[0], size=(middle + half / 4, half * 3 / 4))
+
+
+def _gap_before_the_surface(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    middle, half = pieces[0].size
+    pieces[0] = replace(pieces[0], size=(middle - half / 4, half * 3 / 4))
+
+
+def _gap_in_size(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    results[1:] = [{**results[1], "interval": ["-1", "0x1p-3"]}, {**results[1], "interval": ["0x1p-2", "1"]}]
+
+
+def _gap_in_mass(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    middle, half = pieces[0].distance
+    near = replace(pieces[0], id="near", distance=(middle + half / 2, half / 4))
+    far = replace(pieces[0], distance=(middle - half / 2, half / 4))
+    pieces[:] = [near, far]
+    results.append({**results[1], "piece": "near"})
+
+
+def _out_of_order(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    pieces.append(replace(pieces[0], id="again"))
+    results.append({**results[1], "piece": "again"})
+
+
+def _unproved(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    results[1] = {**results[1], "verdict": "not proved", "reason": {}}
+
+
+def _missing(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    del results[1]
+
+
+def _forged_bound(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    results[1] = {**results[1], "deviation": ["0x1"]}
+
+
+def _no_time(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    results[1] = {**results[1], "time": {"mid": "nan", "rad": "0x1"}}
+
+
+def _beyond(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    results[1] = {**results[1], "interval": ["-2", "1"]}
+
+
+REFUSED: dict[str, tuple[Change, str]] = {
+    "the planar orbits are not those of the family": (_other_family, "is not in the tube"),
+    "the family is that of the other libration point": (_wrong_point, "not shown to be among the sizes"),
+    "the distances have the wrong side": (_other_side, "other side of the smaller mass"),
+    "the family does not reach the libration point": (_without_the_point, "does not reach the libration point"),
+    "the family ends before the surface": (_gap_before_the_surface, "not shown to be among the sizes"),
+    "sizes are missing": (_gap_in_size, "is not proved from s = 0.125"),
+    "masses are missing": (_gap_in_mass, "there is a gap"),
+    "pieces out of order": (_out_of_order, "not in order"),
+    "the piece is not proved": (_unproved, "is not proved from s = -1"),
+    "the piece has no result": (_missing, "is not proved from s = -1"),
+    "the bound is not below the tube": (_forged_bound, "not below the tube"),
+    "the half periods are not known": (_no_time, "planar001"),
+    "the result is about more than the piece": (_beyond, "not within [-1, 1]"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_planar_family_with_a_flaw_is_refused(name: str, atlas: Atlas, results: list[dict[str, Any]]) -> None:
+    change, message = REFUSED[name]
+    pieces, changed = list(atlas.libration_pieces()), copy.deepcopy(results)
+    change(pieces, changed)
+    conclusion = conclude_surface(replace(atlas, pieces=(*atlas.surface_pieces(), *pieces)), changed)
+    assert isinstance(conclusion.outcome, NotProved)
+    assert conclusion.outcome.reason.condition == "planar-family"
+    assert message in conclusion.outcome.reason.message
+    assert not conclusion.statement
+
+
+def test_a_certificate_with_the_family_stands_and_forgeries_are_found(
+    atlas: Atlas, results: list[dict[str, Any]]
+) -> None:
+    document = json.loads(json.dumps(atlas_certificate(atlas, results)))
+    assert checked(document, honest(results)).stands
+
+    def narrower(entry: dict[str, Any]) -> None:
+        entry["results"][1]["deviation"] = ["0x1p-60"]
+
+    def wider(entry: dict[str, Any]) -> None:
+        entry["results"][1]["deviation"] = ["0x1"]
+
+    def more(entry: dict[str, Any]) -> None:
+        theorem = entry["statement"]["theorem"]
+        entry["statement"]["theorem"] = theorem.replace("[0.010648000, 0.013824000]", "[0.010648000, 0.020000000]")
+
+    def other(entry: dict[str, Any]) -> None:
+        piece = entry["statement"]["atlas"]["pieces"][1]
+        piece["size"][1] = "0x1p-4"
+
+    def parts(entry: dict[str, Any]) -> None:
+        entry["results"][1]["parts"] = entry["results"][0]["parts"]
+
+    for change in (narrower, wider, more, other, parts):
+        found = checked(forged(document, change), honest(results, document["statement"]["atlas"]["pieces"]))
+        assert found.findings, change.__name__
+        assert not found.stands
+
+
+@pytest.mark.slow
+def test_a_piece_is_proved_and_contains_the_orbits_of_the_family(piece: LibrationPiece) -> None:
+    found = prove_libration_piece(piece, WHOLE, SurfaceLimits(64, 20, 14, 5))
+    assert isinstance(found.outcome, Proved), found.outcome.reason
+    deviation = float(found.outcome.results.deviation)
+    for beta in (Fraction(-1), Fraction(1, 3), Fraction(1)):
+        b = piece.distance[0] + beta * piece.distance[1]
+        mu = b**3 * Fraction(mass_of_distance(-1, b))
+        for s in (Fraction(-1), Fraction(0), Fraction(7, 8)):
+            eps = piece.size[0] + s * piece.size[1]
+            orbit = LyapunovFamily("L1", mu).orbit(float(b * eps))
+            expected = sum(float(evaluate(row, s) * beta**k) for k, row in enumerate(piece.polynomial))
+            assert abs(orbit.vy - expected) < deviation + 1e-8
+            assert found.outcome.results.time.contains(arb(orbit.half_period))
+
+
+@pytest.mark.slow
+def test_a_tube_beside_the_family_is_not_proved(piece: LibrationPiece) -> None:
+    (constant, *rest), *others = piece.polynomial
+    beside = replace(piece, polynomial=((constant + 2 * piece.tube, *rest), *others))
+    found = prove_libration_piece(beside, (Fraction(0), Fraction(1, 8)), SurfaceLimits(64, 20, 8, 5))
+    assert isinstance(found.outcome, NotProved)
+    assert found.outcome.reason.condition == "newton"
+
+
+def test_a_piece_that_is_none_is_not_proved(piece: LibrationPiece) -> None:
+    for other, interval in (
+        (piece, (Fraction(0), Fraction(2))),
+        (replace(piece, distance=(Fraction(-9, 8), Fraction(1, 4))), WHOLE),
+        (replace(piece, polynomial=piece.polynomial + piece.polynomial), WHOLE),
+    ):
+        found = prove_libration_piece(other, interval)
+        assert isinstance(found.outcome, NotProved)
+        assert found.outcome.reason.condition == "piece"
+
+
+def test_the_stored_result_says_how_far_the_family_is_from_the_polynomial(
+    piece: LibrationPiece, results: Sequence[dict[str, Any]]
+) -> None:
+    (deviation,) = (parse_exact(text) for text in results[1]["deviation"])
+    assert 0 < deviation < piece.tube / 2
