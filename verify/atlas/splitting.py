@@ -121,7 +121,7 @@ def plan(
     return Plan(tuple(done), tuple(missing), tuple(failed))
 
 
-def _asked(piece: Piece | SurfacePiece, interval: Interval) -> Interval:
+def _asked(piece: AnyPiece, interval: Interval) -> Interval:
     """What was asked for: a proof on a symmetric piece about 0 is one on both sides of it."""
     start, end = interval
     return (Fraction(0), end) if piece.kind == "symmetric" and start == -end else interval
