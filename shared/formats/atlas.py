@@ -177,7 +177,7 @@ def atlas_from_json(
         place = f"pieces[{index}]"
         if (item["kind"] in (SurfacePiece.kind, LibrationPiece.kind)) != surface:
             why = f"{item['kind']!r} in a claim {claim.kind!r}"
-            refuse(f"{place}.kind", why, "symmetry_breaking belongs to surfaces, as does libration; the others to curves")
+            refuse(f"{place}.kind", why, "symmetry_breaking belongs to surfaces, and libration; the others to curves")
         if item["kind"] == LibrationPiece.kind and system is not HILL:
             refuse(f"{place}.kind", f"'libration' in a surface of {system.name}", f"it belongs to {HILL.name}")
         piece = piece_from_json(item, system, f"{source}: field {place}")
