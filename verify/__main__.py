@@ -45,7 +45,7 @@ examples:
   orbitproof verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
       one row again, with more bits
   orbitproof verify candidates.json -o certificates.json --curve curve.json
-      and for each orbit say where it lies on a curve that orbitproof verify atlas has proved
+      and for each orbit say where it lies on a curve that is proved
   orbitproof verify candidates.json -o certificates.json --scheduler tcp://192.0.2.1:8786
       hand the candidates to a cluster (dask.distributed)
   orbitproof verify --recheck certificates.json
@@ -73,7 +73,7 @@ def _parser() -> ArgumentParser:
         "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)"
     )
     parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
-    words = "certificate of a curve (orbitproof verify atlas): where on it the orbits of the candidates lie"
+    words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
     parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
     parser.run_options("candidates", "--row-timeout", "a candidate")
     return parser

@@ -26,7 +26,7 @@ _SECTION_HEADING = re.compile(rf"^(?:#{{2,3}} (?={NUMBER}\.? \S)|\*\*(?=\d+\.\d)
 """A heading, or a paragraph that begins with its number in bold."""
 _RESULT_HEADING = re.compile(rf"^\*\*(Lemma|Theorem) ({NUMBER})(?: \([^)]*\))?\.\*\*", re.MULTILINE)
 _FORMULA = re.compile(r"^ .*\s{2,}\((\d{1,2}\.\d)\)$", re.MULTILINE)
-_ARGUMENT = re.compile(r'(?<=[(,\s=])"(\d{1,2}\.\d{1,2})"(?=[,)])')
+_ARGUMENT = re.compile(r'(?<=[(,\s=])"([1-9]\d?\.\d{1,2})"(?=[,)])')
 """The section of a hypothesis, as it is handed to the checklist."""
 _LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 _COVER_ROW = re.compile(r"^\| [^|]+ \| \[[^\]]+\]\(\.\./([^)]+)/README\.md\) \| ([^|]*)\|", re.MULTILINE)
