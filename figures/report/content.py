@@ -94,7 +94,8 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
         rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (side,)))
     if rows:
         header = ("theorem", "about", "certificate", "bifurcation parameter, or period", "new orbits")
-        blocks.append(Table(header, tuple(rows), "The theorems", (0.1, 0.19, 0.24, 0.31, 0.08)))
+        table = Table(header, tuple(rows), "The theorems", (0.1, 0.19, 0.24, 0.31, 0.08))
+        blocks.append(table.without_empty_columns())
     return Section("summary", "Summary", tuple(blocks))
 
 

@@ -80,6 +80,17 @@ class Table:
     caption: str
     widths: tuple[float, ...]
 
+    def without_empty_columns(self) -> Table:
+        """The table with the columns in which a row has something, as wide as all of them were; the first stays."""
+        kept = [i for i in range(len(self.header)) if not i or any(row[i] for row in self.rows)]
+        scale = sum(self.widths) / sum(self.widths[i] for i in kept)
+        return Table(
+            tuple(self.header[i] for i in kept),
+            tuple(tuple(row[i] for i in kept) for row in self.rows),
+            self.caption,
+            tuple(round(self.widths[i] * scale, 3) for i in kept),
+        )
+
 
 @dataclass(frozen=True)
 class Picture:

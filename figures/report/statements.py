@@ -151,10 +151,11 @@ def hypothesis_table(entry: Checked) -> Table:
         for key, ball in enclosures.items():
             rows.append((*lead, (f"{key}: {_shown(ball)}",), (margin_of(name, key, ball, radii),)))
             lead = ((), ())
+    kind = kind_of(entry)
     return Table(
         ("hypothesis", "what holds", "enclosure", "margin"), tuple(rows),
-        f"Hypotheses of {kind_of(entry).lower()}, {name_of(entry)}", (0.12, 0.34, 0.34, 0.13),
-    )  # fmt: skip
+        f"Hypotheses of {kind[0].lower()}{kind[1:]}, {name_of(entry)}", (0.12, 0.34, 0.34, 0.13),
+    ).without_empty_columns()  # fmt: skip
 
 
 def _shown(ball: arb) -> str:

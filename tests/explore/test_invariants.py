@@ -7,6 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from math import acos
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from scipy.integrate import solve_ivp
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow.flow import flow_of
+from orbitproof.explore.invariants import curve
 from orbitproof.explore.invariants.curve import NoCurve, measured
 from orbitproof.explore.invariants.file import read_manifold, read_tori, write_manifold, write_tori
 from orbitproof.explore.invariants.manifold import NoManifold, Plane, manifold_of
@@ -132,3 +134,26 @@ def test_a_plane_that_is_none_is_refused(plane: str, tmp_path: Path, capsys: pyt
     words = ["manifold", str(tmp_path / "f.json"), "-o", str(tmp_path / "m.json"), "--plane", plane]
     assert main(words) == 2
     assert capsys.readouterr().err.startswith(f"orbitproof explore manifold: --plane {plane}")
+
+
+@pytest.mark.parametrize(("noise", "found"), [(5e-10, True), (1e-7, False)])
+def test_a_curve_is_found_where_rounding_errors_end_the_gain_and_not_where_they_hide_it(
+    noise: float, found: bool, tori: TorusFamily, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As near a primary, where the equations cannot be evaluated to more digits."""
+    exact, generator = curve.equations, np.random.default_rng(3)
+
+    def rough(guess: curve.InvariantCurve) -> tuple[Any, ...]:
+        residual, *rest = exact(guess)
+        return residual + noise * generator.uniform(-1, 1, residual.shape), *rest
+
+    monkeypatch.setattr(curve, "equations", rough)
+    last = tori.curves[-1]
+    guess = last.with_unknowns(last.unknowns + 1e-4, last.times)
+    normal = np.zeros(len(last.unknowns))
+    normal[1] = 1.0
+    if found:
+        assert measured(curve.correct(guess, normal)) < 1e-8
+    else:
+        with pytest.raises(NoCurve, match="does not converge"):
+            curve.correct(guess, normal)

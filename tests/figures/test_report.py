@@ -19,7 +19,7 @@ from support.claims import known, moved
 from support.forgeries import DATA, atlas_certificate, forged, read
 
 from orbitproof.figures.report.command import main
-from orbitproof.figures.report.document import Math
+from orbitproof.figures.report.document import Math, Table
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of
 from orbitproof.figures.report.theorems import CheckedAtlas, CheckedRow, Refused, check_files
@@ -350,3 +350,12 @@ def test_a_margin_in_the_box_is_rounded_up_and_one_from_zero_down() -> None:
     assert Fraction(away.split()[2]) <= low / (high - low)
     assert margin_of("G_01", "G_01", ball, radii) == ""
     assert margin_of("family", "d q_1(P) / d p_1", arb(7), radii) == ""
+
+
+def test_a_table_leaves_out_columns_in_which_nothing_stands() -> None:
+    table = Table(("name", "kind", "margin"), ((("a",), (), ("2 %",)), (("b",), (), ())), "Rows", (0.2, 0.3, 0.4))
+    short = table.without_empty_columns()
+    assert short.header == ("name", "margin")
+    assert short.rows == ((("a",), ("2 %",)), (("b",), ()))
+    assert short.widths == pytest.approx((0.3, 0.6))
+    assert short.without_empty_columns() == short
