@@ -9,7 +9,9 @@ from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, FormulaError, evaluate_formula
 
 
-def exact_number(option: str, text: str, wrong: str = "no number; write a decimal or hexadecimal number") -> Fraction:
+def exact_number(
+    option: str, text: str, wrong: str = "no number; write a decimal, a fraction or a hexadecimal number"
+) -> Fraction:
     """The number given with an option, exactly as written. Raises `InputError`."""
     try:
         return parse_exact(text)

@@ -36,7 +36,7 @@ def given_parameters(
 
     Raises `InputError`.
     """
-    texts = dict(_assignment("--parameter", word) for word in assignments or ())
+    texts = _assignments("--parameter", assignments or ())
     wanted = system.fixed_parameters
     for name in texts:
         if name not in wanted:
@@ -86,8 +86,7 @@ def place_of(system: ReversibleSystem, option: str, words: Sequence[str], *, com
     """Centre coordinates by name from words like ``y=0.2``; all of them if `complete`. Raises `InputError`."""
     names = system.centre_coordinates
     result: dict[str, float] = {}
-    for word in words:
-        name, text = _assignment(option, word)
+    for name, text in _assignments(option, words).items():
         if name not in names:
             raise InputError(f"{option} {name}: no coordinate of {system.name} on Fix(R); give {', '.join(names)}")
         result[name] = finite_number(f"{option} {name}", text)
@@ -106,8 +105,14 @@ def finite_number(option: str, text: str) -> float:
     return float(value)
 
 
-def _assignment(option: str, word: str) -> tuple[str, str]:
-    name, sign, text = word.partition("=")
-    if not sign or not name or not text:
-        raise InputError(f"{option} {word}: no assignment; write NAME=VALUE")
-    return name, text
+def _assignments(option: str, words: Sequence[str]) -> dict[str, str]:
+    """Texts by name from words like ``y=0.2``. Raises `InputError`."""
+    result: dict[str, str] = {}
+    for word in words:
+        name, sign, text = word.partition("=")
+        if not sign or not name or not text:
+            raise InputError(f"{option} {word}: no assignment; write NAME=VALUE")
+        if name in result:
+            raise InputError(f"{option} {word}: {name} is given twice; give one value")
+        result[name] = text
+    return result

@@ -192,6 +192,7 @@ def test_an_error_in_a_clause_of_the_file_is_one_line_of_every_command(
         (["--start", "c=0.1", "y"], "no assignment"),
         (["--start", "c=0.1", "y=two"], "no number"),
         (["--start", "c=0.1", "w=2"], "no coordinate of michelson"),
+        (["--start", "c=0.1", "y=0.2", "c=0.3"], "c is given twice"),
         (["--start", "equilibrium", "c=0.1"], "no first integral"),
         ([], "--start: missing"),
         (["--start", "c=0.1", "y=0.2", "--parameter", "a=1"], "no such fixed parameter"),
