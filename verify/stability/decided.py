@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any
 
 from flint import ctx
@@ -10,7 +11,10 @@ from flint import ctx
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.stability.complete_list import PRECISION, orders, resonant_value, segment_of
-from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
+from orbitproof.verify.stability.zeros import Zeros, zeros_beside_double_one, zeros_on
+
+_BESIDE = Fraction(1, 64)
+"""By so much of tau intervals overlap at least."""
 
 
 def open_on(piece: Piece, result: Mapping[str, Any], order: int) -> str:
@@ -37,14 +41,20 @@ def _open(piece: Piece, result: Mapping[str, Any], order: int) -> str:
     with ctx.workprec(PRECISION):
         segment = segment_of(0, (start, start, high), (low, high), entry, False)
         first, last = segment.tau(start), segment.tau(high)
+        inner = first if symmetric else first + _BESIDE, last - _BESIDE
         for k, j in orders(order):
             function = segment.at(resonant_value(k, j))
             if symmetric and k == 1:
                 _, found = zeros_beside_double_one(function, last)
             else:
                 found = zeros_on(function, first, last)
-            if found.undecided:
+            if _is_open(found, inner):
                 return "zeros"
-        if segment.discriminant is not None and zeros_on(segment.discriminant, first, last).undecided:
+        if segment.discriminant is not None and _is_open(zeros_on(segment.discriminant, first, last), inner):
             return "zeros"
     return ""
+
+
+def _is_open(found: Zeros, inner: tuple[Fraction, Fraction]) -> bool:
+    """Whether something is undecided, not only at the ends, where the curve runs through a neighbour."""
+    return any(high > inner[0] and low < inner[1] for low, high in found.undecided)
