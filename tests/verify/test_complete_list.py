@@ -284,6 +284,11 @@ def one_too_many(entry: dict[str, Any]) -> None:
     points.insert(3, points[3])
 
 
+def certificate_of_another_curve(entry: dict[str, Any]) -> None:
+    """It is said to be about a point of the list, and is not among the certificates that the file carries."""
+    entry["conclusion"]["complete"]["points"][3]["certificates"] = ["earth-moon-L2-halo-k3-1"]
+
+
 def one_extremum_too_many(entry: dict[str, Any]) -> None:
     listed_ = entry["conclusion"]["complete"]
     point = listed_["points"][3]
@@ -319,7 +324,17 @@ def no_gap(entry: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize(
     "change",
-    [left_out, one_too_many, one_extremum_too_many, wrong_order, longer, other_words, fewer_orders, no_gap],
+    [
+        left_out,
+        one_too_many,
+        certificate_of_another_curve,
+        one_extremum_too_many,
+        wrong_order,
+        longer,
+        other_words,
+        fewer_orders,
+        no_gap,
+    ],
     ids=lambda f: f.__name__,
 )
 def test_a_forged_list_is_found_without_integrating(change: Callable[[dict[str, Any]], None]) -> None:
