@@ -66,8 +66,8 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
     result = second_proof(certificate)
     row: Row = {"id": certificate["id"]} | vars(compare(certificate, result))
     if isinstance(result, Proved):
-        row |= {name: getattr(result, name) for name in ("kind", "k", "side", "bits", "steps")}
-        row |= {"radius": _text(result.radius), "point": _texts(result.point), "parameter": _text(result.parameter)}
+        row |= {name: getattr(result, name) for name in ("kind", "k", "side", "width", "steps")}
+        row |= {"point": _texts(result.point), "parameter": _text(result.parameter)}
         row["hypotheses"] = [{"name": h.name, "enclosures": _texts(h.enclosures)} for h in result.hypotheses]
     return row | {"cpu_seconds": round(time.process_time() - used, 1), "fingerprint": fingerprint(certificate)}
 

@@ -419,21 +419,21 @@ def middle_iterates_have_to_be_regular(package: ModuleType) -> None:
 
 def nothing_follows_from_nan(package: ModuleType) -> None:
     conditions = module(package, "conditions")
-    assert conditions.hypothesis("name", True, value=arb(1)).holds
-    assert not conditions.hypothesis("name", False, value=arb(1)).holds
+    assert conditions.Hypothesis("name", True, {"value": arb(1)}).holds
+    assert not conditions.Hypothesis("name", False, {"value": arb(1)}).holds
     for value in (arb("nan"), arb("inf"), arb(0, "inf")):
-        assert not conditions.hypothesis("name", True, value=value).holds
-    assert not conditions.hypothesis("name", True).holds
+        assert not conditions.Hypothesis("name", True, {"value": value}).holds
+    assert not conditions.Hypothesis("name", True, {}).holds
 
 
 def asymmetric_fields_are_refused(package: ModuleType) -> None:
     """v' = s^2 + v is neither even nor odd under s -> -s, v -> v with time reversed."""
     statement = module(package, "statement")
-    signs = {"s": statement.Parity(-1), "v": statement.Parity(1)}
+    signs = {"s": -1, "v": 1}
     text = "v0 = s\nv1 = v\nv2 = v0 * v0\nv3 = v2 + v0\nv4 = v0 * v1\nv5 = v1 / v0\nv6 = v0 ** (3)\nv7 = v1 ** (-3/2)\n"
     text += "v8 = v0 ** (1/2)\nv9 = v3 ** (2)\nv10 = v3 * v3\nv11 = v0 ** (-2)\nv12 = v3 + v3\n"
     program = statement.Program.from_text(text + "return v2, v3, v4, v5, v6, v7, v8, v9, v10, v11, v12")
-    assert program.run(signs, lambda _: statement.Parity(1)) == [1, 0, -1, -1, -1, 1, 0, 0, 0, 1, 0]
+    assert program.run(signs, lambda _: 1, statement.PARITY) == [1, 0, -1, -1, -1, 1, 0, 0, 0, 1, 0]
 
 
 CHECKS: dict[str, Check] = {

@@ -75,7 +75,7 @@ def test_rows_that_agree_are_a_success(tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_bad_input_is_named(certificates: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     broken = tmp_path / "broken.json"
-    content = json.loads(certificates.read_text(encoding="utf-8"))
+    content = json.loads(write(broken, DOUBLING, TOUCHING).read_text(encoding="utf-8"))
     content["certificates"][1]["statement"]["section"] = "w"
     for text, word in (
         ("{", "broken.json"),

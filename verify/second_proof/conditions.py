@@ -9,24 +9,23 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from .jets import Jet, implicit, joined
+from .jets import Jet, implicit, joined, substitute
 
 Vector = list[arb]
 
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """A condition, whether it certainly holds, and the enclosures that show it."""
+    """A condition, whether it is certain of the enclosures, and these."""
 
     name: str
-    holds: bool
+    condition: bool
     enclosures: dict[str, arb]
 
-
-def hypothesis(name: str, condition: bool, **enclosures: arb) -> Hypothesis:
-    """It holds only if it is certain on finite balls, and there are some."""
-    holds = condition is True and bool(enclosures) and all(value.is_finite() for value in enclosures.values())
-    return Hypothesis(name, holds, enclosures)
+    @property
+    def holds(self) -> bool:
+        """Only if the balls are finite, and there are some."""
+        return self.condition is True and bool(self.enclosures) and all(c.is_finite() for c in self.enclosures.values())
 
 
 @dataclass(frozen=True)
@@ -58,16 +57,6 @@ class Conclusion:
     slope: arb
 
 
-def nonzero(value: arb) -> bool:
-    """Whether a ball is certainly different from zero."""
-    return bool(value > 0) or bool(value < 0)
-
-
-def inside(value: arb, radius: arb) -> bool:
-    """Whether a ball lies inside (-radius, radius)."""
-    return bool(value < radius) and bool(value > -radius)
-
-
 def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integral: Table, radii: Vector) -> Conclusion:
     """The conditions, evaluated: all are in the conclusion, also those that do not hold.
 
@@ -78,7 +67,7 @@ def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integr
     whole = [arb(0, r.upper()) for r in radii]
 
     def check(name: str, condition: bool, **enclosures: arb) -> None:
-        found.append(hypothesis(name, condition, **enclosures))
+        found.append(Hypothesis(name, condition, enclosures))
 
     def slopes(table: Table) -> Vector:
         jet = table.jet(whole)
@@ -88,7 +77,7 @@ def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integr
     if n == 2:
         steep = slopes(last[1])[2]
         p2, p2_centre = (-last[1].jet(reach)[()] / steep for reach in ([*whole[:2], none], [none] * 3))
-        check("HC2", nonzero(steep) and inside(p2, radii[2]), p2=p2, slope=steep, P2=radii[2])
+        check("HC2", not steep.contains(0) and abs(p2) < radii[2], p2=p2, slope=steep, P2=radii[2])
     family, drift = [none, p2][:n], none
     if not breaking:
         first = [slopes(table) for table in iterates[0]]
@@ -98,16 +87,15 @@ def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integr
         drift = -(inverse * arb_mat([row[:1] for row in first]))[0, 0]
         for i, tables in enumerate(iterates[:-1], 1):
             value = arb_mat([slopes(table)[1:] for table in tables]).det()
-            check(f"regular-{i}", nonzero(value), determinant=value)
-    is_inside = all(inside(c, r) for c, r in zip(family, radii[1:], strict=True))
+            check(f"regular-{i}", not value.contains(0), determinant=value)
+    is_inside = all(abs(c) < r for c, r in zip(family, radii[1:], strict=True))
     check("family", is_inside, **{f"p{j}": c for j, c in enumerate(family, 1)})
 
     def reduced(reach: Sequence[arb]) -> list[Jet]:
         """Partial derivatives of the bifurcation function G and of K in (p_0, p_1), by Lyapunov-Schmidt reduction."""
         jets = [last[0].jet(reach), integral.jet(reach)]
         if n == 2:
-            inner = implicit([last[1].jet(reach)], [2])
-            jets = [jet.substitute(inner) for jet in jets]
+            jets = substitute(jets, implicit([last[1].jet(reach)], [2]))
         return [Jet({a: prod(factorial(a.count(j)) for j in (0, 1)) * c for a, c in jet.items()}, 3) for jet in jets]
 
     g, h = reduced(whole)
@@ -118,20 +106,20 @@ def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integr
 
     g_0, g_at = g[0, 1] + g[1, 1] * drift / 2, g_over(whole[1])
     p0, crossing = -g_at / g_0, g[0, 1] + g[1, 1] * drift
-    check("HC3", nonzero(g_0) and inside(p0, radii[0]), g_0=g_0, g=g_at, p0=p0, P0=radii[0])
-    check("HC4", nonzero(crossing), value=crossing)
+    check("HC3", not g_0.contains(0) and abs(p0) < radii[0], g_0=g_0, g=g_at, p0=p0, P0=radii[0])
+    check("HC4", not crossing.contains(0), value=crossing)
     plain, h_fp = slopes(integral)[0], h[0,] + h[1,] * drift
-    check("dH/dp_0", nonzero(plain), value=plain)
-    check("h_fp'", nonzero(h_fp), value=h_fp)
+    check("dH/dp_0", not plain.contains(0), value=plain)
+    check("h_fp'", not h_fp.contains(0), value=h_fp)
     slope = -(g[1, 1] / 2) / g_0
     if k % 2 and k > 1:
         rise, side = h[0,] * slope + h[1,], "both"
-        check("h_b'", nonzero(rise), value=rise)
+        check("h_b'", not rise.contains(0), value=rise)
     else:
         numerator = ((g[0, 0, 0] * slope + 3 * g[0, 0, 1]) * slope + 3 * g[0, 1, 1]) * slope + g[1, 1, 1]
         second = -numerator / (3 * (g[0, 1] + g[0, 0] * slope))
         bend = (h[0, 0] * slope + 2 * h[0, 1]) * slope + h[1, 1] + h[0,] * second
         side = "above" if bend > 0 else "below"
-        check("h_b''", nonzero(bend), value=bend, slope=slope)
+        check("h_b''", not bend.contains(0), value=bend, slope=slope)
     # x* lies on the branch and on the family, so p_0* = p_0(p_1*) with p_1* in p_1(P_0).
     return Conclusion(found, [-g_over(family[0]) / g_0, *family], side, slope)

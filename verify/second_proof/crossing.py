@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from flint import arb
 
 from .flow import Step, take_step
-from .jets import CannotFollow, Jet, implicit, joined, precision
+from .jets import CannotFollow, Jet, implicit, joined, precision, substitute
 from .statement import Statement
 
-DEEPEST, SIGN_BITS = 40, 96
+DEEPEST, SIGN_BITS, NEWTON_STEPS = 40, 96, 16
 TIME = -1
 """Number of the variable that is time."""
 
@@ -54,13 +54,11 @@ def first_crossing(step: Step, section: int, sign: int, begin: arb, end: arb) ->
 def crossing_state(statement: Statement, step: Step, piece: tuple[arb, arb]) -> tuple[list[Jet], arb]:
     """Jets of the state where the section is crossed in `piece`, and the crossing time within the step."""
     section, moment = statement.section, piece[0].union(piece[1])
-    height, guess = step.polynomials[section][()], moment.mid()
-    for _ in range(60):
-        guess = min(max((guess - height(guess) / step.section_slope(guess)).mid(), piece[0]), piece[1])
-    value = height(guess)
-    for _ in range(4):
-        # Mean value theorem between the guess and the crossing.
-        moment = guess - value / step.section_slope(moment.union(guess))
+    height = step.polynomials[section][()]
+    for _ in range(NEWTON_STEPS):
+        # Mean value theorem between the middle and the crossing.
+        guess = moment.mid()
+        moment = moment.intersection(guess - height(guess) / step.section_slope(moment))
     if not (moment.is_finite() and moment > 0 and moment <= step.duration):
         raise CannotFollow("the crossing time is not enclosed in its step")
     start = motion = step.at(moment)
@@ -71,8 +69,7 @@ def crossing_state(statement: Statement, step: Step, piece: tuple[arb, arb]) -> 
             for f in statement.velocity(motion)
         ]
         motion = [jet + Jet(path, degree) for jet, path in zip(start, paths, strict=True)]
-    time = implicit([motion[section]], [TIME])
-    state = [jet.substitute(time) for jet in motion]
+    state = substitute(motion, implicit([motion[section]], [TIME]))
     state[section] = Jet({}, degree)
     return state, moment
 

@@ -98,9 +98,8 @@ class Linear(NamedTuple):
         h, old, rest = self.length, self.extended(n), [rate.varying().items() for rate in rates]
         matrix, inverse = [], []
         for column in old.matrix:
-            sums = [
-                sum((c * column[k] for (k,), c in row), -x.derivative()) for row, x in zip(rest, column, strict=True)
-            ]
+            lines = zip(rest, column, strict=True)
+            sums = [sum((c * column[k] for (k,), c in row), -x.derivative()) for row, x in lines]
             change = old.solve([arb(0)] * len(rates), [_cut(defect, h - 1, n - 1) for defect in sums])
             matrix.append([x + d for x, d in zip(column, change, strict=True)])
         for j, column in enumerate(old.inverse):
@@ -167,12 +166,9 @@ def take_step(statement: Statement, state: Sequence[Jet], guess: arb, bits: int)
         rests = [growth.map(lambda g: arb(0, (bound * g * last).upper())) for bound in bounds]  # noqa: B023
         slope_rest = arb(0, (bounds[statement.section] * steep).upper())
     rows = expand(statement, state, length)
-    polynomials = [
-        Jet(
-            {a: arb_poly([jet[a][i] if a in jet else 0 for i in range(length)] + [rest[a]]) for a in {*jet, *rest}},
-            degree,
-        )
-        for jet, rest in zip(rows, rests, strict=True)
-    ]
+    polynomials = [Jet({}, degree) for _ in rows]
+    for jet, row, rest in zip(polynomials, rows, rests, strict=True):
+        for a in {*row, *rest}:
+            jet[a] = arb_poly([row[a][i] if a in row else 0 for i in range(length)] + [rest[a]])
     slope = arb_poly([i * rows[statement.section][()][i] for i in range(1, length)] + [slope_rest])
     return Step(duration, polynomials, slope), radius * 3 / 2

@@ -111,22 +111,24 @@ class Jet(dict[Monomial, Any]):
             result = result + ascent * value
         return result
 
-    def substitute(self, inner: Mapping[int, Jet]) -> Jet:
-        """The jet with some variables replaced by jets without constant; the others stay."""
-        known: dict[Monomial, Jet] = {(): Jet({(): arb(1)}, self.degree)}
-
-        def monomial(a: Monomial) -> Jet:
-            if a not in known:
-                last = a[-1]
-                known[a] = monomial(a[:-1]) * (inner[last] if last in inner else Jet({(last,): arb(1)}, self.degree))
-            return known[a]
-
-        return combine([monomial(a) for a in self], list(self.values()), self.degree)
-
 
 def combine(jets: Sequence[Jet], factors: Sequence[Any], degree: int) -> Jet:
     """A linear combination."""
     return sum((jet * factor for jet, factor in zip(jets, factors, strict=True)), Jet({}, degree))
+
+
+def substitute(jets: Sequence[Jet], inner: Mapping[int, Jet]) -> list[Jet]:
+    """The jets with some variables replaced by jets without constant; the others stay."""
+    degree = jets[0].degree
+    known: dict[Monomial, Jet] = {(): Jet({(): arb(1)}, degree)}
+
+    def monomial(a: Monomial) -> Jet:
+        if a not in known:
+            last = a[-1]
+            known[a] = monomial(a[:-1]) * (inner[last] if last in inner else Jet({(last,): arb(1)}, degree))
+        return known[a]
+
+    return [combine([monomial(a) for a in jet], list(jet.values()), degree) for jet in jets]
 
 
 def implicit(equations: Sequence[Jet], unknowns: Sequence[int]) -> dict[int, Jet]:
@@ -140,6 +142,6 @@ def implicit(equations: Sequence[Jet], unknowns: Sequence[int]) -> dict[int, Jet
     rest = [Jet({a: -c for a, c in e.items() if a and a not in units}, degree) for e in equations]
     found = {u: Jet({}, degree) for u in unknowns}
     for _ in range(degree):
-        values = [e.substitute(found) for e in rest]
+        values = substitute(rest, found)
         found = {u: combine(values, row, degree) for u, row in zip(unknowns, inverse, strict=True)}
     return found

@@ -15,7 +15,14 @@ _NUMBER = re.compile(
     r"(-?)(?:0x(?P<digits>[0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?"
     r"|[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?|[0-9]+/0*[1-9][0-9]*)"
 )
-_OPERATIONS = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "**": operator.pow}
+Operations = Mapping[str, Callable[[Any, Any], Any]]
+ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv, "**": operator.pow}
+"""For anything that has these operations."""
+PARITY = {
+    "+": lambda a, b: a if a == b else 0, "-": lambda a, b: a if a == b else 0, "*": operator.mul, "/": operator.mul,
+    "**": lambda a, e: a * a if e.numerator % 2 == 0 else a if e.denominator == 1 else int(a == 1),
+}  # fmt: skip
+"""For 1 of an even function, -1 of an odd one, 0 of one of which neither is known."""
 
 
 class BadCertificate(ValueError):
@@ -43,24 +50,6 @@ def exact(value: Any) -> Any:
     if match["digits"] is None:
         return Fraction(value)
     return Fraction(int(match[1] + match["digits"], 16)) * Fraction(2) ** int(match[3] or 0)
-
-
-class Parity(int):
-    """1 of an even function, -1 of an odd one, 0 of one of which neither is known: what a program makes of signs."""
-
-    def __add__(self, other: int) -> Parity:
-        return Parity(self if self == other else 0)
-
-    __sub__ = __add__
-
-    def __mul__(self, other: int) -> Parity:
-        return Parity(int(self) * int(other))
-
-    __truediv__ = __mul__
-
-    def __pow__(self, exponent: Fraction) -> Parity:  # type: ignore[override]
-        even, odd = self * self, self if exponent.denominator == 1 else Parity(self == 1)
-        return odd if exponent.numerator % 2 else even
 
 
 @dataclass(frozen=True)
@@ -94,8 +83,10 @@ class Program:
         """Names of the inputs in their order."""
         return tuple(operands[0] for operation, operands in self.lines if operation == "name")
 
-    def run(self, inputs: Mapping[str, Any], constant: Callable[[Fraction], Any]) -> list[Any]:
-        """The outputs on anything with operations + - * / and powers."""
+    def run(
+        self, inputs: Mapping[str, Any], constant: Callable[[Fraction], Any], operations: Operations = ARITHMETIC
+    ) -> list[Any]:
+        """The outputs, if lines are what these operations make of them."""
         values: list[Any] = []
         for operation, (first, *more) in self.lines:
             if operation == "name":
@@ -104,7 +95,7 @@ class Program:
                 values.append(constant(first))
             else:
                 second = more[0] if operation == "**" else values[more[0]]
-                values.append(_OPERATIONS[operation](values[first], second))
+                values.append(operations[operation](values[first], second))
         return [values[i] for i in self.outputs]
 
 
@@ -154,20 +145,12 @@ class Statement:
 
     def check(self) -> None:
         """There is a theorem; R reverses the field, S commutes with it, both keep the first integral: section 1."""
-        k, n, breaking = self.k, len(self.kernel), self.symmetry is not None
-        known = (
-            ("symmetry_breaking", breaking and k == 1),
-            ("period_tupling", k % 2 == 0),
-            ("touch_and_go", k % 2 == 1 < k),
-        )
-        if (self.kind, True) not in known or n not in (1, 2):
-            raise CannotFollow(f"no theorem that is used here is about {self.kind} with k = {k} and {n} equations")
+        if len(self.kernel) not in (1, 2) or (self.kind == "symmetry_breaking" and self.symmetry is None):
+            raise CannotFollow("no theorem that is used here is about so many equations, or no symmetry is named")
         for name, signs, sense in (("R", self.reversing, -1), ("S", self.symmetry, 1)):
             if signs is not None:
-                inputs = dict.fromkeys(self.parameters, Parity(1)) | dict(
-                    zip(self.state, map(Parity, signs), strict=True)
-                )
-                field, level = (p.run(inputs, lambda _: Parity(1)) for p in (self.field, self.integral))
+                inputs = dict.fromkeys(self.parameters, 1) | dict(zip(self.state, signs, strict=True))
+                field, level = (p.run(inputs, lambda _: 1, PARITY) for p in (self.field, self.integral))
                 if any(found != sense * sign for found, sign in zip(field, signs, strict=False)) or level != [1]:
                     raise CannotFollow(f"{name} is not shown to be a symmetry of the field and its first integral")
 
@@ -176,8 +159,8 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     """The statement of one certificate. Raises `BadCertificate`, and `CannotFollow` for one of another form."""
     claim, words = "statement.candidate", read(certificate, "statement", dict)
     k, kind = read(certificate, f"{claim}.k", operator.index), read(certificate, f"{claim}.kind", str)
-    if kind not in ("symmetry_breaking", "period_tupling", "touch_and_go"):
-        raise CannotFollow(f"no theorem that is used here is about {kind}")
+    if not {"symmetry_breaking": k == 1, "period_tupling": k % 2 == 0, "touch_and_go": k % 2 == 1 < k}.get(kind):
+        raise CannotFollow(f"no theorem that is used here is about {kind} with k = {k}")
     crossings = read(certificate, claim, lambda c: operator.index(c.get("crossings", 1)))
     if not (0 < k <= 100 and 0 < crossings <= 100):
         raise BadCertificate(f"{claim}: k and crossings are numbers from 1 to 100")
@@ -187,9 +170,7 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     m = len(field.outputs)
 
     def signs(values: Sequence[int]) -> tuple[int, ...]:
-        if len(values) != m or any(sign not in (1, -1) for sign in values):
-            raise ValueError(f"not {m} signs")
-        return tuple(values)
+        return tuple({1: 1, -1: -1}[sign] for _, sign in zip(range(m), values, strict=True))
 
     reversing = read(certificate, "statement.reversing_symmetry", signs)
     symmetry = read(certificate, "statement.symmetry", signs) if words.get("symmetry") else None
