@@ -14,7 +14,7 @@ from orbitproof.verify.engines import ArgumentParser, Display
 _EXAMPLES = """\
 examples:
   orbitproof report certificates.json -o report.html
-  orbitproof report certificates.json branches-out/*-certificate.json -o paper.tex
+  orbitproof report certificates.json branches-out/*-certificate.json -o paper.tex -o paper.html
   orbitproof report l1-certificate.json -o l1.md --no-pictures
   orbitproof report certificates.json -o k2.html --only "*-k2-*"
 
@@ -23,7 +23,8 @@ software and digests, references. HTML carries its pictures; those of LaTeX and 
 file. Every certificate is checked up to its conclusion first (verify --recheck): one that does not stand is named, and
 then nothing is written.
 Exit codes: 0 written, everything in it is proved; 1 a certificate does not stand and nothing was written, or the report
-was written and says what is not proved; 2 bad input.
+was written and says what is not proved; 2 bad input;
+130 interrupted.
 """
 
 
@@ -32,7 +33,8 @@ def argument_parser() -> argparse.ArgumentParser:
     words = "A report of what certificates prove, to read, to print and to cite."
     parser = ArgumentParser("orbitproof report", words, _EXAMPLES)
     parser.add_argument("certificates", type=Path, nargs="+", help="certificates of bifurcations and of atlases (JSON)")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help=".html, .tex or .md")
+    words = ".html, .tex or .md; once for each file that is to be written"
+    parser.add_argument("-o", "--output", type=Path, action="append", required=True, metavar="FILE", help=words)
     parser.add_argument("--only", nargs="+", metavar="ID", help="these certificates (with * and ? as in file names)")
     parser.add_argument("--no-pictures", action="store_true", help="text, formulas and tables only")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
@@ -58,8 +60,9 @@ def _run(options: argparse.Namespace) -> int:
     from orbitproof.figures.report.theorems import Refused, check_files
     from orbitproof.figures.report.writers import format_of, write_report
 
-    format_of(options.output)
-    check_writable(options.output)
+    for output in options.output:
+        format_of(output)
+        check_writable(output)
     try:
         entries = check_files(options.certificates, options.only, options.quiet)
     except Refused as refusal:
@@ -79,8 +82,10 @@ def _run(options: argparse.Namespace) -> int:
             for entry in proved:
                 pictures[name_of(entry)] = pictures_of(entry)
                 display.finish(name_of(entry), "drawn")
-    for path in write_report(options.output, report_of(entries, lambda entry: pictures.get(name_of(entry), ()))):
-        print(path)
+    report = report_of(entries, lambda entry: pictures.get(name_of(entry), ()))
+    for output in options.output:
+        for path in write_report(output, report):
+            print(path)
     return 0 if len(proved) == len(entries) else 1
 
 

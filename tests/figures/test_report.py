@@ -284,6 +284,19 @@ def test_bad_input_is_one_line_and_code_2(
     assert message in errors[0]
 
 
+def test_several_files_are_written_from_one_check(files: list[Path], tmp_path: Path, capsys: Any) -> None:
+    targets = [tmp_path / "report.html", tmp_path / "report.md"]
+    options = [word for target in targets for word in ("-o", str(target))]
+    assert main([str(files[0]), *options, "--no-pictures"]) == 0
+    output, errors = capsys.readouterr()
+    assert output.splitlines() == [str(target) for target in targets]
+    assert errors.count("[1/2]") == 1
+    for target in targets:
+        alone = tmp_path / f"alone{target.suffix}"
+        assert main([str(files[0]), "-o", str(alone), "--no-pictures", "--quiet"]) == 0
+        assert alone.read_text() == target.read_text()
+
+
 def test_only_chooses_what_is_checked_and_told(files: list[Path], rows: list[Certificate]) -> None:
     (entry,) = check_files(files, ["*k1-1"])
     assert isinstance(entry, CheckedRow)
