@@ -27,6 +27,8 @@ TUBE = 2.0**-16
 BEYOND = 0.05
 """How far pieces go beyond the symmetry breaking and beyond eps = 0, relative to the range between."""
 
+_ROUNDING = 2.0**-20
+
 HALF_WIDTH, GROWTH = 0.0205, -0.1
 """Half-width of a piece in b at b = 0, and how much wider pieces may be further away: times 1 + GROWTH abs(b)."""
 
@@ -40,18 +42,22 @@ def distance_of(point: str, mass: float) -> float:
 
 
 def pieces_to(
-    point: str, last: Fraction, progress: Callable[[float], None] | None = None
+    point: str, first: Fraction, last: Fraction, progress: Callable[[float], None] | None = None
 ) -> tuple[LibrationPiece, ...]:
-    """Pieces for all masses from 0 to `last`, with orbits to the symmetry breaking on the left of the point.
+    """Pieces for all masses from `first` to `last`, with orbits to the symmetry breaking on the left of the point.
 
-    That is where the surfaces of `explore.atlases.surface` have it.
-
-    Raises `LibrationFailure` where the family is not found.
+    That is where the surfaces of `explore.atlases.surface` have it. Raises `LibrationFailure` where the family is not
+    found.
     """
-    reach = abs(distance_of(point, float(last))) * (1 + 2.0**-20)
-    count = int(np.ceil(np.log1p(GROWTH * reach) / (2 * GROWTH * HALF_WIDTH)))
-    places = np.expm1(np.linspace(0.0, np.log1p(GROWTH * reach), count + 1)) / GROWTH
-    edges = [Fraction(int(np.ceil(place * 2**30)), 2**30) for place in places]
+    low, high = (abs(distance_of(point, float(mass))) for mass in (first, last))
+    low, high = low * (1 - _ROUNDING), high * (1 + _ROUNDING)
+    ends = np.log1p(GROWTH * np.array([low, high]))
+    count = int(np.ceil((ends[1] - ends[0]) / (2 * GROWTH * HALF_WIDTH)))
+    places = np.expm1(np.linspace(ends[0], ends[1], count + 1)) / GROWTH
+    edges = [
+        Fraction(int(np.floor(low * 2**30)), 2**30),
+        *(Fraction(int(np.ceil(e * 2**30)), 2**30) for e in places[1:]),
+    ]
     result = []
     for number, (near, far) in enumerate(pairwise(edges), start=1):
         result.append(_piece(point, SIDES[point] * (near + far) / 2, (far - near) / 2, f"planar{number:03d}"))

@@ -118,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
                 pieces.append(piece(point, curve.points, interval, width, f"p{number:03d}"))
             if options.lyapunov:
                 report.stage(f"{point}, planar orbits down to the libration point")
-                pieces += pieces_to(point, highest**3, lambda share: report.update("", share))
+                pieces += pieces_to(point, lowest**3, highest**3, lambda share: report.update("", share))
         except (FamilyFailure, CorrectionFailure, LibrationFailure) as error:
             report.error(f"orbitproof explore atlas-mass: {error}")
             return 1

@@ -16,6 +16,7 @@ import pytest
 from flint import arb
 from support.forgeries import atlas_certificate, checked, forged, honest
 
+from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases.lyapunov import LyapunovFamily
 from orbitproof.explore.seeds.libration_points import libration_point
 from orbitproof.shared.formats.atlas import Atlas, read_atlas
@@ -234,6 +235,29 @@ def test_a_certificate_with_the_family_stands_and_forgeries_are_found(
         found = checked(forged(document, change), honest(results, document["statement"]["atlas"]["pieces"]))
         assert found.findings, change.__name__
         assert not found.stands
+
+
+@pytest.mark.parametrize(("point", "low", "high"), [("L1", "0.01", "0.012"), ("L2", "0", "0.0002")])
+def test_the_command_writes_pieces_of_the_family_for_all_masses_of_the_surface(
+    point: str, low: str, high: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "mass.json"
+    asked = ["--point", point, "--mu-min", low, "--mu-max", high, "--lyapunov", "--quiet", "-o", str(path)]
+    assert main(["atlas-mass", *asked]) == 0
+    written = read_atlas(path)
+    pieces = written.libration_pieces()
+    first, last = pieces[0], pieces[-1]
+    side, covers = SIDES[point], written.claim.covers
+    assert covers is not None
+    near, far = first.distance[0] - side * first.distance[1], last.distance[0] + side * last.distance[1]
+    assert 0 <= near**3 * mass_of_distance(side, near) <= covers.start**3
+    assert covers.end**3 <= far**3 * mass_of_distance(side, far) < covers.end**3 + Fraction(1, 10**4)
+    assert all(abs(piece.size[0]) < piece.size[1] for piece in pieces)
+
+
+def test_the_family_of_l3_is_not_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["atlas-mass", "--point", "L3", "--lyapunov", "-o", str(tmp_path / "x.json")]) == 2
+    assert "--lyapunov" in capsys.readouterr().err
 
 
 @pytest.mark.slow
