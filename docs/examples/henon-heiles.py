@@ -11,7 +11,7 @@ field = {
 }
 R = {"x": -1, "vy": -1}
 symmetries = {"S": {"x": -1, "vx": -1}}
+reversors = {"T": {"vx": -1, "vy": -1}}
 section = "vy"
 first_integral = "(vx**2 + vy**2 + x**2 + y**2)/2 + x**2*y - y**3/3"
 first_integral_name = "energy"
-level_coordinate = "vx"
