@@ -103,6 +103,8 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
     if candidate.kind == FOLD:
         raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
+    if candidate.system.fixed_level is not None:
+        raise NoBranch("branches on a fixed level of a first integral are not followed")
     if candidate.crossings != 1:
         raise NoBranch(f"its half orbit meets the section {candidate.crossings} times; branches of one are followed")
     context = mpmath.MPContext()

@@ -246,7 +246,7 @@ def _level_slope(problem: ShootingProblem, unknowns: Vector, tangent: Vector) ->
     """Derivative of the bifurcation parameter along a scaled tangent."""
     direction = tangent * problem.scales
     integral = problem.system.first_integral
-    if integral is None:
+    if integral is None or problem.system.family_parameter is not None:
         return float(direction[0])
 
     def value(shift: float) -> float:

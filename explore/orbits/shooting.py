@@ -29,6 +29,8 @@ from orbitproof.explore.orbits.stability import (
 )
 from orbitproof.shared.systems import ReversibleSystem
 
+_DIFFERENCE = 1e-6
+
 RESIDUAL = 1e3
 """How far the equations may be off, in units of the tolerance of a step (orbits close to a collision are sensitive)."""
 
@@ -149,7 +151,41 @@ class ShootingProblem:
         state = np.zeros(len(self.system.state))
         fixed = self.system.fixed_coordinates
         state[list(fixed)] = unknowns[self.size - 1 - len(fixed) : -1]
+        if self.system.fixed_level is not None:
+            state[self._level_index] = self._level_coordinate(unknowns, state)
         return state
+
+    @cached_property
+    def _level_index(self) -> int:
+        return self.system.state.index(str(self.system.level_coordinate))
+
+    def _level_coordinate(self, unknowns: Vector, state: Vector) -> float:
+        """The level coordinate w of a state that is given but for it, from H = A + b w^2; NaN where there is none."""
+        level, integral = self.system.fixed_level, self.system.first_integral
+        assert level is not None
+        assert integral is not None
+        values = self.parameter_values(unknowns)
+        rest, one = (float(integral([*state[: self._level_index], w, *state[self._level_index + 1 :]], values)[0])
+                     for w in (0.0, 1.0))  # fmt: skip
+        square = (float(level.value) - rest) / (one - rest)
+        return level.sign * float(np.sqrt(square)) if square >= 0 else float("nan")
+
+    def _on_level(self, unknowns: Vector, flow: FlowResult) -> FlowResult:
+        """The flow with derivatives along the level: w moves with the other coordinates and the family parameter."""
+        steps = np.zeros((self.size, self.size))
+        slopes = np.zeros(self.size)
+        for i in range(self.size - 1):
+            steps[i, i] = _DIFFERENCE * (1 + abs(float(unknowns[i])))
+            ends = [self.initial_state(unknowns + sign * steps[i])[self._level_index] for sign in (1, -1)]
+            slopes[i] = (ends[0] - ends[1]) / (2 * steps[i, i])
+        along = flow.state_transition[:, self._level_index]
+        transition = flow.state_transition.copy()
+        transition[:, list(self.system.fixed_coordinates)] += np.outer(along, slopes[1:-1])
+        return replace(
+            flow,
+            state_transition=transition,
+            parameter_derivative=flow.parameter_derivative + along * slopes[0],
+        )
 
     def parameter_values(self, unknowns: Vector) -> Vector:
         """All parameters of the vector field in its order, as doubles."""
@@ -167,6 +203,8 @@ class ShootingProblem:
         flow = flow_of(system).derivative(
             self.initial_state(unknowns), float(unknowns[-1]), self.parameter_values(unknowns)
         )
+        if system.fixed_level is not None:
+            flow = self._on_level(unknowns, flow)
         columns = [flow.state_transition[:, list(system.fixed_coordinates)], flow.velocity[:, None]]
         if system.family_parameter is not None:
             columns.insert(0, flow.parameter_derivative[:, None])

@@ -74,6 +74,7 @@ def section_crossings(
     """
     bits = context.prec
     basis = start[0].basis
+    start = _on_level(system, parameters, start, parameter_jet, context)
     jets, constant = list(start), parameter_jet
     program, section = system.program, system.section_index
     if regularisation is not None:
@@ -158,6 +159,41 @@ def shorter_coordinates(
     return None
 
 
+def _on_level(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    start: Sequence[Jet],
+    parameter: Jet | None,
+    context: mpmath.MPContext,
+) -> list[Jet]:
+    """`start` with the level coordinate that belongs to the fixed level, if the system has one: H = A + b w^2."""
+    level = system.fixed_level
+    if level is None:
+        return list(start)
+    place, basis = system.state.index(str(system.level_coordinate)), start[0].basis
+
+    def number(value: Fraction) -> Any:
+        return context.mpf(value.numerator) / value.denominator
+
+    def power(base: Any, exponent: Fraction) -> Any:
+        return base.power(exponent, power) if isinstance(base, Jet) else context.mpf(base) ** number(exponent)
+
+    def integral(w: int) -> Jet:
+        state = [basis.constant(context.mpf(w)) if i == place else jet for i, jet in enumerate(start)]
+        given = [number(parameters[name]) if name in parameters else parameter for name in system.parameters]
+        assert system.first_integral_program is not None
+        (found,) = system.first_integral_program.evaluate([*state, *given], number, power)
+        return found if isinstance(found, Jet) else basis.constant(found)
+
+    rest = integral(0)
+    square = (basis.constant(number(level.value)) - rest) / (integral(1) - rest)
+    if not square.coefficients[0] > 0:
+        raise IntegrationFailure(f"no point of the level {level.value} lies over this point")
+    jets = list(start)
+    jets[place] = square.power(Fraction(1, 2), power) * level.sign
+    return jets
+
+
 def level_jet(
     system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
@@ -166,9 +202,9 @@ def level_jet(
     context: mpmath.MPContext,
 ) -> Jet:
     """The bifurcation parameter (first integral, or family parameter) as a jet at the start."""
-    if system.first_integral_program is None:
-        assert parameter is not None
+    if parameter is not None:
         return parameter
+    assert system.first_integral_program is not None
     return _evaluate_program(system.first_integral_program, start, system, parameters, context)[0]
 
 

@@ -187,7 +187,7 @@ def refine(
     point, frame, at = solution.point, solution.frame, solution.at
     accuracy = max(solution.residual, 10.0 ** -(max(digits, digits_for(width) - MARGIN_DIGITS // 2) + MARGIN_DIGITS))
     value = None
-    if system.first_integral is not None:
+    if system.family_parameter is None:
         value = round_dyadic(_fraction(problem.level(point, at.context, 0).coefficients[0]), at.context.prec)
     report("done", 1.0)
     return RefinedPoint(

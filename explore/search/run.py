@@ -275,7 +275,9 @@ def _exact_row(target: Target, candidate: Candidate) -> Row:
 
 def _float_level(target: Target) -> float:
     orbit = target.resonance.orbit
-    return orbit.first_integral if orbit.first_integral is not None else float(orbit.unknowns[0])
+    if target.item.system.family_parameter is not None or orbit.first_integral is None:
+        return float(orbit.unknowns[0])
+    return orbit.first_integral
 
 
 def _float_rows(item: TracedFamily) -> list[Row]:
@@ -287,7 +289,7 @@ def _print_rows(rows: list[Row]) -> None:
     if not rows:
         return
     system = rows[0].target.item.system
-    title = system.first_integral_name or system.family_parameter or "parameter"
+    title = system.family_parameter or system.first_integral_name or "parameter"
     header = ("family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id")
     lines = [header]
     for row in rows:

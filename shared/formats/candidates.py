@@ -266,7 +266,7 @@ def candidate_from_json(
     level_sign = entry.get("level_sign")
     if (entry.get("parameter") is None) != (level_sign is None):
         refuse("parameter", "parameter and level_sign belong together", "give both or none")
-    if level_sign is not None and system.level_coordinate is None:
+    if level_sign is not None and (system.level_coordinate is None or system.family_parameter is not None):
         refuse("parameter", f"{system.name} has no coordinate that follows from its first integral", "leave it out")
     try:
         return Candidate(

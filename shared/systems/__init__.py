@@ -21,6 +21,7 @@ from orbitproof.shared.systems.system import (
     SYSTEMS,
     THREE_BODY,
     DerivedParameter,
+    FixedLevel,
     ParameterRange,
     ReversibleSystem,
 )
@@ -41,6 +42,7 @@ __all__ = [
     "THREE_BODY",
     "DerivedParameter",
     "DescriptionError",
+    "FixedLevel",
     "FormulaError",
     "ParameterRange",
     "Program",

@@ -18,16 +18,17 @@ from typing import Any
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.program import Program, Variable, record
-from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem, Reversor
+from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}", re.ASCII)
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}", re.ASCII)
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
     "level_coordinate", "reversors", "reversor",
+    "fixed_level",
 )  # fmt: skip
 KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
-"""What a description has; the last ten may be missing."""
+"""What a description has; the last eleven may be missing."""
 
 _INTERNED: dict[str, ReversibleSystem] = {}
 
@@ -64,12 +65,13 @@ def describe(system: ReversibleSystem) -> str | dict[str, Any]:
         "symmetries": {name: list(signs) for name, signs in system.symmetries.items()},
         "section": system.section,
     }
-    integral = system.first_integral_program
+    integral, level = system.first_integral_program, system.fixed_level
     optional = {
         "family_parameter": system.family_parameter,
         "first_integral": None if integral is None else integral.text(),
         "first_integral_name": system.first_integral_name,
         "level_coordinate": system.level_coordinate,
+        "fixed_level": None if level is None else {"value": str(level.value), "sign": level.sign},
         "reversors": {name: list(each.signs) for name, each in system.reversors.items()} or None,
     }
     entry |= {key: value for key, value in optional.items() if value is not None}
@@ -143,6 +145,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             first_integral=None if integral is None else functions.function("first_integral", integral, None),
             first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
             level_coordinate=entry.get("level_coordinate"),
+            fixed_level=_level(entry.get("fixed_level")),
             reversors={
                 _name("reversors", key): Reversor(_signs(f"reversors.{key}", signs, state), f"{key}")
                 for key, signs in _mapping("reversors", entry.get("reversors", {})).items()
@@ -201,6 +204,14 @@ def _ranges(value: Any) -> dict[str, ParameterRange]:
             raise DescriptionError(f"parameters.{name}: an empty range; give the smaller value first")
         result[_name("parameters", name)] = ParameterRange(lower, upper)
     return result
+
+
+def _level(value: Any) -> FixedLevel | None:
+    if value is None:
+        return None
+    if not isinstance(value, Mapping) or set(value) != {"value", "sign"} or value["sign"] not in (1, -1):
+        raise DescriptionError(f"fixed_level: {value!r} is no level; give value, a number, and sign, 1 or -1")
+    return FixedLevel(_exact("fixed_level.value", value["value"]), int(value["sign"]))
 
 
 def _exact(key: str, value: Any) -> Fraction:

@@ -53,6 +53,14 @@ class DerivedParameter:
 
 
 @dataclass(frozen=True)
+class FixedLevel:
+    """The level of a first integral on which orbits are looked for, and the sign of the level coordinate."""
+
+    value: Fraction
+    sign: int
+
+
+@dataclass(frozen=True)
 class Reversor:
     """A further reversing symmetry of a system: its signs, and what people call it."""
 
@@ -84,6 +92,8 @@ class ReversibleSystem:
             the state is measured in such units.
         derived_parameters: parameters that nobody gives, by name.
         reversors: further reversing symmetries by name; claims use R unless they say which other one (`under`).
+        fixed_level: of the first integral, if there is a family parameter as well: the maps are those on this level,
+            and the level coordinate of an initial point follows from its other coordinates and the family parameter.
         original, reversor: of a system in which one of these stands for R: the one that names it, and its name there.
         squared_distance: the square of the distance from a body, plain arithmetic like the vector field, invariant
             under R; returns one value. `None` if orbits have no such distance.
@@ -105,6 +115,7 @@ class ReversibleSystem:
     normalised: Mapping[str, Fraction] = field(default_factory=dict)
     derived_parameters: Mapping[str, DerivedParameter] = field(default_factory=dict)
     reversors: Mapping[str, Reversor] = field(default_factory=dict)
+    fixed_level: FixedLevel | None = None
     original: ReversibleSystem | None = None
     reversor: str | None = None
     squared_distance: VectorField | None = None
@@ -122,14 +133,19 @@ class ReversibleSystem:
         if self.reversing_symmetry[self.section_index] != -1:
             negated = ", ".join(self.state[i] for i in range(m) if self.reversing_symmetry[i] == -1)
             raise ValueError(f"{self.name}: section: R must negate the section coordinate; it negates {negated}")
-        if (self.family_parameter is None) == (self.first_integral is None):
+        if self.fixed_level is not None:
+            if self.family_parameter is None or self.level_coordinate is None or self.fixed_level.sign not in (1, -1):
+                raise ValueError(f"{self.name}: fixed_level: needs family_parameter, level_coordinate and its sign")
+        elif (self.family_parameter is None) == (self.first_integral is None):
             given = "neither" if self.first_integral is None else "more than one"
             raise ValueError(f"{self.name}: give one of family_parameter and first_integral; {given} is there")
         if self.family_parameter is not None and self.family_parameter not in self.parameters:
             known = ", ".join(self.parameters) or "none"
             raise ValueError(f"{self.name}: unknown family parameter {self.family_parameter!r}; parameters: {known}")
         if self.level_coordinate is not None and (
-            self.first_integral is None or self.level_coordinate not in [self.state[i] for i in self.fixed_coordinates]
+            self.first_integral is None
+            or self.level_coordinate not in self.state
+            or self.reversing_symmetry[self.state.index(self.level_coordinate)] != 1
         ):
             raise ValueError(f"{self.name}: level_coordinate: needs a first integral and a coordinate that R fixes")
         for name in self.normalised:
@@ -184,10 +200,9 @@ class ReversibleSystem:
 
     @cached_property
     def fixed_coordinates(self) -> tuple[int, ...]:
-        """Indices of the state coordinates that parametrise Fix(R), without the normalised ones."""
-        return tuple(
-            i for i, sign in enumerate(self.reversing_symmetry) if sign == 1 and self.state[i] not in self.normalised
-        )
+        """Indices of the state coordinates that parametrise Fix(R), without those that follow from the others."""
+        given = [*self.normalised, *([] if self.fixed_level is None else [self.level_coordinate])]
+        return tuple(i for i, sign in enumerate(self.reversing_symmetry) if sign == 1 and self.state[i] not in given)
 
     @cached_property
     def kernel_coordinates(self) -> tuple[int, ...]:

@@ -109,7 +109,7 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
     k, hamiltonian = candidate.k, not candidate.is_family_of_maps
     prefix = "H" if hamiltonian else ""
     names = ["symmetries", "frames"]
-    names += ["level"] if candidate.level_sign is not None else []
+    names += ["level"] if candidate.level_sign is not None or candidate.system.fixed_level is not None else []
     names += ["adapted-frames"] if candidate.kind == "symmetry_breaking" else []
     names += ["poincare-map"]
     names += ["half-orbit"] if candidate.crossings > 1 else []
@@ -143,6 +143,13 @@ def _statement(candidate: Candidate) -> str:
     if m > 1:
         others += (
             f" No orbit that starts in the box is in Fix(R) when it meets the section for the first {m - 1} times."
+        )
+    level = system.fixed_level
+    if level is not None:
+        sign = ">" if level.sign > 0 else "<"
+        where_level = f"{system.first_integral_name or 'H'} = {level.value}"
+        others += (
+            f" All points are on the level {where_level}, those of the box with {system.level_coordinate} {sign} 0."
         )
     if candidate.level_sign is not None:
         sign = ">" if candidate.level_sign > 0 else "<"
@@ -221,7 +228,7 @@ def prove(
 def prepare(candidate: Candidate, checklist: Checklist) -> None:
     """The exact hypotheses about coordinates, which need no integration."""
     check_frames(checklist, candidate)
-    if candidate.level_sign is not None:
+    if candidate.level_sign is not None or candidate.system.fixed_level is not None:
         check_level(checklist, candidate)
     if candidate.kind == "symmetry_breaking":
         check_adapted_frames(checklist, candidate)

@@ -254,7 +254,8 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
         claim["squared_distance"] = system.squared_distance_program.text()
     if form is not None:
         claim["level_form"] = form.to_json(provenance=False)
-    sign = (form or candidate).level_sign
+    fixed = system.fixed_level
+    sign = (form or candidate).level_sign if fixed is None else fixed.sign
     if sign is not None and quadratic_coefficient(system):
         claim["level_coordinate"] = level_program(system, sign).text()
     return claim

@@ -76,7 +76,15 @@ def _setting(candidate: Candidate) -> Sequence[str]:
 
 def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
     names = ", ".join(claim.coordinates)
-    if claim.level_sign is None:
+    fixed = claim.system.fixed_level
+    if fixed is not None:
+        sign = "positive" if fixed.sign > 0 else "negative"
+        yield (
+            f"The box, in the coordinates ({names}) of those points of Fix(R) that lie on the level "
+            f"H = {exact_text(fixed.value)}, {claim.system.level_coordinate} being its {sign} solution. Only "
+            f"such points are meant in what follows:"
+        )
+    elif claim.level_sign is None:
         yield f"The box, in the coordinates ({names}) of Fix(R):"
     else:
         sign = "positive" if claim.level_sign > 0 else "negative"

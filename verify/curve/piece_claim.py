@@ -11,6 +11,7 @@ from orbitproof.verify.evidence import Evidence
 def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:
     """Require that a piece belongs to the system, has a regular frame and a tube, and if symmetric the symmetry."""
     size, across = len(system.centre_coordinates), len(system.kernel_coordinates)
+    evidence.require(system.fixed_level is None, "curves on a fixed level of a first integral are not claimed")
     evidence.require(piece.kind in ("regular", "symmetric"), f"piece {piece.id} has the unknown kind {piece.kind}")
     sizes = (len(piece.polynomial), len(piece.tube), len(piece.centre), len(piece.frame), *map(len, piece.frame))
     if sizes != (across, across, *[size] * (size + 2)):

@@ -172,7 +172,7 @@ class _Integration:
         self.scales = box.scales
         self.arithmetic = box.arithmetic
         self.first_integral = None
-        if box.level is not None and candidate.level_sign is None:
+        if box.level is not None and not candidate.is_family_of_maps:
             self.first_integral = derivative_table(box.level, box.scales, BOX_RATIO)
         self.returns = Returns(candidate.system, box.arithmetic, box.point, settings.coordinates, box.level)
         self.accuracy = settings.accuracy

@@ -16,6 +16,7 @@ from flint import arb
 
 from orbitproof.shared.systems import Program, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, WideArithmetic, evaluate, prepare
+from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep, advance, dyadic_below, expand, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, choose, physical, regularised
@@ -278,11 +279,17 @@ def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapp
     """State and parameters at points of Fix(R), in the order of the system.
 
     Args:
-        point: by name, all parameters and those coordinates that are neither zero nor normalised.
+        point: by name, all parameters and those coordinates that are neither zero nor follow from others.
     """
     names = (*system.state, *system.parameters)
     rest = {name: system.normalised.get(name, Fraction(0)) for name in system.state}
-    return [point[name] if name in point else arithmetic.constant(rest[name]) for name in names]
+    values = [point[name] if name in point else arithmetic.constant(rest[name]) for name in names]
+    if system.fixed_level is not None:
+        if not quadratic_coefficient(system):
+            raise IntegrationFailure("level", f"no coordinate of {system.name} follows from the level", "leave it out")
+        program, level = level_program(system, system.fixed_level.sign), arithmetic.constant(system.fixed_level.value)
+        values[system.state.index(str(system.level_coordinate))] = at_start(program, (*values, level))[0]
+    return values
 
 
 def first_integral(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapping[str, Series]) -> Series | None:
