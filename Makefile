@@ -102,7 +102,7 @@ branches: $(VENV)/demo.stamp
 	cover() { file=$(BRANCHES)/$$1.json; shift; [ -e $$file ] || step $(BIN)/orbitproof explore "$$@" -o $$file; }; \
 	prove() { \
 	  echo; step env $(VERIFY) atlas $(BRANCHES)/$$1.json -o $(BRANCHES)/$$1-certificate.json --jobs $(JOBS) \
-	    $(if $(BIFURCATIONS),--bifurcations $(BIFURCATIONS) --only "$$2"); \
+	    $(if $(BIFURCATIONS),--bifurcations $(BIFURCATIONS) --only "$$2") $$3; \
 	}; \
 	for name in $(CURVES); do \
 	  cover $$name atlas --preset $$name; \
@@ -110,10 +110,10 @@ branches: $(VENV)/demo.stamp
 	    falkner-skan) only=falkner-skan-*;; \
 	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*;; \
 	  esac; \
-	  prove $$name "$$only"; \
+	  prove $$name "$$only" "$$list"; \
 	done; \
 	for mass in $(MASSES); do \
-	  cover lyapunov-$$mass atlas-libration --point L1 --mass $$mass; prove lyapunov-$$mass "$$mass-L1-*k1-1"; \
+	  cover lyapunov-$$mass atlas-libration --point L1 --mass $$mass; prove lyapunov-$$mass "$$mass-L1-*k1-1" "--complete 12"; \
 	done; \
 	for point in $(SURFACES); do \
 	  cover mass-$$point atlas-mass --point $$point; \
@@ -122,17 +122,14 @@ branches: $(VENV)/demo.stamp
 	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
 	exit $$failed
 
-# Everything that is proved here, in one document; what exists is kept.
+# Everything that is proved here, in one document; points that are refined, atlases and proofs that exist are kept.
 report: $(VENV)/demo.stamp
 	@$(BOUND) mkdir -p $(BRANCHES); step() { "$$@" || [ $$? -eq 1 ]; }; rows=$(BRANCHES)/candidates.json; \
-	[ -e $$rows ] || { step $(EXPLORE) --preset tables -o $$rows && step $(EXPLORE) --system falkner-skan -k 2 3 4 \
-	  --append -o $$rows; } || exit 2; \
+	step $(EXPLORE) --preset tables --append -o $$rows && step $(EXPLORE) --system falkner-skan -k 2 3 4 --append -o $$rows && \
 	step env $(VERIFY) $$rows -o $(BRANCHES)/certificates.json --jobs $(JOBS) || exit 2
 	-@$(MAKE) --no-print-directory branches BIFURCATIONS=$(BRANCHES)/certificates.json
-	@$(BOUND) code=0; for format in html tex md; do \
-	  $(BIN)/orbitproof report $(BRANCHES)/certificates.json $(BRANCHES)/*-certificate.json \
-	    -o $(BRANCHES)/report.$$format --quiet || code=$$?; \
-	done; exit $$code
+	@$(BOUND) $(BIN)/orbitproof report $(BRANCHES)/certificates.json $(BRANCHES)/*-certificate.json \
+	  -o $(BRANCHES)/report.html -o $(BRANCHES)/report.tex -o $(BRANCHES)/report.md
 
 # The data are kept by `make clean`: they hold the proofs of all rows.
 figures: $(VENV)/demo.stamp
