@@ -15,6 +15,7 @@ from support.claims import EARTH_MOON
 from orbitproof import explore, shared
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.branches.start import NoBranch, branch_point
+from orbitproof.explore.commands.branches import read_claims
 from orbitproof.explore.families.detection import folds
 from orbitproof.explore.families.named import Limits, trace_family
 from orbitproof.explore.refinement.newton import RefinementFailure, refine
@@ -73,6 +74,10 @@ def test_where_the_parameter_has_no_extremum_nothing_is_refined(guess: tuple[flo
 def test_no_branch_begins_at_a_fold() -> None:
     with pytest.raises(NoBranch, match="fold"):
         branch_point(KNOWN["earth-moon-L1-halo-fold-1"])
+
+
+def test_folds_are_left_out_where_branches_are_followed() -> None:
+    assert read_claims(Path(__file__).parents[1] / "data" / "known-folds.json") == []
 
 
 def test_the_command_finds_the_fold_of_an_own_system(tmp_path: Path, capsys: Any) -> None:
