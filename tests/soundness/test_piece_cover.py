@@ -10,6 +10,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -66,11 +67,18 @@ def covers(balls: Sequence[arb], start: Fraction, end: Fraction) -> bool:
     return reached >= end
 
 
+def returning(monkeypatch: pytest.MonkeyPatch, equations: Callable[[Any], Sequence[Series]]) -> None:
+    """The half return of every piece has these kernel coordinates, after a time of 3."""
+    half = SimpleNamespace(time_of_all=arb(3))
+    monkeypatch.setattr(branch_piece._Proof, "_half_return", lambda proof, *_: half)
+    monkeypatch.setattr(branch_piece._Proof, "_equations", lambda proof, _: equations(proof))
+
+
 def prove(
     monkeypatch: pytest.MonkeyPatch, equations: Equations, given: Piece = REGULAR, interval: Interval = WHOLE
 ) -> PieceResult[ProvedInterval]:
     """The verdict on a piece whose half return is known."""
-    monkeypatch.setattr(branch_piece._Proof, "_half_return", lambda proof, *_: (equations(proof.arithmetic), arb(3)))
+    returning(monkeypatch, lambda proof: equations(proof.arithmetic))
     system, parameters = (TWIST, {"omega": OMEGA}) if len(given.tube) == 1 else (CR3BP, {"mu": MU})
     return prove_piece(system, parameters, given, interval, LIMITS, None, "S")
 
@@ -239,12 +247,12 @@ def test_bounds_of_a_curve_that_is_known(monkeypatch: pytest.MonkeyPatch, interv
         ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))), h, (row,), (TUBE,),
     )  # fmt: skip
 
-    def half_return(proof: Any, *_: Any) -> tuple[list[Series], arb]:
+    def equations(proof: Any) -> list[Series]:
         point = proof.points()
         a, constant = point["a"], proof.arithmetic.constant(Fraction(1, 16))
-        return [point["c"] - constant - a.scaled(Fraction(1, 8)) - (a * a).scaled(Fraction(1, 64))], arb(3)
+        return [point["c"] - constant - a.scaled(Fraction(1, 8)) - (a * a).scaled(Fraction(1, 64))]
 
-    monkeypatch.setattr(branch_piece._Proof, "_half_return", half_return)
+    returning(monkeypatch, equations)
     result = proved_interval(prove_piece(TWIST, {"omega": OMEGA}, given, interval, LIMITS))
     check(result.deviation[0], max(error * (1 - s / 2) for s in (result.start, result.end)))
     check(result.slope_deviation[0], error / 2)

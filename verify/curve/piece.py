@@ -126,8 +126,8 @@ class _Proof:
     asked: Interval
     limits: PieceLimits
     symmetry: str | None
-    slope_bits: int
-    crossings: int
+    slope_bits: int = SLOPE_BITS
+    crossings: int = 1
 
     @property
     def divided(self) -> bool:
@@ -181,8 +181,7 @@ class _Proof:
             "half-return", "15.1", "the orbits of the tube meet the section again and are enclosed", "a narrower piece"
         ) as evidence:
             half = self._half_return(computation, progress)
-            equations = [half.state[index] for index in self.system.kernel_coordinates]
-            time = half.time_of_all
+            equations, time = self._equations(half), half.time_of_all
             evidence.record("half period", time)
             evidence.require(len(equations) == len(self.tube), "an equation is missing")
             evidence.require(time.is_finite(), "the half periods are not enclosed")
@@ -236,6 +235,10 @@ class _Proof:
 
         coordinates = self.piece.coordinates
         return HalfReturn.of(self.system, point, self.tube, coordinates, begun, after_step, self.crossings)
+
+    def _equations(self, half: HalfReturn) -> list[Series]:
+        """The kernel coordinates at the first return."""
+        return [half.state[index] for index in self.system.kernel_coordinates]
 
     def _images(self, equations: Sequence[Equation]) -> list[tuple[list[arb], list[arb]]]:
         """Newton images and slopes of omega on parts that cover the interval of sigma."""
