@@ -68,15 +68,6 @@ def test_a_bifurcation_of_orbits_that_meet_the_section_twice_in_half_a_period_is
     assert recheck(certificate, integrate=True).findings == ()
 
 
-@pytest.mark.slow
-def test_a_bifurcation_of_a_vertical_family_is_proved() -> None:
-    certificate = certified("earth-moon-L3-vertical-k7-1")
-    assert certificate.proved, certificate.reason
-    assert certificate.parameter is not None
-    with ctx.workprec(200):
-        assert certificate.parameter.overlaps(arb("-1.31458653212797447") + arb(0, "1e-17"))
-
-
 def test_a_second_proof_counts_the_crossings_itself() -> None:
     entry = certified("michelson-family-k2-3").to_json()
     result = second_proof(entry)
