@@ -125,7 +125,7 @@ branches: $(VENV)/demo.stamp
 # Everything that is proved here, in one document; points that are refined, atlases and proofs that exist are kept.
 report: $(VENV)/demo.stamp
 	@$(BOUND) mkdir -p $(BRANCHES); step() { "$$@" || [ $$? -eq 1 ]; }; rows=$(BRANCHES)/candidates.json; \
-	step $(EXPLORE) --preset tables --append -o $$rows && step $(EXPLORE) --system falkner-skan -k 2 3 4 --append -o $$rows && \
+	step $(EXPLORE) --preset tables --folds --append -o $$rows && step $(EXPLORE) --system falkner-skan -k 2 3 4 --append -o $$rows && \
 	step env $(VERIFY) $$rows -o $(BRANCHES)/certificates.json --jobs $(JOBS) || exit 2
 	-@$(MAKE) --no-print-directory branches BIFURCATIONS=$(BRANCHES)/certificates.json
 	@$(BOUND) $(BIN)/orbitproof report $(BRANCHES)/certificates.json $(BRANCHES)/*-certificate.json \
