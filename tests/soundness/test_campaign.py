@@ -2,11 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import sys
 from pathlib import Path
 
+import campaign
 import pytest
+from support.forgeries import forged
+from test_forged_certificates import says_how_it_was_made
+
+from orbitproof.shared.formats import InputError
+
+
+@pytest.mark.parametrize("kind", ["fold", "crossings", pytest.param("orbit", marks=pytest.mark.slow)])
+def test_every_changed_field_of_other_claims_is_found_but_for_names(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign.rechecking, "enclose", campaign.rechecking.enclose)
+    document, check, every = campaign.material(kind)
+    assert check(document).stands
+    campaign._integrated_once(kind)
+    missed = set()
+    for change in every:
+        with contextlib.suppress(InputError):
+            if check(forged(document, change.apply)).stands and not says_how_it_was_made(change.field):
+                missed.add(change.field)
+    assert missed <= {"statement.candidate.system"}
 
 
 @pytest.mark.slow

@@ -400,10 +400,10 @@ def says_how_it_was_made(field: str) -> bool:
 @pytest.fixture
 def integrated_once(point: Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
     """One integration for all forgeries that do not change the claim."""
-    integrate, claim = rechecking.enclose_iterates, rechecking._read(point.to_json()).claim
+    integrate, claim = rechecking.enclose, rechecking._read(point.to_json()).claim
     fresh = integrate(claim, rechecking.IntegratorSettings(300, 100))
     monkeypatch.setattr(
-        rechecking, "enclose_iterates", lambda asked, *rest: fresh if asked == claim else integrate(asked, *rest)
+        rechecking, "enclose", lambda asked, *rest: fresh if asked == claim else integrate(asked, *rest)
     )
 
 
