@@ -1,7 +1,7 @@
 """Command line of the second proof: ``orbitproof verify --second-proof certificates.json -o second-proofs.json``.
 
 The proof itself is `verify/second_proof`, which shares nothing with the rest. Here its rows are done side by side, and
-what it finds is written down.
+what it finds is compared with the certificates and written down.
 """
 
 from __future__ import annotations
@@ -13,17 +13,27 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flint import arb
+from flint import arb, arb_mat, fmpq
 
 from orbitproof.shared.formats import InputError, check_writable, read_document, write_text
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.verify import second_proof as folder
 from orbitproof.verify.engines import ArgumentParser, Display, Processes, aligned, positive_seconds, whole
-from orbitproof.verify.second_proof import BadCertificate, CannotFollow, Proved, compare, read_statement, second_proof
+from orbitproof.verify.evidence import ball_from_json, guarded
+from orbitproof.verify.second_proof import (
+    BadCertificate,
+    CannotFollow,
+    NotProved,
+    Proved,
+    read_statement,
+    second_proof,
+)
 
 FORMAT = "orbitproof-second-proofs"
 Row = dict[str, Any]
@@ -58,6 +68,59 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """`verdict` is ``agrees``, ``disagrees`` or ``cannot follow``; `reason` says where or why."""
+
+    verdict: str
+    reason: str
+
+
+def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Comparison:
+    """Whether a second proof says the same as the certificate: kind, k, side, and enclosures that overlap.
+
+    Section 7 of its chapter. Raises `LookupError` or `ValueError` for a certificate that is not well formed.
+    """
+    if isinstance(result, NotProved):
+        return Comparison("cannot follow", result.reason)
+    if certificate["verdict"] != "proved":
+        return Comparison("cannot follow", "the certificate proves nothing to compare with")
+    claim, results = certificate["statement"]["candidate"], certificate["results"]
+    if (result.kind, result.k) != (claim["kind"], claim["k"]):
+        return Comparison("disagrees", f"kind or k: {result.kind}, {result.k}")
+    if results["side"] != result.side:
+        return Comparison("disagrees", f"side: {results['side']} in the certificate, {result.side} here")
+    with guarded(4096):
+        stored = {f"point.{name}": ball for name, ball in results["point"].items()}
+        stored["parameter"] = results["parameter"]
+        mine = {f"point.{name}": ball for name, ball in result.point.items()} | {"parameter": result.parameter}
+        for field, ball in mine.items():
+            if not ball.overlaps(ball_from_json(stored[field])):
+                return Comparison("disagrees", f"{field}: the enclosures have no common point")
+        is_inside = _is_in_the_box(claim, list(result.point.values()))
+    if is_inside is None:
+        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
+    if not is_inside:
+        return Comparison("disagrees", "the point is not in the box of the candidate")
+    return Comparison("agrees", "kind, k, side; point and parameter overlap; the point is in the box of the candidate")
+
+
+def _is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
+    """Whether a point certainly lies in the box of a claim, certainly does not, or None: neither is certain."""
+    frame = arb_mat([[_exact(entry) for entry in row] for row in claim["frame"]])
+    moved = frame.solve(arb_mat([[x - _exact(c)] for x, c in zip(point, claim["centre"], strict=True)]))
+    sizes = [(abs(moved[i, 0]), _exact(radius)) for i, radius in enumerate(claim["radii"])]
+    if any(size > radius for size, radius in sizes):
+        return False
+    return True if all(size <= radius for size, radius in sizes) else None
+
+
+def _exact(number: str) -> arb:
+    """The ball of an exact number as it stands in a claim, in the working precision."""
+    value = parse_exact(number)
+    return arb(fmpq(value.numerator, value.denominator))
 
 
 def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:

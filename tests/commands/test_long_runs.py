@@ -17,7 +17,6 @@ from typing import Any
 import pytest
 from support.runs import ROOT, SEES_PROCESSES, children, is_running, started, wait_until, workers
 
-import orbitproof.shared.formats.candidates
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
@@ -127,7 +126,7 @@ def test_a_full_disk_keeps_the_rows_before_it(tmp_path: Path, capsys: Any, monke
             raise OSError(errno.ENOSPC, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(orbitproof.shared.formats.candidates.os, "fsync", full)
+        patch.setattr(os, "fsync", full)
         assert main(arguments) == 2
     output, errors = capsys.readouterr()
     assert errors.splitlines()[-1].startswith(f"error: {target}: cannot be written (No space left on device)")

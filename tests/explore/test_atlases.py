@@ -164,12 +164,6 @@ def test_first_return_in_regularised_time_is_that_of_the_orbit(halo_family: Fami
         assert returns.clock(place.point, float(time)) == pytest.approx(place.half_period, rel=1e-4)
 
 
-def test_half_orbits_that_cross_the_section_are_refused(odd_family: Family) -> None:
-    orbits = tuple(replace(orbit, crossings=2) for orbit in odd_family.orbits)
-    with pytest.raises(CoverFailure, match="first return"):
-        build_atlas(AtlasRequest("x", "x", replace(odd_family, orbits=orbits)))
-
-
 def test_a_range_beyond_the_family_is_refused(odd_family: Family) -> None:
     with pytest.raises(CoverFailure, match="does not reach beta"):
         build_atlas(AtlasRequest("x", "x", odd_family, Covers("beta", Fraction(2), Fraction(500))))

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.flow.batch import BLOCK, flow_batch
-from orbitproof.explore.flow.compilation import cache_folder, compiling
+from orbitproof.explore.flow.compilation import cache_folder, compiling, configure_jax
 from orbitproof.explore.flow.fields import power
 from orbitproof.explore.flow.flow import FlowFailure, Matrix, flow_of
 from orbitproof.explore.orbits.batch import OrbitBatch, correct_batch
@@ -231,6 +231,7 @@ def test_powers_and_their_derivatives_are_those_of_arithmetic(exponent: str) -> 
     import jax
     import jax.numpy as jnp
 
+    configure_jax()
     value = Fraction(exponent)
     base = jnp.array([0.3, 1.0, 7.5])
     result, slope = jax.jvp(lambda x: power(x, value), (base,), (jnp.ones(3),))

@@ -32,7 +32,7 @@ def test_a_fold_and_a_symmetry_breaking_are_told_apart_in_a_legend() -> None:
 
 
 def test_a_fold_has_no_two_curves_that_cross(certificate: Certificate, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="a fold has one curve"):
+    with pytest.raises(InputError, match="no two curves cross there"):
         CertifiedCurves.of(certificate.to_json(), "here")
     file = tmp_path / "certificates.json"
     write_certificates(file, [certificate])

@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 from flint import ctx
 
-from orbitproof.verify.second_proof import NotProved, Proved, compare, second_proof
+from orbitproof.verify.second_proof import NotProved, Proved, second_proof
 from orbitproof.verify.second_proof.statement import BadCertificate, exact
+from orbitproof.verify.second_proofs import compare
 
 FILE = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 CERTIFICATES = {c["id"]: c for c in json.loads(FILE.read_text(encoding="utf-8"))["certificates"]}

@@ -1,7 +1,7 @@
 """A second proof of a certified bifurcation that shares no code with the rest: see README.md of this folder."""
 
 from .jets import CannotFollow
-from .proof import NotProved, Proved, compare, second_proof
+from .proof import NotProved, Proved, second_proof
 from .statement import BadCertificate, read_statement
 
-__all__ = ["BadCertificate", "CannotFollow", "NotProved", "Proved", "compare", "read_statement", "second_proof"]
+__all__ = ["BadCertificate", "CannotFollow", "NotProved", "Proved", "read_statement", "second_proof"]
