@@ -116,7 +116,7 @@ branches: $(VENV)/demo.stamp
 	  cover lyapunov-$$mass atlas-libration --point L1 --mass $$mass; prove lyapunov-$$mass "$$mass-L1-*k1-1" "--complete 12"; \
 	done; \
 	for point in $(SURFACES); do \
-	  cover mass-$$point atlas-mass --point $$point; \
+	  case $$point in L1) planar=--lyapunov;; *) planar=;; esac; cover mass-$$point atlas-mass --point $$point $$planar; \
 	  echo; step env $(VERIFY) atlas $(BRANCHES)/mass-$$point.json -o $(BRANCHES)/mass-$$point-certificate.json --jobs $(JOBS); \
 	done; \
 	step $(FIGURES) atlas $(BRANCHES)/*-certificate.json -o $(BRANCHES)/figures; \
