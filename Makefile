@@ -107,8 +107,8 @@ branches: $(VENV)/demo.stamp
 	for name in $(CURVES); do \
 	  cover $$name atlas --preset $$name; \
 	  case $$name in \
-	    falkner-skan) only=falkner-skan-*;; \
-	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*;; \
+	    falkner-skan) only=falkner-skan-*; list="--complete 12";; \
+	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*; list=;; \
 	  esac; \
 	  prove $$name "$$only" "$$list"; \
 	done; \
