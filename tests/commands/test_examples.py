@@ -17,9 +17,10 @@ from orbitproof.explore.__main__ import main as explore_main
 from orbitproof.figures.model.family_file import read_families
 from orbitproof.figures.pictures.family import draw_family
 from orbitproof.figures.style.style import close, use_style
-from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.formats import load_system, read_candidates
 from orbitproof.verify import certify
 from orbitproof.verify.__main__ import main as verify_main
+from orbitproof.verify.claim import quadratic_coefficient
 from orbitproof.verify.curve.tube import lower_end, upper_end
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
@@ -88,6 +89,11 @@ def test_a_branch_is_proved_and_checked_again_without_the_file(system: str, tmp_
     again = [sys.executable, "-m", "orbitproof", "verify", "atlas", "--recheck", str(certificate)]
     done = subprocess.run(again, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(("system", "coefficient"), [("beam", "-1/2"), ("beam-level", "-1/2"), ("hill", "-1")])
+def test_the_level_coordinate_of_an_example_is_shown_to_be_one(system: str, coefficient: str) -> None:
+    assert quadratic_coefficient(load_system(EXAMPLES / f"{system}.py")) == Fraction(coefficient)
 
 
 def test_a_picture_of_a_plane_shows_no_primaries(tmp_path: Path) -> None:

@@ -91,7 +91,13 @@ class _Ring:
         return _AlongFlow(self, number, self.polynomials.constant(0))
 
     def power(self, base: fmpq_mpoly, exponent: Fraction) -> fmpq_mpoly:
-        """The power; a base of a fraction is positive and one of a negative number is not zero where f is defined."""
+        """The power; a base of a fraction is positive and one of a negative number is not zero where f is defined.
+
+        Whole powers of a number are numbers: they need no symbol.
+        """
+        if base.is_constant() and exponent.denominator == 1 and not base.is_zero():
+            number = base.leading_coefficient() ** abs(exponent.numerator)
+            return self.polynomials.constant(number if exponent >= 0 else 1 / number)
         whole = max(0, ceil(exponent))
         rest = whole - exponent
         result = base**whole
@@ -100,7 +106,7 @@ class _Ring:
     def _symbol(self, base: fmpq_mpoly, order: int) -> fmpq_mpoly:
         if (base, order) not in self.symbols:
             defined = any(known == base and (order == 1 or other > 1) for known, other in self.symbols)
-            if self.vanishes(base) or (self.is_closed and not defined and not (order == 1 and base.is_constant())):
+            if self.vanishes(base) or (self.is_closed and not defined):
                 raise _NotDefinedError
             self.symbols.append((base, order))
         return self.polynomials.gen(self.first + self.symbols.index((base, order)))
