@@ -113,6 +113,8 @@ class HalfReturns:
         )
         states = np.zeros((len(system.state), count), dtype=np.clongdouble)
         states[list(system.fixed_coordinates)] = points[int(system.family_parameter is not None) :]
+        if system.fixed_level is not None:
+            self._put_on_level(states, inputs)
         constants, start = inputs, states
         if self.regularisation is not None:
             assert system.first_integral_program is not None
@@ -143,6 +145,19 @@ class HalfReturns:
         points = np.repeat(point.astype(np.clongdouble)[:, None], LANES, axis=1)
         nothing = np.zeros((LANES, 2 * (LANES // len(point))), dtype=complex)
         return float(self.evaluate(points, np.full(LANES, time, dtype=complex), nothing).clocks[0].real)
+
+    def _put_on_level(self, states: ComplexArray, inputs: ComplexArray) -> None:
+        """Fill in the level coordinate w of states that are given but for it, from H = A + b w^2."""
+        level, integral = self.system.fixed_level, self.system.first_integral_program
+        assert level is not None
+        assert integral is not None
+        w = states[self.system.state.index(str(self.system.level_coordinate))]
+        values = []
+        for number in (0, 1):
+            w[:] = number
+            values.append(_run(integral, [*states, *inputs])[0])
+        with np.errstate(invalid="ignore"):
+            w[:] = level.sign * np.sqrt((_long(level.value) - values[0]) / (values[1] - values[0]))
 
     def _section(self, states: ComplexArray, inputs: ComplexArray) -> ComplexArray:
         system = self.system

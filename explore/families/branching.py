@@ -48,7 +48,7 @@ def doubling_seed(problem: ShootingProblem, resonance: LocatedResonance) -> Fami
     """
     orbit, system = resonance.orbit, problem.system
     doubled = np.append(orbit.centre(resonance.side), 2 * orbit.half_period)
-    if system.first_integral is None:
+    if system.family_parameter is not None:
         raise CorrectionFailure("a doubled family needs a first integral")
     try:
         _, jacobian, flow = problem.evaluate(doubled)

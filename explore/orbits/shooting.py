@@ -151,24 +151,11 @@ class ShootingProblem:
         state = np.zeros(len(self.system.state))
         fixed = self.system.fixed_coordinates
         state[list(fixed)] = unknowns[self.size - 1 - len(fixed) : -1]
-        if self.system.fixed_level is not None:
-            state[self._level_index] = self._level_coordinate(unknowns, state)
-        return state
+        return np.array(self.system.on_level(state.tolist(), self.parameter_values(unknowns)))
 
     @cached_property
     def _level_index(self) -> int:
         return self.system.state.index(str(self.system.level_coordinate))
-
-    def _level_coordinate(self, unknowns: Vector, state: Vector) -> float:
-        """The level coordinate w of a state that is given but for it, from H = A + b w^2; NaN where there is none."""
-        level, integral = self.system.fixed_level, self.system.first_integral
-        assert level is not None
-        assert integral is not None
-        values = self.parameter_values(unknowns)
-        rest, one = (float(integral([*state[: self._level_index], w, *state[self._level_index + 1 :]], values)[0])
-                     for w in (0.0, 1.0))  # fmt: skip
-        square = (float(level.value) - rest) / (one - rest)
-        return level.sign * float(np.sqrt(square)) if square >= 0 else float("nan")
 
     def _on_level(self, unknowns: Vector, flow: FlowResult) -> FlowResult:
         """The flow with derivatives along the level: w moves with the other coordinates and the family parameter."""

@@ -189,13 +189,15 @@ def interpolate(nodes: Array, values: Array, positions: Array) -> Array:
     )
 
 
-def state_on_fixed_set(system: ReversibleSystem, point: Sequence[float]) -> list[float]:
-    """The full state, length m, of a point given by the coordinates of Fix(R) (family parameter dropped)."""
+def state_on_fixed_set(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]
+) -> list[float]:
+    """The full state, length m, of a point in the order of `ReversibleSystem.centre_coordinates`."""
     values = list(point)[len(point) - len(system.fixed_coordinates) :]
     state = [0.0] * len(system.state)
     for index, value in zip(system.fixed_coordinates, values, strict=True):
         state[index] = float(value)
-    return state
+    return system.on_level(state, parameter_values(system, parameters, point))
 
 
 def parameter_values(
@@ -209,10 +211,10 @@ def parameter_values(
 
 def level_of(system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]) -> float:
     """Family parameter, or first integral, at a point of Fix(R)."""
-    if system.first_integral is None:
+    if system.first_integral is None or system.family_parameter is not None:
         return float(point[0])
     values = parameter_values(system, parameters, point)
-    return float(system.first_integral(state_on_fixed_set(system, point), values)[0])
+    return float(system.first_integral(state_on_fixed_set(system, parameters, point), values)[0])
 
 
 def mark_candidates(

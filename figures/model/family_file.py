@@ -33,7 +33,7 @@ def _family(record: FamilyRecord) -> SampledFamily:
         points=points,
         second_points=np.array([orbit.second_point for orbit in orbits]),
         periods=np.array([2 * orbit.half_period for orbit in orbits]),
-        levels=np.array(integrals) if integrals else points[:, 0],
+        levels=points[:, 0] if record.system.family_parameter is not None else np.array(integrals),
         coefficients=np.array([orbit.coefficients for orbit in orbits]),
         arclength=np.array([orbit.arclength for orbit in orbits]),
     )

@@ -51,7 +51,7 @@ def symmetric_orbit(
     """
     values = parameter_values(system, parameters, point)
     try:
-        half = _to_fixed_set(system, values, state_on_fixed_set(system, point), longest_step)
+        half = _to_fixed_set(system, values, state_on_fixed_set(system, parameters, point), longest_step)
     except (ZeroDivisionError, OverflowError):
         raise OrbitNotClosed("the orbit runs into a singularity of the vector field") from None
     mirrored = half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)
@@ -74,7 +74,7 @@ def symmetric_orbits(
     Raises `OrbitNotClosed` if one of them does not end on Fix(R).
     """
     values = np.array([parameter_values(system, parameters, point) for point in points]).T
-    states = np.array([state_on_fixed_set(system, point) for point in points]).T
+    states = np.array([state_on_fixed_set(system, parameters, point) for point in points]).T
     halves = _side_by_side(system, values, states, np.asarray(half_periods, dtype=float))
     signs = np.array(system.reversing_symmetry, dtype=float)
     orbits = []
@@ -105,7 +105,7 @@ def orbit_through(
     Raises `OrbitNotClosed`.
     """
     values = parameter_values(system, parameters, point)
-    starts = [state_on_fixed_set(system, point), *(list(map(float, state)) for state in crossings)]
+    starts = [state_on_fixed_set(system, parameters, point), *(list(map(float, state)) for state in crossings)]
     try:
         pieces = [_to_section(system, values, start, longest_step) for start in starts]
     except (ZeroDivisionError, OverflowError):

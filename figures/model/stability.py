@@ -66,7 +66,7 @@ class SampledStability:
             ]
             for mark in known[:1]:
                 rest.remove(mark)
-            level = resonance.point[0] if resonance.first_integral is None else resonance.first_integral
+            level = resonance.point[0] if self.family.system.family_parameter is not None else resonance.first_integral
             mark = known[0] if known else None
             where = (resonance.side, resonance.arclength, float(level), resonance.stability_parameter)
             result.append(Place(resonance.k, resonance.kind, *where, mark))
@@ -145,7 +145,7 @@ def _curve(record: FamilyRecord, source: str) -> SampledStability:
         points=curve.points,
         second_points=curve.second_points,
         periods=2 * curve.half_periods,
-        levels=curve.points[:, 0] if curve.first_integrals is None else curve.first_integrals,
+        levels=curve.points[:, 0] if record.system.family_parameter is not None else curve.first_integrals,
         coefficients=curve.coefficients,
         arclength=curve.arclength,
     )

@@ -204,11 +204,12 @@ def _section(axes: Axes, branch: BranchRecord) -> None:
     kept = [i for i in range(len(system.state)) if i != system.section_index][:2]
     signs = np.array(system.reversing_symmetry, dtype=float)
     colour = marker_of(branch.k)[1]
-    centre = np.array(state_on_fixed_set(system, list(branch.point)))[kept]
+    centre = np.array(state_on_fixed_set(system, branch.parameters, list(branch.point)))[kept]
     for side in branch.sides:
         rows = []
         for orbit in side.orbits:
-            first, last = (np.array(state_on_fixed_set(system, list(p))) for p in (orbit.point, orbit.second_point))
+            ends = (orbit.point, orbit.second_point)
+            first, last = (np.array(state_on_fixed_set(system, branch.parameters, list(end))) for end in ends)
             half = np.vstack([first[None], orbit.crossings, last[None]])
             # Every second crossing is near the point; the way back crosses at the images under R.
             near = list(half[::2]) + [state * signs for state in half[2::2]]
@@ -253,7 +254,7 @@ def _orbits(axes: Any, branch: BranchRecord, dimension: int) -> None:
         axes.plot(*rows[:, :dimension].T, **style)
         drawn.append(rows)
     for point in (orbit.point, orbit.second_point):
-        state = state_on_fixed_set(branch.system, list(point))[:dimension]
+        state = state_on_fixed_set(branch.system, branch.parameters, list(point))[:dimension]
         axes.plot(*[[value] for value in state], marker=".", color=INK, markersize=6, linestyle="none", zorder=7)
     if dimension == 3:
         low, high = bounds_of(drawn or [none + 1.0])

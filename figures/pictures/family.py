@@ -295,7 +295,9 @@ def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Pl
 def _orbits_in_space(axes: Any, family: SampledFamily, placements: Sequence[Placement]) -> None:
     drawn = _orbits_shown(axes, family, placements, 3)
     for placement in placements:
-        draw_mark(axes, state_on_fixed_set(family.system, list(placement.mark.point))[:3], placement.mark)
+        draw_mark(
+            axes, state_on_fixed_set(family.system, family.parameters, list(placement.mark.point))[:3], placement.mark
+        )
     low, high = bounds_of(drawn or [np.zeros((1, 3))])
     if family.system in THREE_BODY:
         low, high = show_primaries(axes, float(family.parameters["mu"]), low, high)
@@ -305,7 +307,9 @@ def _orbits_in_space(axes: Any, family: SampledFamily, placements: Sequence[Plac
 def _family_in_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placement]) -> None:
     _orbits_shown(axes, family, placements, 2)
     for placement in placements:
-        draw_mark(axes, state_on_fixed_set(family.system, list(placement.mark.point))[:2], placement.mark)
+        draw_mark(
+            axes, state_on_fixed_set(family.system, family.parameters, list(placement.mark.point))[:2], placement.mark
+        )
     axes.set_xlabel(label_of(family.system.state[0]))
     axes.set_ylabel(label_of(family.system.state[1]))
 

@@ -79,15 +79,16 @@ def curve_lines(curve: Curve) -> list[Line]:
     kept = [(index, rows) for index, rows in zip(chosen, places, strict=True) if rows is not None]
     halves = [0.5 * _period(curve.system, curve.parameters, points[index]) for index, _ in kept]
     values = {name: float(value) for name, value in curve.parameters.items()}
-    batch = correct_batch(
-        curve.system, values, np.column_stack([points[[index for index, _ in kept]], halves]), symmetry=None
-    )
+    starts = np.column_stack([points[[index for index, _ in kept]], halves])
+    # Many at once are corrected with a free level only.
+    batch = None if curve.system.fixed_level else correct_batch(curve.system, values, starts, symmetry=None)
     lines = []
     for number, (index, rows) in enumerate(kept):
         level = level_of(curve.system, curve.parameters, list(points[index]))
-        found = bool(batch.converged[number])
-        period = 2 * float(batch.unknowns[number, -1]) if found else float("nan")
-        facts = _facts(level, period, batch.stability[number] if found else [])
+        if batch is not None and batch.converged[number]:
+            facts = _facts(level, 2 * float(batch.unknowns[number, -1]), batch.stability[number])
+        else:
+            facts = _facts(level, float("nan"), [])
         verdict = "on a piece that the certificate says is proved" if proved[index] else "on a piece that is not proved"
         lines.append(Line(rows, bool(proved[index]), f"{escape(curve.atlas.title)}<br>{facts}<br>{verdict}"))
     return lines

@@ -194,7 +194,7 @@ def _at_point(
     value: Interval | None = None
     crossing = 0
     try:
-        level = point[0] if system.first_integral is None else arb(system.first_integral(state, values)[0])
+        level = point[0] if system.family_parameter is not None else arb(system.first_integral(state, values)[0])
         speed = arb(system.vector_field(state, values)[system.section_index])
     except (ZeroDivisionError, ValueError):
         return None, 0

@@ -170,8 +170,8 @@ def atlas_from_json(
         system, parameters = read_system(entry, f"{source}: field atlas", systems)
         for name, value in parameters.items():
             check_length(value, f"{source}: field parameters.{name}")
-    if system.fixed_level is not None:
-        refuse("system", "curves on a fixed level are not claimed", "leave out fixed_level")
+    if surface and system.fixed_level is not None:
+        refuse("system", "surfaces on a fixed level are not claimed", "leave out fixed_level")
     claim = claim_from_json(entry["claim"], system, f"{source}: field claim")
     pieces: list[AnyPiece] = []
     seen: set[str] = set()

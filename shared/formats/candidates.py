@@ -102,6 +102,8 @@ class Candidate:
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
         if (self.kind == ORBIT) != (self.equation is not None):
             refuse("equation", "a claim about an orbit has one, others have none", "give both or none")
+        if self.kind == ORBIT and self.system.fixed_level is not None:
+            refuse("kind", "orbits on a fixed level are not claimed", "leave fixed_level out of the system")
         if self.equation is not None:
             _check_equation(self, self.equation, refuse)
         names, kernel = self.coordinates, len(self.system.kernel_coordinates)

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from math import nan, sqrt
 from typing import Any
 
 from orbitproof.shared.systems.hill import hill_field, hill_integral
@@ -230,6 +231,20 @@ class ReversibleSystem:
         """Names of the coordinates of a centre whose first one is the level of the first integral."""
         kept = [self.state[i] for i in self.fixed_coordinates if self.state[i] != self.level_coordinate]
         return (self.first_integral_name or "first integral", *kept)
+
+    def on_level(self, state: Sequence[float], parameters: Sequence[float]) -> list[float]:
+        """The state with the level coordinate w that belongs to the fixed level, if there is one, from H = A + b w^2.
+
+        In floating point, not for proofs; NaN where no point of the level lies over the other coordinates.
+        """
+        if self.fixed_level is None:
+            return list(state)
+        assert self.first_integral is not None
+        place = self.state.index(str(self.level_coordinate))
+        before, after = state[:place], state[place + 1 :]
+        rest, one = (float(self.first_integral([*before, w, *after], parameters)[0]) for w in (0.0, 1.0))
+        square = (float(self.fixed_level.value) - rest) / (one - rest)
+        return [*before, self.fixed_level.sign * sqrt(square) if square >= 0 else nan, *after]
 
     @cached_property
     def program(self) -> Program:

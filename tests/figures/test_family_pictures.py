@@ -184,7 +184,7 @@ def test_families_of_the_stored_data_consist_of_symmetric_periodic_orbits() -> N
         for i in (0, len(family.points) // 2, len(family.points) - 1):
             orbit = symmetric_orbit(family.system, family.parameters, list(family.points[i]))
             half = orbit[len(orbit) // 2]
-            expected = state_on_fixed_set(family.system, list(family.second_points[i]))
+            expected = state_on_fixed_set(family.system, family.parameters, list(family.second_points[i]))
             assert half == pytest.approx(expected, abs=1e-5)
             assert orbit[-1] == pytest.approx(orbit[0], abs=1e-12)
             level = level_of(family.system, family.parameters, list(family.points[i]))

@@ -21,7 +21,6 @@ from orbitproof.shared.formats import (
     InputError,
     candidate_from_json,
     load_system,
-    read_atlas,
     read_candidates,
 )
 from orbitproof.shared.systems import DescriptionError, FixedLevel, ReversibleSystem, describe, described
@@ -153,15 +152,10 @@ def test_a_description_with_a_level_comes_back_and_a_wrong_one_is_named() -> Non
             described({**BEAM, "fixed_level": level})
 
 
-def test_neither_a_level_form_nor_a_curve_is_claimed_on_a_fixed_level(tmp_path: Path) -> None:
+def test_no_level_form_is_claimed_on_a_fixed_level() -> None:
     entry = {**claimed().to_json(), "parameter": "first integral", "level_sign": 1}
     with pytest.raises(InputError, match="parameter"):
         candidate_from_json(entry, "claim")
-    atlas = json.loads((DATA / "atlas-crossings.json").read_text())
-    path = tmp_path / "atlas.json"
-    path.write_text(json.dumps({**atlas, "system": describe(beam())}))
-    with pytest.raises(InputError, match="fixed level"):
-        read_atlas(path)
 
 
 def test_shooting_stays_on_the_level() -> None:

@@ -93,6 +93,8 @@ def _run(options: argparse.Namespace, work: Work) -> int:
     atlas = read_atlas(options.file)
     if options.complete is not None and atlas.is_surface:
         raise InputError("--complete: lists what is on a curve, and this atlas is about a surface; leave it out")
+    if options.complete is not None and atlas.system.fixed_level is not None:
+        raise InputError("--complete: no list is claimed on a fixed level of a first integral; leave it out")
     limits = _limits(options, atlas)
     bifurcations = _bifurcations(options, atlas.is_surface)
     earlier = _earlier(options, atlas, attempts_of(atlas, limits))

@@ -222,6 +222,8 @@ def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
         return f"the certificate cannot be read: {error}"
     if system.name != wanted.name:
         return f"it is about another system, {system.name}"
+    if system.fixed_level != wanted.fixed_level:
+        return "it is about another level"
     for name, value in atlas.parameters.items():
         if parameters.get(name) != value:
             return f"it is about another value of {name}"

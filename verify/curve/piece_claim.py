@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.claim import determinant, is_adapted, signs_on
+from orbitproof.verify.claim import determinant, is_adapted, quadratic_coefficient, signs_on
 from orbitproof.verify.evidence import Evidence
 
 
 def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:
     """Require that a piece belongs to the system, has a regular frame and a tube, and if symmetric the symmetry."""
     size, across = len(system.centre_coordinates), len(system.kernel_coordinates)
-    evidence.require(system.fixed_level is None, "curves on a fixed level of a first integral are not claimed")
+    if system.fixed_level is not None:
+        _require_level(evidence, system, piece, symmetry)
     evidence.require(piece.kind in ("regular", "symmetric"), f"piece {piece.id} has the unknown kind {piece.kind}")
     sizes = (len(piece.polynomial), len(piece.tube), len(piece.centre), len(piece.frame), *map(len, piece.frame))
     if sizes != (across, across, *[size] * (size + 2)):
@@ -38,3 +39,15 @@ def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, sy
     )
     odd = [index for index in system.kernel_coordinates if system.symmetries[symmetry][index] < 0]
     evidence.require(bool(odd), f"piece {piece.id} is not symmetric: {symmetry} negates no equation")
+
+
+def _require_level(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:
+    """Require what gives the points of a fixed level from the others (section 12.5), and that S keeps to its sheet."""
+    name = str(system.level_coordinate)
+    evidence.require(
+        bool(quadratic_coefficient(system)),
+        f"the first integral is not shown to be A + b {name}^2, A independent of {name}, b a constant other than 0",
+    )
+    if piece.kind == "symmetric" and symmetry is not None and symmetry in system.symmetries:
+        fixed = system.symmetries[symmetry][system.state.index(name)] == 1
+        evidence.require(fixed, f"{symmetry} does not fix {name}, the coordinate that follows from the level")

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from flint import arb
 
 from orbitproof.shared.formats import ORBIT, Atlas
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Ends
@@ -66,8 +67,18 @@ def _setting(atlas: Atlas) -> str:
     power = "the map P" if m == 1 else f"P = Q^{m}, Q the map"
     return (
         f"Consider the {system.title}{with_values}, and {power} to the next crossing of the section "
-        f"{{{system.section} = 0}}.{libration_units(atlas)}"
+        f"{{{system.section} = 0}}.{_level(system)}{libration_units(atlas)}"
     )
+
+
+def _level(system: ReversibleSystem) -> str:
+    """On which level of the first integral the curve lies, if it is a fixed one."""
+    fixed = system.fixed_level
+    if fixed is None:
+        return ""
+    level = f"{system.first_integral_name or 'H'} = {exact_text(fixed.value)}"
+    sign = ">" if fixed.sign > 0 else "<"
+    return f" All orbits are on the level {level}, and the points of the curve have {system.level_coordinate} {sign} 0."
 
 
 def _curve(atlas: Atlas, ends: Ends) -> str:

@@ -141,6 +141,10 @@ def orbit_functions(
 
     Raises `IntegrationFailure`.
     """
+    if system.fixed_level is not None:
+        raise IntegrationFailure(
+            "stability", "no list is claimed on a fixed level of a first integral", "no --complete"
+        )
     with guarded(limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
         work = _Integration(system, parameters, piece, interval, limits, coordinates, symmetry, crossings)
         try:

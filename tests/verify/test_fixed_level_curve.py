@@ -1,0 +1,169 @@
+"""Curves of orbits on a fixed level of a first integral: proved on that level and sheet, and on no other."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction as F
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+from support.curve_cases import refusal
+
+from orbitproof.explore.orbits import ShootingProblem
+from orbitproof.explore.refinement.newton import refine
+from orbitproof.shared.formats import (
+    ORBIT,
+    SURFACE,
+    Atlas,
+    Candidate,
+    Equation,
+    InputError,
+    atlas_from_json,
+    read_atlas,
+)
+from orbitproof.shared.systems import FixedLevel, ReversibleSystem
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.precision import Limits
+from orbitproof.verify.curve.other_point import other_point
+from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.curve.piece_result import PieceResult
+from orbitproof.verify.curve.proved_intervals import ProvedInterval
+from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
+from orbitproof.verify.stability.matrix import orbit_functions
+
+FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"
+WHOLE = (F(-1), F(1))
+
+
+@cache
+def atlas() -> Atlas:
+    return read_atlas(FILE)
+
+
+def prove(system: ReversibleSystem) -> PieceResult[ProvedInterval]:
+    (piece,) = atlas().curve_pieces()
+    return prove_piece(system, {}, piece, WHOLE)
+
+
+@cache
+def results() -> list[Any]:
+    return [json.loads(json.dumps(prove(atlas().system).to_json()))]
+
+
+@cache
+def claimed() -> Candidate:
+    guess = [1.909118763, -0.2369648123]
+    return refine(atlas().system, {}, "period_tupling", 4, guess, digits=40).to_candidate("quadrupling", {})
+
+
+@cache
+def certificate() -> Certificate:
+    return certify(claimed(), Limits(max_precision=512))
+
+
+def on(level: FixedLevel) -> ReversibleSystem:
+    return replace(atlas().system, fixed_level=level)
+
+
+def test_the_curve_is_proved_with_its_bifurcation_and_says_on_which_level() -> None:
+    conclusion = conclude(atlas(), results(), [certificate()])
+    assert conclusion.is_proved
+    assert "All orbits are on the level H = 0, and the points of the curve have u2 > 0." in conclusion.statement
+    assert "Along it P takes all values from 1.86 to 1.92." in conclusion.statement
+    assert [entry.place is not None for entry in conclusion.bifurcations] == [True]
+
+
+def test_the_curve_contains_orbits_that_are_found_otherwise() -> None:
+    (piece,) = atlas().curve_pieces()
+    found = prove(atlas().system)
+    assert isinstance(found.outcome, Proved)
+    problem = ShootingProblem(atlas().system, {})
+    along = np.array([1.0, 0.0, 0.0])
+    for s in (F(-9, 10), F(0), F(7, 10)):
+        parameter, place = (float(value) for value in piece.point(s))
+        orbit = problem.correct(np.array([parameter, place + 1e-3, 4.0]), along)
+        bound = float(found.outcome.results.deviation[0]) + 1e-11
+        assert abs(orbit.unknowns[0] - parameter) < 1e-13
+        assert abs(orbit.unknowns[1] - place) < bound
+
+
+@pytest.mark.parametrize(
+    "level", [FixedLevel(F(1, 10**7), 1), FixedLevel(F(0), -1), FixedLevel(F(1, 2), 1)], ids=["near", "sheet", "none"]
+)
+def test_it_is_no_curve_of_another_level(level: FixedLevel) -> None:
+    found = prove(on(level))
+    assert isinstance(found.outcome, NotProved)
+    assert found.outcome.hypotheses[0].holds
+
+
+def test_without_a_quadratic_coordinate_there_are_no_points() -> None:
+    system = atlas().system
+    assert system.first_integral is not None
+    found = prove(replace(system, first_integral=lambda x, p: (system.first_integral(x, p)[0] + x[2],)))  # type: ignore[misc]
+    assert isinstance(found.outcome, NotProved)
+    assert found.outcome.reason.condition == "piece"
+    assert "u2^2" in found.outcome.reason.message
+
+
+def test_a_symmetry_that_leaves_the_sheet_is_refused() -> None:
+    (piece,) = atlas().curve_pieces()
+    system = replace(atlas().system, symmetries={"T": (-1, -1, -1, -1)})
+    assert system.level_coordinate is not None
+    symmetric = replace(piece, kind="symmetric", centre=(piece.centre[0], F(0)), frame=((F(0), F(1)), (F(1), F(0))))
+    found = prove_piece(system, {}, symmetric, WHOLE, symmetry="T")
+    assert isinstance(found.outcome, NotProved)
+    assert "T does not fix u2" in found.outcome.reason.message
+
+
+def test_an_integral_that_is_not_conserved_gives_no_theorem() -> None:
+    wrong = replace(atlas().system, first_integral=lambda x, p: (x[0] * x[0] - x[2] * x[2],))
+    assert refusal(conclude(replace(atlas(), system=wrong), results())).startswith("symmetries")
+
+
+def test_a_certificate_of_another_level_is_not_placed() -> None:
+    for level in (FixedLevel(F(1, 10**40), 1), FixedLevel(F(0), -1)):
+        other = replace(atlas(), system=on(level))
+        (placed,) = conclude(other, results(), [certificate()]).bifurcations
+        assert placed.place is None
+        assert placed.is_foreign
+        assert "another level" in placed.reason
+
+
+def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
+    """Half a period later u is at its maximum, where u2 < 0: with the level as parameter that is the other point."""
+    system, point = atlas().system, certificate().point
+    assert other_point(system, {}, point) is None
+    free = replace(system, family_parameter=None, fixed_level=None)
+    with ctx.workprec(200):
+        u = point["u"]
+        start = {"u": u, "u2": (u * u - 2 * u**3 / 3).sqrt() + arb(0, "1e-20")}
+        found = other_point(free, {"P": claimed().centre[0]}, start)
+    assert found is not None
+    assert found["u2"] < 0
+
+
+def test_no_list_of_resonances_is_claimed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (piece,) = atlas().curve_pieces()
+    with pytest.raises(IntegrationFailure, match="fixed level"):
+        orbit_functions(atlas().system, {}, piece, WHOLE, PieceLimits(), "physical")
+    words = ["atlas", str(FILE), "--complete", "4", "-o", str(tmp_path / "certificate.json"), "--quiet"]
+    assert main(words) == 2
+    assert "--complete: no list is claimed on a fixed level" in capsys.readouterr().err
+
+
+def test_surfaces_and_single_orbits_are_refused() -> None:
+    entry = json.loads(FILE.read_text())
+    entry["claim"] = {"kind": SURFACE}
+    del entry["parameters"]
+    with pytest.raises(InputError, match="surfaces on a fixed level"):
+        atlas_from_json(entry, "atlas")
+    with pytest.raises(InputError, match="fixed level"):
+        replace(claimed(), kind=ORBIT, k=1, equation=Equation("P", F(19, 10)))
