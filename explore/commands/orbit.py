@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,6 +33,7 @@ from orbitproof.shared.systems import ReversibleSystem
 if TYPE_CHECKING:
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.families import Family, TracedFamily
+    from orbitproof.explore.records import FamilyRecord
     from orbitproof.explore.refinement import OrbitTask
 
 _EXAMPLES = """\
@@ -42,14 +43,16 @@ examples:
   orbitproof explore family --from-family orbit.json --parameter-max x 0.83 -o family.json
   orbitproof explore orbit --family L2-halo --mass earth-moon --mirror --period 1.5 -o candidate.json
   orbitproof explore orbit --family L2-halo --mass 0.01215 --period '29.530588*86400/375200*2/9' -o candidate.json
+  orbitproof explore orbit --from-family families.json --family earth-moon-L2-halo --extrema -o extrema.json
   orbitproof explore orbit --from-catalogue halo.json --every 10 -o candidates.json
   orbitproof explore orbit --from-catalogue halo.json --certificates certificates.json
   orbitproof verify candidate.json -o certificate.json
 
 With --start alone the orbit is corrected in float64; its family is traced, both ways, from the file that -o writes, or
-by explore family with the same options. With --period, --level or --at, or with a catalogue, orbits are refined to many
-digits, and -o is a candidates file: orbitproof verify proves that they exist. An interrupted run goes on with the same
-command. Exit codes: 0 corrected, 1 not, 2 bad input.
+by explore family with the same options. With --period, --level, --at or --extrema, or with a catalogue, orbits are
+refined to many digits, and -o is a candidates file: orbitproof verify proves that they exist. Three orbits at each
+extremum of a stability parameter give orbitproof verify atlas --complete its value to 15 digits. An interrupted run
+goes on with the same command. Exit codes: 0 corrected, 1 not, 2 bad input.
 """
 
 
@@ -83,6 +86,11 @@ def add_parser(commands: Any) -> None:
     wanted.add_argument(
         "--at", metavar="NAME=VALUE", help="a coordinate of its point on Fix(R), or the family parameter"
     )
+    wanted.add_argument(
+        "--extrema",
+        action="store_true",
+        help="at each extremum of a stability parameter that the family file lists, and on both sides close to it",
+    )
     parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
     parser.add_argument("--id", metavar="NAME", help="of the candidate (default: mass and family)")
     common.add_output(parser, "family file of this orbit, or candidates file", required=False)
@@ -95,6 +103,8 @@ def run(options: argparse.Namespace) -> int:
     """Correct or refine, print and write; returns the exit code. Raises `InputError`."""
     if options.output is not None:
         check_writable(options.output)
+    if options.extrema:
+        return _extrema(options)
     if options.from_catalogue is not None:
         return _catalogue(options)
     for option in ("certificates", "catalogue_orbit", "every"):
@@ -185,11 +195,8 @@ def _family(options: argparse.Namespace, system: ReversibleSystem | None, report
 
     if system is None:
         records = read_families(options.from_family)
-        named = [record for record in records if options.family is None or record.name == options.family[0]]
-        if len(named) != 1:
-            names = ", ".join(record.name for record in records)
-            raise InputError(f"--family: {options.from_family} holds {names}; give the name of one")
-        return named[0].name, family_of(named[0])
+        record = _record(options, records)
+        return record.name, family_of(record)
     parameters = given_parameters(system, None if options.mass is None else options.mass[0], options.parameter)
     _equation(options, system)
     name = mirrored_name(options.family[0]) if options.mirror else options.family[0]
@@ -199,6 +206,59 @@ def _family(options: argparse.Namespace, system: ReversibleSystem | None, report
         system, options.family[0], parameters, Limits(), mirrored=options.mirror, progress=report.update
     )
     return f"{label}-{name}", family
+
+
+def _record(options: argparse.Namespace, records: Sequence[FamilyRecord]) -> FamilyRecord:
+    """The family of a file that is meant, by its name with or without that of the mass parameter."""
+    wanted = None if options.family is None else options.family[0]
+    named = [each for each in records if wanted in (None, each.name, f"{each.label}-{each.name}")]
+    if len(named) != 1:
+        names = ", ".join(f"{each.label}-{each.name}" for each in records)
+        raise InputError(f"--family: {options.from_family} holds {names}; give the name of one")
+    return named[0]
+
+
+def _extrema(options: argparse.Namespace) -> int:
+    """Three orbits beside each extremum of a stability parameter that a family file lists."""
+    if options.from_family is None or options.output is None:
+        raise InputError("--extrema: needs a family file and a file to write; give --from-family and --output")
+    for option in ("period", "level", "at", "system", "start", "from_catalogue"):
+        if getattr(options, option) is not None:
+            raise InputError(f"--{option.replace('_', '-')}: --extrema says which orbits; leave it out")
+
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.records import read_families
+    from orbitproof.explore.refinement import SIDES, refine_turns
+    from orbitproof.explore.search import tasks_of_extrema
+
+    record = _record(options, read_families(options.from_family))
+    kept = {each.id: each for each in (read_candidates(options.output) if options.output.exists() else [])}
+    complete = True
+    with Reporter(options.quiet) as report:
+        tasks = tasks_of_extrema(record, options.id or f"{record.label}-{record.name}", options.digits)
+        waiting = [task for task in tasks if not all(_is_there(task, kept, word) for word in SIDES)]
+        report.stage(f"refining {len(waiting)} of {len(tasks)} extrema")
+        try:
+            for result in refine_turns(waiting, options.jobs, report.update):
+                if result.failure is not None:
+                    report.error(f"{result.task.id}: not refined: {result.failure}")
+                    complete = False
+                if result.candidates:
+                    kept |= {each.id: each for each in result.candidates}
+                    write_candidates(options.output, list(kept.values()))
+        except KeyboardInterrupt:
+            report.error("interrupted; the same command goes on from there")
+            return 130
+        if kept:
+            report.message(f"{len(kept)} orbits are in {options.output}")
+    return 0 if complete and tasks else 1
+
+
+def _is_there(task: OrbitTask, kept: Mapping[str, Candidate], word: str) -> bool:
+    """Whether an earlier run has written this one of the orbits beside an extremum."""
+    held = kept.get(f"{task.id}-{word}")
+    return held is not None and _is_refined(task, held)
 
 
 def _catalogue(options: argparse.Namespace) -> int:

@@ -13,3 +13,5 @@ from .tasks import Task as Task
 from .tasks import refine_task as refine_task
 from .tasks import refine_tasks as refine_tasks
 from .taylor import IntegrationFailure as IntegrationFailure
+from .turning import SIDES as SIDES
+from .turning import refine_turns as refine_turns

@@ -1,5 +1,6 @@
 from .orbits import row_id as row_id
 from .orbits import tasks_of_catalogue as tasks_of_catalogue
+from .orbits import tasks_of_extrema as tasks_of_extrema
 from .orbits import tasks_of_family as tasks_of_family
 from .request import check as check
 from .request import started as started

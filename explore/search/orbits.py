@@ -8,9 +8,10 @@ from itertools import pairwise
 import numpy as np
 
 from orbitproof.explore.catalogue import ROW, Catalogue
-from orbitproof.explore.families import Family
+from orbitproof.explore.families import Family, family_of
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit
+from orbitproof.explore.records import FamilyRecord
 from orbitproof.explore.refinement import OrbitTask
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Equation
 from orbitproof.shared.systems import CR3BP
@@ -62,6 +63,23 @@ def tasks_of_family(family: Family, equation: Equation, id: str, digits: int) ->
             provenance={},
         )
         for number, orbit in enumerate(found, start=1)
+    ]
+
+
+def tasks_of_extrema(record: FamilyRecord, id: str, digits: int) -> list[OrbitTask]:
+    """The extrema of the stability parameters that a family file lists, numbered, to be refined."""
+    family = family_of(record)
+    return [
+        OrbitTask(
+            id=f"{id}-extremum-{number}",
+            system=record.system,
+            parameters=record.parameters,
+            equation=None,
+            guess=tuple(map(float, family.orbit_at(extremum.arclength).centre("first"))),
+            digits=digits,
+            provenance={"stability_parameter": extremum.stability_parameter},
+        )
+        for number, extremum in enumerate(record.extrema, start=1)
     ]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
-from flint import arb
+from flint import acb, arb
 
 from orbitproof.shared.formats import ORBIT, Atlas, InputError, read_system
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
@@ -61,6 +61,7 @@ class Bifurcation:
         parameter_name: name of the bifurcation parameter.
         parameter: its enclosure, or `None`.
         is_foreign: whether it is about another system or other parameters than the curve.
+        stability: enclosures of the stability parameters of one orbit; none of a bifurcation.
     """
 
     id: str
@@ -72,6 +73,7 @@ class Bifurcation:
     parameter_name: str = ""
     parameter: arb | None = None
     is_foreign: bool = False
+    stability: tuple[acb, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object: exact balls with decimals beside them."""
@@ -133,6 +135,9 @@ def place_bifurcation(
             return replace(entry, reason="it is not shown to be a planar orbit away from the libration point")
         point = carried
     entry = replace(entry, point=point, parameter_name=str(certificate.parameter_name), parameter=certificate.parameter)
+    orbit = certificate.orbit
+    if orbit is not None:
+        entry = replace(entry, stability=orbit.stability.parameters)
     if chain is None:
         return replace(entry, reason="the curve itself is not proved")
     doubly = breaks and candidate.get("symmetry") == atlas.claim.symmetry is not None
@@ -140,7 +145,6 @@ def place_bifurcation(
     if isinstance(place, Place):
         return replace(entry, place=place)
     if point_name(atlas.system) is None:
-        orbit = certificate.orbit
         second = orbit.other_point if orbit else partner(atlas.system, atlas.parameters, point, crossings)
         found_there = None if second is None else locate(atlas, chain, list(second.values()), False)
         if isinstance(found_there, Place):

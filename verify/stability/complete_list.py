@@ -15,6 +15,7 @@ from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Bifurcation, Chain, Stretch
 from orbitproof.verify.evidence import dot, enclose, excludes_zero, sign, symmetric
+from orbitproof.verify.stability.between_orbits import between_orbits
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
@@ -62,9 +63,10 @@ def complete_list(
 
     Args:
         results: of the pieces, as JSON, with what `matrix` knows of them.
-        bifurcations: certified ones, with their places on the curve.
+        bifurcations: certified ones, and certified orbits, with their places on the curve.
 
-    Raises `EmptyIntersectionError` if a certified bifurcation on the curve is not in the list.
+    Raises `EmptyIntersectionError` if a certified bifurcation on the curve is not in the list, or an orbit on it
+    contradicts it.
     """
     points: list[Point] = []
     extrema: list[Extremum] = []
@@ -87,12 +89,14 @@ def complete_list(
             open_extrema += finder.open_extrema
     listed = tuple(sorted(points, key=lambda entry: (entry.stretch, ends_of(entry.s)[0])))
     gaps.sort(key=lambda gap: (gap.stretch, gap.start))
+    pieces = [stretch.tube.piece.id for stretch in chain.stretches]
+    turns = between_orbits(extrema, [*gaps, *open_extrema], segments, pieces, bifurcations)
     return CompleteList(
         order,
         with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order)),
         tuple(gaps),
         tuple(segments),
-        tuple(sorted(extrema, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))),
+        tuple(sorted(turns, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))),
         tuple(open_extrema),
     )
 

@@ -152,6 +152,7 @@ class Extremum:
         value: encloses the stability parameter.
         s: a ball that contains the point's.
         level, half_period: enclosures.
+        certificates: ids of the certificates of the orbits beside it that show its value.
     """
 
     stretch: int
@@ -160,11 +161,13 @@ class Extremum:
     s: arb
     level: arb
     half_period: arb
+    certificates: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object: exact balls with decimals beside them."""
         balls = {"value": self.value, "s": self.s, "level": self.level, "half_period": self.half_period}
-        return {"piece": self.piece, **{name: ball_to_json(ball) for name, ball in balls.items()}}
+        known = {"certificates": list(self.certificates)} if self.certificates else {}
+        return {"piece": self.piece, **{name: ball_to_json(ball) for name, ball in balls.items()}, **known}
 
 
 @dataclass(frozen=True)

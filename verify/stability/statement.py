@@ -21,7 +21,7 @@ from orbitproof.verify.stability.places import (
     Point,
 )
 
-_DIGITS = 14
+_DIGITS, _MOST_DIGITS = 14, 24
 
 _WORDS = {
     FOLD: "extremum of {level} along the curve",
@@ -73,7 +73,8 @@ def _extrema(atlas: Atlas, found: CompleteList) -> list[str]:
         lines = [f"Apart from symmetric points a stability parameter is stationary {band} exactly here{but}:"]
     for entry in found.extrema:
         place = f"{level} in {interval_text(entry.level, _DIGITS)}, in piece {entry.piece}"
-        lines.append(f"- (lambda + 1/lambda)/2 in {interval_text(entry.value, _DIGITS)}: {place}")
+        known = f"; shown by the certified orbits {', '.join(entry.certificates)}" if entry.certificates else ""
+        lines.append(f"- (lambda + 1/lambda)/2 in {interval_text(entry.value, _MOST_DIGITS)}: {place}{known}")
     if found.open_extrema:
         lines.append("Whether one is stationary there is not decided:")
         lines += [f"- {_gap(gap)}" for gap in found.open_extrema]

@@ -1,0 +1,162 @@
+"""Extrema between certified orbits: narrower values that are true, and orbits that contradict the curve refused."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from flint import acb, arb, arb_poly, ctx
+from support.flow_checks import ball
+
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
+from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
+from orbitproof.verify.stability.between_orbits import between_orbits
+from orbitproof.verify.stability.extrema import extrema_on
+from orbitproof.verify.stability.functions import REACH, BoundedFunction
+from orbitproof.verify.stability.places import Extremum, Gap, Segment
+
+ERROR = 1e-5
+APART = Fraction(1, 10**9)
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Iterator[None]:
+    with ctx.workprec(200):
+        yield
+
+
+class Curve:
+    """A segment whose stability parameters are polynomials of s, known up to `ERROR`: one turns, one is large."""
+
+    def __init__(self, seed: int, alone: bool = False) -> None:
+        source = random.Random(seed)
+        self.place = Fraction(source.randint(-60, 60), 100) + Fraction(1, 10**7)
+        self.value = -1 - Fraction(source.randint(1, 9), 10**5)
+        shift = arb_poly([-ball(self.place), 1])
+        turning = shift * shift * arb_poly([source.choice((1, -1)), arb(1) / 4]) + arb_poly([ball(self.value)])
+        self.parameters = [turning] if alone else [turning, arb_poly([40, -3, 7])]
+        flat = BoundedFunction(arb_poly([0]), arb(0))
+        products = [turning] if alone else [turning + self.parameters[1], turning * self.parameters[1]]
+        characteristic = tuple(BoundedFunction(f, arb(ERROR)) for f in products)
+        self.segment = Segment(
+            0, -1 / REACH, -1 / REACH, 1 / REACH, Fraction(0), Fraction(1), characteristic, flat, flat, flat
+        )
+        found, undecided = extrema_on(self.segment, 0)
+        self.gaps = [Gap(0, "p", low, high, "extrema", "") for low, high in undecided]
+        self.extrema = [Extremum(0, "p", height, tau, arb(0), arb(1)) for tau, height in found]
+
+    @property
+    def listed(self) -> Extremum:
+        (entry,) = [entry for entry in self.extrema if entry.s.contains(ball(self.place))]
+        return entry
+
+    def orbit(self, s: Fraction, piece: str = "p", shift: Fraction = Fraction(0)) -> Bifurcation:
+        """The certified orbit at s, of which is said that its stability parameters are larger by `shift`."""
+        values = tuple(acb(polynomial(ball(s)) + ball(shift)) for polynomial in self.parameters)
+        place = Place(piece, ball(s) + arb(0, 1) / 10**25, False)
+        return Bifurcation(f"orbit at {float(s)}", "orbit", 1, place, "", {}, stability=values[::-1])
+
+    def beside(self, distance: Fraction = APART) -> list[Bifurcation]:
+        """Three orbits, the middle one at the extremum."""
+        return [self.orbit(self.place + side * distance) for side in (1, 0, -1)]
+
+    def narrowed(self, orbits: list[Bifurcation], pieces: tuple[str, ...] = ("p",)) -> list[Extremum]:
+        return list(between_orbits(self.extrema, self.gaps, [self.segment], pieces, orbits))
+
+
+@pytest.mark.parametrize("alone", [False, True])
+@pytest.mark.parametrize("seed", range(12))
+def test_three_orbits_show_the_value_between_them_to_many_digits(seed: int, alone: bool) -> None:
+    curve = Curve(seed, alone)
+    before = curve.listed
+    (entry,) = [entry for entry in curve.narrowed(curve.beside()) if entry.certificates]
+    assert before.value.rad() > 1e-6
+    assert entry.value.contains(ball(curve.value))
+    assert entry.s.contains(ball(curve.place))
+    assert entry.value.rad() < 1e-15
+    assert entry.s.rad() < 2e-9
+    assert before.value.contains(entry.value)
+    assert len(entry.certificates) == 3
+    assert len(entry.to_json()["certificates"]) == 3
+    assert "certificates" not in before.to_json()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_value_is_true_wherever_the_orbits_lie_around_it(seed: int) -> None:
+    curve, source = Curve(seed), random.Random(seed + 100)
+    offsets = sorted(Fraction(source.randint(-(10**6), 10**6), 10**12) for _ in range(7))
+    for entry in curve.narrowed([curve.orbit(curve.place + offset) for offset in offsets]):
+        if entry.s.contains(ball(curve.place)):
+            assert entry.value.contains(ball(curve.value))
+
+
+def test_orbits_on_one_side_of_it_say_nothing_more() -> None:
+    curve = Curve(1)
+    orbits = [curve.orbit(curve.place + number * APART) for number in (1, 2, 3)]
+    assert curve.narrowed(orbits) == curve.extrema
+    assert curve.narrowed(curve.beside()[:2]) == curve.extrema
+
+
+def test_orbits_that_are_not_on_this_piece_or_nowhere_say_nothing() -> None:
+    curve = Curve(2)
+    orbits = curve.beside()
+    assert curve.narrowed(orbits, ("another",)) == curve.extrema
+    assert curve.narrowed([replace(entry, place=None) for entry in orbits]) == curve.extrema
+    assert curve.narrowed([replace(entry, kind="doubling") for entry in orbits]) == curve.extrema
+    beyond = [replace(entry, place=Place("p", arb(2), False)) for entry in orbits]
+    assert curve.narrowed(beyond) == curve.extrema
+
+
+def test_orbits_with_complex_or_missing_stability_parameters_say_nothing() -> None:
+    curve = Curve(3)
+    orbits = curve.beside()
+    assert curve.narrowed([replace(entry, stability=()) for entry in orbits]) == curve.extrema
+    turned = [replace(entry, stability=tuple(value + acb(0, 1) for value in entry.stability)) for entry in orbits]
+    assert curve.narrowed(turned) == curve.extrema
+
+
+def test_orbits_with_other_stability_parameters_contradict_the_curve() -> None:
+    curve = Curve(4)
+    orbits = [curve.orbit(curve.place + side * APART, shift=Fraction(1, 1000)) for side in (-1, 0, 1)]
+    with pytest.raises(EmptyIntersectionError, match="other stability parameters"):
+        curve.narrowed(orbits)
+
+
+def test_an_extremum_that_is_not_listed_is_a_contradiction_unless_it_is_open_there() -> None:
+    curve = Curve(5)
+    orbits = curve.beside()
+    curve.extrema = [entry for entry in curve.extrema if entry is not curve.listed]
+    with pytest.raises(EmptyIntersectionError, match="the list does not have"):
+        curve.narrowed(orbits)
+    curve.gaps.append(Gap(0, "p", curve.place - 1, curve.place + 1, "extrema", "bounds too wide"))
+    assert curve.narrowed(orbits) == curve.extrema
+
+
+def test_an_extremum_is_left_as_it_is_where_there_may_be_more() -> None:
+    curve = Curve(6)
+    curve.gaps.append(Gap(0, "p", curve.place, curve.place + APART, "extrema", "bounds too wide"))
+    assert curve.narrowed(curve.beside()) == curve.extrema
+    curve.gaps.clear()
+    curve.extrema += [curve.listed]
+    assert curve.narrowed(curve.beside()) == curve.extrema
+
+
+def test_a_listed_value_that_is_forged_is_a_contradiction() -> None:
+    curve = Curve(7)
+    wrong = replace(curve.listed, value=curve.listed.value + 1)
+    curve.extrema = [wrong if entry is curve.listed else entry for entry in curve.extrema]
+    with pytest.raises(EmptyIntersectionError, match="another extremum"):
+        curve.narrowed(curve.beside())
+
+
+def test_nothing_is_said_where_the_stability_parameters_may_meet() -> None:
+    curve = Curve(8)
+    close = curve.parameters[0] + arb_poly([ball(Fraction(1, 10**12))])
+    curve.parameters = [curve.parameters[0], close]
+    products = (curve.parameters[0] + close, curve.parameters[0] * close)
+    characteristic = tuple(BoundedFunction(f, arb(ERROR)) for f in products)
+    curve.segment = replace(curve.segment, characteristic=characteristic)
+    assert curve.narrowed(curve.beside()) == curve.extrema
