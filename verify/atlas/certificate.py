@@ -21,10 +21,13 @@ Result = Mapping[str, Any]
 """What was found on one interval of a piece; the definition ``result`` of the schema."""
 
 
-def statement_of(atlas: Atlas) -> dict[str, Any]:
-    """The claim in full: the atlas without provenance, and the system that it is about."""
+def statement_of(atlas: Atlas, with_distance: bool = False) -> dict[str, Any]:
+    """The claim in full: the atlas without provenance, and the system that it is about.
+
+    `with_distance`: with the distance that the system names, if it does.
+    """
     system, symmetry = atlas.system, atlas.claim.symmetry
-    integral = system.first_integral_program
+    integral, distance = system.first_integral_program, system.squared_distance_program
     given = system.fixed_parameters
     derived = {
         name: record(parameter.equation, (name,), given).text() for name, parameter in system.derived_parameters.items()
@@ -37,7 +40,8 @@ def statement_of(atlas: Atlas) -> dict[str, Any]:
         "reversing_symmetry": list(system.reversing_symmetry),
         "symmetry": None if symmetry is None else list(system.symmetries[symmetry]),
         "section": system.section,
-        "names": system_names(system),
+        "names": system_names(system, with_distance),
+        **({"squared_distance": distance.text()} if with_distance and distance is not None else {}),
     }
 
 
@@ -54,7 +58,7 @@ def make_atlas_certificate(
     """
     place = {piece.id: number for number, piece in enumerate(atlas.pieces)}
     ordered = sorted(results, key=lambda result: (place[result["piece"]], interval_of(result)))
-    statement = statement_of(atlas)
+    statement = statement_of(atlas, any("distance" in result.get("stability", {}) for result in results))
     if conclusion is None:
         verdict = "not proved"
         message, remedy = "not all intervals were tried", "run the same command again; it goes on from here"

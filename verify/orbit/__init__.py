@@ -3,6 +3,7 @@
 from orbitproof.verify.orbit.distance import Approach
 from orbitproof.verify.orbit.following import Distance, OrbitEnclosures, enclose_orbit
 from orbitproof.verify.orbit.multipliers import Stability
+from orbitproof.verify.orbit.rates import distance_rates
 from orbitproof.verify.orbit.statement import orbit_in_full, orbit_theorem
 from orbitproof.verify.orbit.theorem import OrbitResults, prove_orbit
 
@@ -12,6 +13,7 @@ __all__ = [
     "OrbitEnclosures",
     "OrbitResults",
     "Stability",
+    "distance_rates",
     "enclose_orbit",
     "orbit_in_full",
     "orbit_theorem",

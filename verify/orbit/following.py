@@ -14,7 +14,7 @@ from orbitproof.verify.algebra import Series, evaluate, prepare
 from orbitproof.verify.evidence import DerivativeTable, enclose, exact_value, guarded
 from orbitproof.verify.flow import FlowStep, advance, expand
 from orbitproof.verify.orbit.distance import Approach, DistanceAlong, Step
-from orbitproof.verify.orbit.rates import rates_along
+from orbitproof.verify.orbit.rates import distance_rates
 from orbitproof.verify.poincare import (
     BOX_RATIO,
     Box,
@@ -174,19 +174,9 @@ class _Distances:
     """The distance over the steps of a half orbit."""
 
     def __init__(self, returns: Returns) -> None:
-        system, coordinates = returns.system, returns.coordinates
-        regularisation = coordinates.regularisation
-        quantity = system.squared_distance
-        assert quantity is not None
-
-        def of_state(state: Sequence[Any], constants: Sequence[Any]) -> Any:
-            parameters = constants[: len(system.parameters)]
-            own = state if regularisation is None else regularisation.projection(state, parameters)
-            return quantity(own, parameters)[0]
-
         self.returns = returns
-        self.regularisation = regularisation
-        self.program = prepare(rates_along(coordinates.field, len(returns.state), of_state))
+        self.regularisation = returns.coordinates.regularisation
+        self.program = prepare(distance_rates(returns.system, returns.coordinates))
         self.along = DistanceAlong()
         self.reached = arb(0)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems import Program, record
+from orbitproof.shared.systems import Program, ReversibleSystem, record
+from orbitproof.verify.poincare import Coordinates
 
 Quantity = Callable[[Sequence[Any], Sequence[Any]], Any]
 
@@ -78,3 +79,21 @@ def rates_along(field: Program, size: int, quantity: Quantity) -> Program:
         return value.value, rate.value, rate.slope
 
     return record(rates, field.inputs)
+
+
+def distance_rates(system: ReversibleSystem, coordinates: Coordinates) -> Program:
+    """The square D of the distance that a system names, D' and D'' along the orbits of the field that is followed.
+
+    Inputs are those of the field. In regularised coordinates D is that of the projection.
+    """
+    regularisation, quantity = coordinates.regularisation, system.squared_distance
+    if quantity is None:
+        raise ValueError(f"{system.name} names no distance")
+    size = len(system.state) if regularisation is None else len(regularisation.state)
+
+    def of_state(state: Sequence[Any], constants: Sequence[Any]) -> Any:
+        parameters = constants[: len(system.parameters)]
+        own = state if regularisation is None else regularisation.projection(state, parameters)
+        return quantity(own, parameters)[0]
+
+    return rates_along(coordinates.field, size, of_state)

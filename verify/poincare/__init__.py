@@ -1,6 +1,6 @@
 """The Poincare map and its derivatives on a box: section, crossings, returns (sections 5, 6, 14)."""
 
-from orbitproof.verify.poincare.coordinates import PHYSICAL
+from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates
 from orbitproof.verify.poincare.crossing import InTime
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.iterates import (
@@ -14,13 +14,21 @@ from orbitproof.verify.poincare.iterates import (
     enclose_first_integral,
     enclose_iterates,
 )
-from orbitproof.verify.poincare.returns import REGULARISED, Returns, at_start, first_integral, kernel_components
+from orbitproof.verify.poincare.returns import (
+    REGULARISED,
+    Returns,
+    at_start,
+    first_integral,
+    initial_values,
+    kernel_components,
+)
 
 __all__ = [
     "BOX_RATIO",
     "PHYSICAL",
     "REGULARISED",
     "Box",
+    "Coordinates",
     "Enclosures",
     "InTime",
     "IntegratorSettings",
@@ -33,6 +41,7 @@ __all__ = [
     "enclose_first_integral",
     "enclose_iterates",
     "first_integral",
+    "initial_values",
     "kernel_components",
     "table_of",
 ]

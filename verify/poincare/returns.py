@@ -46,6 +46,7 @@ class Returns:
         steps: number of integration steps so far.
         crossings: number of crossings that `next_crossing` has found.
         return_time: the system's time at the last of them, for all orbits.
+        delay: time of the field that is followed, not multiplied by `rate`, from the last step to the last of them.
         step_taken: the enclosure of the last step, the time of the integration at its beginning, its length.
     """
 
@@ -83,7 +84,7 @@ class Returns:
         self.crossings = 0
         self.share = 1.0
         self.at_section = True
-        self.return_time = arithmetic.constant(Fraction(0))
+        self.return_time = self.delay = arithmetic.constant(Fraction(0))
         self.step_taken: tuple[FlowStep, arb, Fraction] | None = None
 
     def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
@@ -213,6 +214,7 @@ class Returns:
         image, elapsed = onto_section(
             coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
         )
+        self.delay = elapsed
         for counter, arrival in zip(self.counters, arrivals, strict=True):
             # In the system's own time, of which the integration's is the part `rate`.
             rate = arb(1) if self.rate is None else range_of(self.rate, counter.wide)

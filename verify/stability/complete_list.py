@@ -35,6 +35,7 @@ from orbitproof.verify.stability.places import (
     Point,
     Segment,
 )
+from orbitproof.verify.stability.ranges import distances_from_json
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
 PRECISION = 192
@@ -176,9 +177,12 @@ def segment_of(
     if mirrored:
         functions = [function.mirrored() for function in functions]
     *characteristic, level, half_period, first_factor = functions
+    distances = distances_from_json(entry.get("distance"))
+    if mirrored and distances is not None:
+        distances = distances.mirrored()
     return Segment(
         number, *places, (low + high) / 2, (high - low) / 2 * REACH, tuple(characteristic), level, half_period,
-        first_factor,
+        first_factor, distances,
     )  # fmt: skip
 
 

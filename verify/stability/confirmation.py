@@ -7,7 +7,9 @@ from typing import Any
 
 from flint import ctx
 
+from orbitproof.verify.stability.distances import ALONG
 from orbitproof.verify.stability.functions import function_from_json
+from orbitproof.verify.stability.ranges import distances_from_json
 
 _BITS = 192
 _FUNCTIONS = ("level", "half_period", "first_factor")
@@ -37,3 +39,21 @@ def unconfirmed(stored: Mapping[str, Any], fresh: Mapping[str, Any]) -> Iterator
         for name, old, new in pairs:
             if not function_from_json(old).contains(function_from_json(new)):
                 yield f"the stored bounds of the {name} are not confirmed"
+        yield from _unconfirmed_distances(stored.get("distance"), fresh.get("distance"))
+
+
+def _unconfirmed_distances(stored: Mapping[str, Any] | None, fresh: Mapping[str, Any] | None) -> Iterator[str]:
+    old, new = (distances_from_json(entry) for entry in (stored, fresh))
+    if old is None:
+        return
+    if new is None:
+        yield "distances are not enclosed again"
+        return
+    for name, before, after in (("this point", old.here, new.here), ("the other point", old.there, new.there)):
+        if not before.contains(after):
+            yield f"the stored bounds of the distance at {name} are not confirmed"
+    for number, (held_part, found_part) in enumerate(zip(old.parts, new.parts, strict=True), start=1):
+        for word in ("least", "greatest"):
+            held, found = getattr(held_part, word), getattr(found_part, word)
+            if held.where not in (ALONG, found.where) or not held.square.contains(found.square):
+                yield f"the {word} distance on part {number} is not confirmed"

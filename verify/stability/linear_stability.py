@@ -14,6 +14,7 @@ from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.curve import Chain
 from orbitproof.verify.evidence import ball_to_json, enclose, is_positive
 from orbitproof.verify.stability.places import SYMMETRIC, CompleteList, Point, Segment, shortened
+from orbitproof.verify.stability.ranges import Ranges, ranges_between, together
 from orbitproof.verify.stability.zeros import ends_of
 
 BEGINNING, END = "the beginning of the curve", "the end of the curve"
@@ -28,6 +29,7 @@ class Bound:
         what: in words.
         point: if it is one of the list.
         is_one_point: whether all orbits but one between `lower` and `upper` are as those on the same side of it.
+        ranges: half period and distances there, if it is a point of the list.
     """
 
     stretch: int
@@ -36,13 +38,15 @@ class Bound:
     what: str
     point: Point | None = None
     is_one_point: bool = True
+    ranges: Ranges | None = None
 
     def to_json(self, piece: str) -> dict[str, Any]:
         """The JSON object; with level and half period if it is a point of the list."""
         ends = [format_exact(shortened(self.lower, -1)), format_exact(shortened(self.upper, 1))]
-        known = {} if self.point is None else {"level": self.point.level, "half_period": self.point.half_period}
-        balls = {name: ball_to_json(ball) for name, ball in known.items()}
-        return {"what": self.what, "piece": piece, "interval": ends, **balls}
+        known = {} if self.ranges is None else self.ranges.to_json()
+        if self.point is not None:
+            known |= {"level": ball_to_json(self.point.level), "half_period": ball_to_json(self.point.half_period)}
+        return {"what": self.what, "piece": piece, "interval": ends, **known}
 
 
 @dataclass(frozen=True)
@@ -52,15 +56,18 @@ class StableInterval:
     Attributes:
         begin, end: the two places, themselves not included.
         pieces: ids of the pieces at the two places.
+        ranges: half periods and distances of the orbits in between, if they are known.
     """
 
     begin: Bound
     end: Bound
     pieces: tuple[str, str]
+    ranges: Ranges | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object: what is at both ends, and where on their pieces."""
-        return {"from": self.begin.to_json(self.pieces[0]), "to": self.end.to_json(self.pieces[1])}
+        between = {} if self.ranges is None else {"between": self.ranges.to_json()}
+        return {"from": self.begin.to_json(self.pieces[0]), "to": self.end.to_json(self.pieces[1]), **between}
 
 
 def stable_intervals(
@@ -83,13 +90,17 @@ def stable_intervals(
         stable = _are_stable_between(chain, found.segments, before, after)
         if stable is not False:
             ids = [chain.stretches[bound.stretch].tube.piece.id for bound in (before, after)]
-            (result if stable else unknown).append(StableInterval(before, after, (ids[0], ids[1])))
+            ranges = ranges_between(found.segments, (before.stretch, before.lower), (after.stretch, after.upper))
+            entry = StableInterval(before, after, (ids[0], ids[1]), ranges if stable else None)
+            (result if stable else unknown).append(entry)
     if not bounds[-1].is_one_point:
         name = chain.stretches[bounds[-1].stretch].tube.piece.id
         unknown.append(StableInterval(bounds[-1], bounds[-1], (name, name)))
     if closed and len(result) > 1 and result[0].begin.what == BEGINNING and result[-1].end.what == END:
         first, last = result[0], result.pop()
-        result[0] = StableInterval(last.begin, first.end, (last.pieces[0], first.pieces[1]))
+        known = [entry.ranges for entry in (last, first) if entry.ranges is not None]
+        ranges = together(known) if len(known) == 2 else None
+        result[0] = StableInterval(last.begin, first.end, (last.pieces[0], first.pieces[1]), ranges)
     return result, unknown
 
 
@@ -99,7 +110,8 @@ def _bounds(chain: Chain, found: CompleteList) -> Iterator[Bound]:
     for point in found.points:
         if point.k <= 2:
             low, high = ends_of(point.s)
-            places.append(Bound(point.stretch, low, high, point.kind, point))
+            ranges = ranges_between(found.segments, (point.stretch, low), (point.stretch, high))
+            places.append(Bound(point.stretch, low, high, point.kind, point, True, ranges))
     for gap in found.gaps:
         if gap.about in ("everything", "Krein collision", "k = 1, j = 0", "k = 2, j = 1"):
             places.append(Bound(gap.stretch, gap.start, gap.end, f"not covered: {gap.about}", None, False))

@@ -31,9 +31,10 @@ from orbitproof.verify.curve import (
     parameter_series,
     tube_points,
 )
-from orbitproof.verify.evidence import IntegrationFailure, guarded, is_inside
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral
+from orbitproof.verify.evidence import IntegrationFailure, Reason, guarded, is_inside
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral, initial_values
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
+from orbitproof.verify.stability.distances import DistanceAlongCurve, DistanceFunctions
 from orbitproof.verify.stability.functions import (
     REACH,
     bounded,
@@ -46,6 +47,7 @@ from orbitproof.verify.stability.functions import (
     restricted,
     slope,
 )
+from orbitproof.verify.stability.ranges import is_distance_of_orbits
 from orbitproof.verify.stability.units import in_own_units
 
 SHARE = 1 / BEYOND * REACH
@@ -73,16 +75,21 @@ class OrbitFunctions:
         level: the family parameter, or the first integral.
         half_period: the time to the end of a half orbit.
         first_factor: the determinant of D(pi_p P) on Fix(R), up to a constant factor.
+        distance: along the orbits, or why it is not known; `None` if the system names none.
     """
 
     characteristic: tuple[Series, ...]
     level: Series
     half_period: Series
     first_factor: Series
+    distance: DistanceFunctions | Reason | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object; all numbers are exact."""
+        distance = self.distance
+        known = {"reason": distance.to_json()} if isinstance(distance, Reason) else distance and distance.to_json()
         return {
+            **({} if known is None else {"distance": known}),
             "characteristic": [function_to_json(element) for element in self.characteristic],
             "level": function_to_json(self.level),
             "half_period": function_to_json(self.half_period),
@@ -212,19 +219,32 @@ class _Integration:
         )
         begun = {**half.start, **other.tube(flow, system.centre_coordinates, widths)}
 
+        returns = Returns(system, flow, begun, self.coordinates)
+        along = DistanceAlongCurve(returns, SHARE) if is_distance_of_orbits(system, self.symmetry) else None
+
         def after_step(number: float) -> None:
+            if along is not None:
+                along.cover()
             if progress is not None:
                 progress(half.steps + number)
 
-        second, _ = Returns(system, flow, begun, self.coordinates).half_orbit(self.crossings, after_step)
+        second, _ = returns.half_orbit(self.crossings, after_step)
         back = self._back(curve, widths, self._named(begun, second))
         sigma = _stability_matrix(out, back)
+        points = self._initial(curve, half.start), self._initial(curve, half.start, there)
         return OrbitFunctions(
             tuple(_minors(sigma, order) for order in range(1, len(widths) + 1)),
             restricted(curve.value(level), SHARE),
             restricted(curve.value(half.time), SHARE),
             determinant(out),
+            None if along is None else along.functions(system, *points),
         )
+
+    def _initial(self, curve: CurveInTube, start: Mapping[str, Series], point: Sequence[Series] = ()) -> list[Series]:
+        """State and parameters on Fix(R) as functions of sigma: at x(s), or at a point with these coordinates."""
+        moved = {**start, **dict(zip(self.system.centre_coordinates, point, strict=True))} if point else start
+        values = {name: curve.value(element) for name, element in moved.items()}
+        return initial_values(self.system, self.arithmetic, values)
 
     def _curve(self, half: HalfReturn) -> CurveInTube:
         """omega on the curve, from the state at the first return."""

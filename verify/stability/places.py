@@ -14,6 +14,7 @@ from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.evidence import ball_to_json, enclose
 from orbitproof.verify.stability.functions import BoundedFunction
+from orbitproof.verify.stability.ranges import KnownDistances
 
 FOLD, LOSS, SYMMETRIC = "fold", "loss of R", "symmetric point"
 HERE, THERE, RESONANCE, UNKNOWN = "doubling at this point", "doubling at the other point", "resonance", "undecided"
@@ -31,6 +32,7 @@ class Segment:
         entered: the curve runs through all of it from here on; it begins between `start` and this.
         middle, radius: s = middle + radius tau.
         characteristic, level, half_period, first_factor: functions of tau, as in `matrix.OrbitFunctions`.
+        distances: from the body that the system names, if they are known.
     """
 
     stretch: int
@@ -43,6 +45,7 @@ class Segment:
     level: BoundedFunction
     half_period: BoundedFunction
     first_factor: BoundedFunction
+    distances: KnownDistances | None = None
 
     def tau(self, s: Fraction) -> Fraction:
         """The variable of the functions."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.evidence import decimal_interval, interval_text
+from orbitproof.verify.stability.distances import ALONG
 from orbitproof.verify.stability.extrema import BAND
 from orbitproof.verify.stability.linear_stability import Bound, StableInterval
 from orbitproof.verify.stability.places import (
@@ -20,6 +21,7 @@ from orbitproof.verify.stability.places import (
     Gap,
     Point,
 )
+from orbitproof.verify.stability.ranges import Ranges
 
 _DIGITS, _MOST_DIGITS = 14, 24
 
@@ -123,7 +125,18 @@ def _point(atlas: Atlas, point: Point) -> str:
 
 
 def _interval(atlas: Atlas, entry: StableInterval) -> str:
-    return f"from {_bound(atlas, entry, 0)} to {_bound(atlas, entry, 1)}"
+    return f"from {_bound(atlas, entry, 0)} to {_bound(atlas, entry, 1)}{_ranges(atlas, entry.ranges, 'in between ')}"
+
+
+def _ranges(atlas: Atlas, ranges: Ranges | None, where: str) -> str:
+    """Half periods and distances in words."""
+    if ranges is None:
+        return ""
+    words = [f"half period in {interval_text(ranges.half_period, _DIGITS)}"]
+    for name, (distance, place) in ranges.distances.items():
+        at = f" (at {place} of the orbit on Fix(R))" if place != ALONG else ""
+        words.append(f"{name} distance from {atlas.system.distance_name} in {interval_text(distance, _DIGITS)}{at}")
+    return f"; {where}{', '.join(words)}"
 
 
 def _bound(atlas: Atlas, entry: StableInterval, which: int) -> str:
@@ -131,7 +144,8 @@ def _bound(atlas: Atlas, entry: StableInterval, which: int) -> str:
     if bound.point is None:
         return f"{bound.what} (piece {entry.pieces[which]})"
     words = _WORDS.get(bound.what, bound.what).format(level=level_name(atlas))
-    return f"{level_name(atlas)} in {interval_text(bound.point.level, _DIGITS)} (piece {entry.pieces[which]}: {words})"
+    level = f"{level_name(atlas)} in {interval_text(bound.point.level, _DIGITS)}"
+    return f"{level} (piece {entry.pieces[which]}: {words}{_ranges(atlas, bound.ranges, '')})"
 
 
 def _gap(gap: Gap) -> str:

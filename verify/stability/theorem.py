@@ -12,6 +12,7 @@ from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved, Reason
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import stable_intervals
+from orbitproof.verify.stability.ranges import is_distance_of_orbits
 from orbitproof.verify.stability.statement import statement
 
 _EMPTY: dict[str, Any] = {name: [] for name in ("points", "stable", "undecided", "gaps", "extrema", "open_extrema")}
@@ -26,6 +27,8 @@ def with_complete_list(
         results: of the pieces, as JSON, with what is known of the stability of their orbits.
     """
     document = conclusion.to_json()
+    if not is_distance_of_orbits(atlas.system, atlas.claim.symmetry):
+        results = [_without_distance(result) for result in results]
     if not isinstance(conclusion.outcome, Proved):
         return {**document, "complete": _EMPTY | {"order": order}}
     chain = conclusion.outcome.results.chain
@@ -52,3 +55,8 @@ def with_complete_list(
             "open_extrema": [gap.to_json() for gap in found.open_extrema],
         },
     }
+
+
+def _without_distance(result: Mapping[str, Any]) -> Mapping[str, Any]:
+    known = {key: value for key, value in result.get("stability", {}).items() if key != "distance"}
+    return {**result, "stability": known} if known else result

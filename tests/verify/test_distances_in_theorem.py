@@ -1,0 +1,142 @@
+"""The theorem about a curve says how far its stable orbits are from a body, and forged distances are found."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from support import stability_cases
+from support.forgeries import checked, forged, honest
+
+from orbitproof.shared.formats.atlas import Atlas
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify.atlas.certificate import make_atlas_certificate
+from orbitproof.verify.curve.piece import PieceLimits
+from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.stability.distances import ALONG, HERE
+from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.theorem import with_complete_list
+
+Results = list[dict[str, Any]]
+
+
+def with_a_wall() -> Atlas:
+    """The Falkner-Skan family, of which it is said that y is the distance from something."""
+    system = stability_cases.atlas().system
+    walled = replace(
+        system, name="walled-flow", squared_distance=lambda state, _: (state[1] * state[1],), distance_name="the wall"
+    )
+    return replace(stability_cases.atlas(), system=walled)
+
+
+@pytest.fixture(scope="module")
+def results() -> Results:
+    """Those of the family, with the distances."""
+    atlas, found = with_a_wall(), stability_cases.results()
+    for piece, entry in zip(atlas.curve_pieces(), found, strict=True):
+        start, end = (parse_exact(text) for text in entry["interval"])
+        functions = orbit_functions(atlas.system, {}, piece, (start, end), PieceLimits(64, 28, 28), "physical")
+        entry["stability"] = functions.to_json()
+    return found
+
+
+def document_of(found: Results, atlas: Atlas) -> dict[str, Any]:
+    return make_atlas_certificate(atlas, found, with_complete_list(atlas, found, conclude(atlas, found), 2))
+
+
+def test_the_theorem_encloses_distances_at_and_between_the_ends(results: Results) -> None:
+    """y is greatest in size at one of the points of Fix(R) of these orbits, as z = 0 there."""
+    document = document_of(results, with_a_wall())
+    assert document["statement"]["names"]["distance_from"] == "the wall"
+    assert document["statement"]["squared_distance"]
+    (stable,) = document["conclusion"]["complete"]["stable"]
+    for entry in (stable["from"], stable["between"]):
+        assert set(entry) > {"half_period", "least_distance", "greatest_distance", "least_distance_at"}
+    assert "in between half period in [" in document["statement"]["theorem"]
+    assert "greatest distance from the wall in [" in document["statement"]["theorem"]
+    assert checked(document).stands
+
+
+def test_of_a_system_without_a_body_nothing_is_said_of_distances(results: Results) -> None:
+    """Even if they are stored."""
+    atlas = stability_cases.atlas()
+    document = with_complete_list(atlas, results, conclude(atlas, results), 2)
+    (stable,) = document["complete"]["stable"]
+    assert "half_period" in stable["between"]
+    assert "least_distance" not in stable["between"]
+    assert "distance" not in document["statement"]
+
+
+def narrower(entry: dict[str, Any]) -> None:
+    """The bounds of the conclusion, not those that it is made from."""
+    between = entry["conclusion"]["complete"]["stable"][0]["between"]
+    between["least_distance"] = dict(between["greatest_distance"])
+
+
+def other_words(entry: dict[str, Any]) -> None:
+    for holder in (entry["statement"], entry["conclusion"]):
+        for key in ("theorem", "in_full", "statement"):
+            if key in holder:
+                holder[key] = holder[key].replace("least distance from the wall", "greatest distance from the wall")
+
+
+def other_body(entry: dict[str, Any]) -> None:
+    entry["statement"]["names"]["distance_from"] = "the Moon"
+
+
+def other_function(entry: dict[str, Any]) -> None:
+    text = entry["statement"]["squared_distance"]
+    entry["statement"]["squared_distance"] = text.replace("y", "x")
+
+
+def left_out(entry: dict[str, Any]) -> None:
+    del entry["results"][1]["stability"]["distance"]
+
+
+@pytest.mark.parametrize(
+    "change", [narrower, other_words, other_body, other_function, left_out], ids=lambda f: f.__name__
+)
+def test_a_forged_theorem_about_distances_is_found_without_integrating(
+    results: Results, change: Callable[[dict[str, Any]], None]
+) -> None:
+    found = checked(forged(document_of(results, with_a_wall()), change))
+    assert not found.stands
+
+
+def farther(distance: dict[str, Any]) -> None:
+    for name in ("least", "greatest"):
+        bounds = [parse_exact(bound) * Fraction(3, 2) for bound in distance["parts"][4][name]]
+        distance["parts"][4][name] = [format_exact(bound) for bound in bounds]
+    distance["parts"][4] |= {"least_at": ALONG, "greatest_at": ALONG}
+
+
+def at_this_point(distance: dict[str, Any]) -> None:
+    for part in distance["parts"]:
+        part["least_at"] = HERE
+
+
+@pytest.mark.parametrize("change", [None, farther, at_this_point])
+def test_forged_distances_are_found_by_another_integration(
+    results: Results, change: Callable[[dict[str, Any]], None] | None
+) -> None:
+    """Also with a theorem that fits them."""
+    fresh = copy.deepcopy(results)
+    for entry in fresh:
+        distance = entry["stability"]["distance"]
+        functions = [entry["stability"][name] for name in ("level", "half_period", "first_factor")]
+        for function in (*functions, *entry["stability"]["characteristic"], distance["here"], distance["there"]):
+            function["error"] = format_exact(parse_exact(function["error"]) / 4)
+        for part in distance["parts"]:
+            for name in ("least", "greatest"):
+                low, high = (parse_exact(bound) for bound in part[name])
+                part[name] = [format_exact(low + (high - low) / 2**8), format_exact(high - (high - low) / 2**8)]
+    stored = copy.deepcopy(results)
+    if change is not None:
+        change(stored[0]["stability"]["distance"])
+    found = checked(document_of(stored, with_a_wall()), honest(fresh))
+    assert found.stands == (change is None)
+    assert change is None or any("distance" in finding.message for finding in found.findings)

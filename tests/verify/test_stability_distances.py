@@ -1,0 +1,284 @@
+"""Distances along the orbits of a curve: bounds hold for independently integrated orbits, and forged ones are found."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, arb_poly, ctx, fmpz_poly
+from scipy.integrate import solve_ivp
+from support.flow_checks import ball
+
+from orbitproof.shared.formats.pieces import Piece, piece_from_json
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems.system import CR3BP
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic
+from orbitproof.verify.curve.piece import PieceLimits
+from orbitproof.verify.evidence import sign
+from orbitproof.verify.stability.confirmation import unconfirmed
+from orbitproof.verify.stability.distances import ALONG, HERE, PARTS, THERE, Cells
+from orbitproof.verify.stability.functions import REACH, BoundedFunction
+from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.places import Segment
+from orbitproof.verify.stability.ranges import (
+    KnownDistances,
+    distances_from_json,
+    is_distance_of_orbits,
+    ranges_between,
+)
+
+PIECES: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data/branch-pieces.json").read_text())
+INTERVALS = {"symmetric": (Fraction(-1, 8), Fraction(1, 8)), "regularised": (Fraction(5, 16), Fraction(3, 8))}
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Any:
+    with ctx.workprec(160):
+        yield
+
+
+def case(name: str) -> tuple[Piece, dict[str, Fraction]]:
+    entry = PIECES[name]
+    piece = piece_from_json(entry["piece"], CR3BP, "piece")
+    assert isinstance(piece, Piece)
+    return piece, {key: parse_exact(value) for key, value in entry["parameters"].items()}
+
+
+def enclosed(name: str, limits: PieceLimits) -> dict[str, Any]:
+    piece, parameters = case(name)
+    coordinates = "regularised" if name == "regularised" else "physical"
+    return orbit_functions(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, "S").to_json()
+
+
+@pytest.fixture(scope="module", params=["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])
+def found(request: Any) -> tuple[str, dict[str, Any]]:
+    return request.param, enclosed(request.param, PieceLimits(72, 28, 14))
+
+
+def distances_of(piece: Piece, s: Fraction, mu: float) -> Any:
+    """The distance from the smaller primary at many times of the half orbit, both ends among them."""
+    x, z, vy = (float(value) for value in piece.point(s))
+
+    def crossing(_: float, state: Any) -> Any:
+        return state[1]
+
+    crossing.terminal, crossing.direction = True, -np.sign(vy)  # type: ignore[attr-defined]
+
+    def field(_: float, state: Any) -> Any:
+        return CR3BP.vector_field(list(state), [mu])
+
+    start = [x, 0.0, z, 0.0, vy, 0.0]
+    run = solve_ivp(field, (0, 20), start, "DOP853", events=crossing, dense_output=True, rtol=3e-14, atol=1e-15)
+    times = np.linspace(0, run.t_events[0][0], 20001)
+    places = run.sol(times)
+    return np.sqrt((places[0] + mu - 1) ** 2 + places[1] ** 2 + places[2] ** 2)
+
+
+def test_distances_of_independent_orbits_lie_within_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
+    name, entry = found
+    piece, parameters = case(name)
+    known = distances_from_json(entry["distance"])
+    assert known is not None
+    start, end = INTERVALS[name]
+    source = np.random.default_rng(3)
+    places = set()
+    for share in source.uniform(0, 1, 12):
+        s = start + (end - start) * Fraction(float(share))
+        tau = (2 * (s - start) / (end - start) - 1) / REACH
+        along = distances_of(piece, s, float(parameters["mu"]))
+        for function, value in ((known.here, along[0]), (known.there, along[-1])):
+            enclosure = function.value(ball(tau)).sqrt()
+            assert abs(float(enclosure.mid()) / value - 1) < 1e-9
+            assert float(enclosure.rad()) < 1e-9
+        extremes = known.over(tau, tau)
+        assert extremes is not None
+        for extreme, value, at_end in zip(extremes, (along.min(), along.max()), (np.argmin, np.argmax), strict=True):
+            assert (extreme.square.sqrt() + arb(0, 1e-8)).contains(arb(value))
+            assert float(extreme.square.sqrt().rad()) < 0.02 * value
+            expected = {0: HERE, len(along) - 1: THERE}.get(int(at_end(along)), ALONG)
+            assert extreme.where in (expected, ALONG)
+            places.add(extreme.where)
+    assert places - {ALONG}
+
+
+def test_bounds_hold_on_cells_and_are_about_as_narrow_as_the_values() -> None:
+    """A polynomial in theta and sigma against its values on a fine grid."""
+    arithmetic = WideArithmetic(Grading((1,), 0), 80, 0, 5, width=4)
+    source = np.random.default_rng(4)
+    numbers = source.uniform(-1, 1, (6, 5))
+    integers = [[int(value * 2**40) << 40 for value in row] for row in numbers]
+    packed = [value for row in integers for value in [*row, *[0] * 4]]
+    element = Series(arithmetic, [fmpz_poly(packed)], [1e-3, 0.0])
+    cells = Cells.of(element)
+    grid = cells.lower.shape[0]
+    reach = 16 / 17
+    for cell in range(0, grid, 5):
+        for part in range(PARTS):
+            theta = np.linspace(cell, cell + 1, 9) / grid
+            sigma = reach * (2 * np.linspace(part, part + 1, 9) / PARTS - 1)
+            values = np.polynomial.polynomial.polygrid2d(theta, sigma, numbers)
+            assert cells.lower[cell, part] <= values.min() - 0.999e-3
+            assert cells.upper[cell, part] >= values.max() + 0.999e-3
+            assert cells.upper[cell, part] - cells.lower[cell, part] < 1.5 * (np.ptp(values) + 2e-3)
+            middle = values[4]
+            assert cells.upper_at_times[cell, part] >= middle.max() + 0.999e-3
+            assert cells.lower_at_times[cell, part] <= middle.min() - 0.999e-3
+            assert cells.signs[cell][part] == sign(arb(values.min() - 1e-3).union(arb(values.max() + 1e-3)))
+
+
+def test_what_is_not_finite_has_no_sign() -> None:
+    arithmetic = WideArithmetic(Grading((1,), 0), 80, 0, 5, width=4)
+    cells = Cells.of(arithmetic.constant(Fraction(1)).widened(Fraction(2) ** 2000))
+    assert {sign_ for row in cells.signs for sign_ in row} == {0}
+
+
+def test_another_integration_confirms_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
+    name, entry = found
+    if name == "symmetric":
+        assert list(unconfirmed(entry, enclosed(name, PieceLimits(104, 32, 22)))) == []
+
+
+def narrow_least(distance: dict[str, Any]) -> None:
+    part = distance["parts"][5]
+    part["least"] = [part["least"][1], part["least"][1]]
+
+
+def lower_greatest(distance: dict[str, Any]) -> None:
+    part = distance["parts"][2]
+    part["greatest"] = [format_exact(parse_exact(bound) * Fraction(9, 10)) for bound in part["greatest"]]
+
+
+def taken_elsewhere(distance: dict[str, Any]) -> None:
+    part = distance["parts"][3]
+    part["least_at"] = THERE if part["least_at"] == HERE else HERE
+
+
+def moved_function(distance: dict[str, Any]) -> None:
+    first = distance["there"]["coefficients"][0]
+    distance["there"]["coefficients"][0] = format_exact(parse_exact(first) * (1 + Fraction(1, 2**20)))
+
+
+def narrow_function(distance: dict[str, Any]) -> None:
+    distance["here"]["error"] = "0x0"
+
+
+FORGERIES = [narrow_least, lower_greatest, taken_elsewhere, moved_function, narrow_function]
+
+
+@pytest.mark.parametrize("change", FORGERIES, ids=lambda f: f.__name__)
+def test_forged_distances_are_not_confirmed(
+    found: tuple[str, dict[str, Any]], change: Callable[[dict[str, Any]], None]
+) -> None:
+    _, entry = found
+    fresh = copy.deepcopy(entry)
+    for part in fresh["distance"]["parts"]:
+        for name in ("least", "greatest"):
+            low, high = (parse_exact(bound) for bound in part[name])
+            part[name] = [format_exact(low + (high - low) / 8), format_exact(high - (high - low) / 8)]
+    for function in (*fresh["characteristic"], *(fresh[n] for n in ("level", "half_period", "first_factor"))):
+        function["error"] = format_exact(parse_exact(function["error"]) / 4)
+    for name in ("here", "there"):
+        function = fresh["distance"][name]
+        function["error"] = format_exact(parse_exact(function["error"]) / 4)
+    assert list(unconfirmed(entry, fresh)) == []
+    forged = copy.deepcopy(entry)
+    change(forged["distance"])
+    assert list(unconfirmed(forged, fresh))
+    without = {key: value for key, value in fresh.items() if key != "distance"}
+    assert "distances are not enclosed again" in list(unconfirmed(entry, without))
+
+
+@pytest.mark.parametrize("bounds", [["-0x1", "0x1"], ["0x2", "0x1"]])
+def test_bounds_that_are_none_are_refused(found: tuple[str, dict[str, Any]], bounds: list[str]) -> None:
+    distance = copy.deepcopy(found[1]["distance"])
+    distance["parts"][0]["least"] = bounds
+    with pytest.raises(ValueError, match="bounds of a distance"):
+        distances_from_json(distance)
+    distance = copy.deepcopy(found[1]["distance"])
+    del distance["parts"][0]
+    with pytest.raises(ValueError, match="number of parts"):
+        distances_from_json(distance)
+
+
+def test_only_distances_with_the_symmetries_of_the_curve_count() -> None:
+    assert is_distance_of_orbits(CR3BP, "S")
+    assert not is_distance_of_orbits(replace(CR3BP, squared_distance=None), "S")
+    above = replace(CR3BP, squared_distance=lambda state, _: ((state[0] - 1) ** 2 + (state[2] - 1) ** 2,))
+    assert is_distance_of_orbits(above, None)
+    assert not is_distance_of_orbits(above, "S")
+    beside = replace(CR3BP, squared_distance=lambda state, _: ((state[1] - 1) ** 2,))
+    assert not is_distance_of_orbits(beside, None)
+
+
+def linear(value: int, slope: int) -> BoundedFunction:
+    return BoundedFunction(arb_poly([value, slope]), arb(0))
+
+
+def segment_with(distances: KnownDistances | None, stretch: int = 0) -> Segment:
+    flat, one = linear(0, 0), Fraction(1)
+    start, end = -one / REACH, one / REACH
+    return Segment(
+        stretch, start, start, end, Fraction(0), one, (flat,), flat, linear(3 + 4 * stretch, 1), flat, distances
+    )
+
+
+def stored(places: list[str]) -> KnownDistances:
+    """The distance is 2 + tau at this point, 7 - tau at the other one, between 1 and 9 in any case."""
+    parts = [
+        {"least": ["0x1", "0x2"], "greatest": ["0x40", "0x51"], "least_at": least, "greatest_at": ALONG}
+        for least in places
+    ]
+    shapes = {"here": ["0x4", "0x4", "0x1"], "there": ["0x31", "-0xe", "0x1"]}
+    entry = {name: {"coefficients": row, "error": "0x0"} for name, row in shapes.items()}
+    known = distances_from_json({**entry, "parts": parts})
+    assert known is not None
+    return known
+
+
+def test_ranges_over_a_part_of_a_curve_are_those_of_its_segments() -> None:
+    halves = [HERE] * 8 + [ALONG] * 8
+    segment = segment_with(stored(halves))
+    left = ranges_between([segment], (0, Fraction(-1, 2)), (0, Fraction(-1, 4)))
+    assert left is not None
+    least, where = left.distances["least"]
+    assert where == HERE
+    assert least.contains(arb(1.5))
+    assert least.contains(arb(1.75))
+    assert float(least.lower()) > 1.45
+    assert float(least.upper()) < 1.8
+    assert left.distances["greatest"][1] == ALONG
+    assert left.distances["greatest"][0].contains(arb(8))
+    assert left.distances["greatest"][0].contains(arb(9))
+    assert left.half_period.contains(arb(2.5))
+    assert left.half_period.contains(arb(2.75))
+    both = ranges_between([segment], (0, Fraction(-1, 2)), (0, Fraction(1, 2)))
+    assert both is not None
+    assert both.distances["least"][1] == ALONG
+    assert both.distances["least"][0].contains(arb(1))
+    assert both.distances["least"][0].contains(arb(1.99))
+    mirrored = segment_with(stored(halves).mirrored())
+    right = ranges_between([mirrored], (0, Fraction(1, 4)), (0, Fraction(1, 2)))
+    assert right is not None
+    assert right.distances["least"][1] == HERE
+    assert right.distances["least"][0].contains(arb(1.5))
+
+
+def test_ranges_over_several_stretches_are_known_if_they_are_on_each() -> None:
+    parts = [segment_with(stored([THERE] * PARTS), 0), segment_with(stored([THERE] * PARTS), 1)]
+    whole = ranges_between(parts, (0, Fraction(0)), (1, Fraction(0)))
+    assert whole is not None
+    assert whole.half_period.contains(arb(3))
+    assert whole.half_period.contains(arb(7))
+    assert set(whole.distances) == {"least", "greatest"}
+    assert set(whole.to_json()) > {"least_distance", "least_distance_at", "half_period"}
+    some = ranges_between([parts[0], segment_with(None, 1)], (0, Fraction(0)), (1, Fraction(0)))
+    assert some is not None
+    assert some.distances == {}
+    assert ranges_between([parts[0]], (1, Fraction(0)), (2, Fraction(0))) is None

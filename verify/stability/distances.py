@@ -1,0 +1,279 @@
+"""Distances from a body along the orbits of an interval of a piece (section 18.11).
+
+The half orbits that the stability matrix takes are looked at once more, for omega = 0: the orbits of the curve alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache, cached_property
+from math import comb, floor, lcm, log2
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import (
+    Floats,
+    Grading,
+    PreparedProgram,
+    Series,
+    WideArithmetic,
+    evaluate,
+    inflate,
+    prepare,
+    total,
+)
+from orbitproof.verify.curve import BEYOND
+from orbitproof.verify.evidence import IntegrationFailure, Reason, enclose, is_positive, symmetric
+from orbitproof.verify.flow import advance, dyadic_below, expand
+from orbitproof.verify.orbit import distance_rates
+from orbitproof.verify.poincare import InTime, Returns, at_start
+from orbitproof.verify.stability.functions import error_of, function_to_json, known_part, restricted
+
+HERE, THERE, ALONG = "this point", "the other point", "along the orbit"
+"""Where on the orbit the least or the greatest distance is: on Fix(R), or it is not shown to be there."""
+
+PARTS = 16
+"""An interval is divided into so many parts of equal length."""
+_GRID = 32
+"""A step is divided into so many parts."""
+_TIMES = tuple((Fraction(2 * number + 1, 2 * _GRID), Fraction(1, 2 * _GRID)) for number in range(_GRID))
+_ACROSS = tuple((Fraction(2 * number + 1 - PARTS, PARTS) / BEYOND, 1 / BEYOND / PARTS) for number in range(PARTS))
+"""Middles and radii of the cells in theta and sigma."""
+_SLACK = Fraction(1, 2**9)
+"""Stored bounds are weaker by this share of them: another integration has to find bounds inside of them."""
+_SHORTEST = 2.0**-20
+"""Half the length at least of the step that leads beyond the other point on Fix(R)."""
+
+Bounds = tuple[Fraction, Fraction]
+Signs = list[list[int]]
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """The least and the greatest squared distance over each of the orbits of a part of an interval.
+
+    Attributes:
+        least, greatest: dyadic bounds from below and above.
+        least_at, greatest_at: where on every one of these orbits they are taken, if that is shown.
+    """
+
+    least: Bounds
+    greatest: Bounds
+    least_at: str
+    greatest_at: str
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object."""
+        return {
+            "least": [format_exact(bound) for bound in self.least],
+            "least_at": self.least_at,
+            "greatest": [format_exact(bound) for bound in self.greatest],
+            "greatest_at": self.greatest_at,
+        }
+
+
+@dataclass(frozen=True)
+class DistanceFunctions:
+    """Squared distances on an interval of a piece.
+
+    Attributes:
+        here, there: at x(s) and y(s), functions of tau.
+        parts: from left to right, of equal length.
+    """
+
+    here: Series
+    there: Series
+    parts: tuple[Extremes, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object; all numbers are exact."""
+        return {
+            "here": function_to_json(self.here),
+            "there": function_to_json(self.there),
+            "parts": [part.to_json() for part in self.parts],
+        }
+
+
+@dataclass(frozen=True)
+class _Step:
+    """The orbits of the curve over one step, theta in [0, 1]: squared distance, state with constants of motion."""
+
+    value: Series
+    state: tuple[Series, ...]
+    turning: PreparedProgram
+
+    @cached_property
+    def curvature(self) -> Signs:
+        """Signs of the second derivative of the squared distance."""
+        return Cells.of(evaluate(self.turning, self.state)[0]).signs
+
+
+class DistanceAlongCurve:
+    """The squared distance along the orbits from y(s) to x(s), step by step."""
+
+    def __init__(self, returns: Returns, share: Fraction) -> None:
+        """`share`: sigma = share tau."""
+        self.returns, self.share = returns, share
+        flow = returns.arithmetic
+        assert isinstance(flow, WideArithmetic)
+        self.arithmetic = WideArithmetic(Grading((1,), 0), flow.bits, 0, flow.degree, width=flow.width)
+        program = distance_rates(returns.system, returns.coordinates)
+        value, _, curvature = program.outputs
+        self._value, self._turning = (prepare(replace(program, outputs=(output,))) for output in (value, curvature))
+        self._constants = [self._on_curve(element) for element in returns.constants]
+        self._states: list[tuple[Series, ...]] = []
+
+    def cover(self) -> None:
+        """The step that was taken last."""
+        assert self.returns.step_taken is not None
+        self._states.append(tuple(self._on_curve(element) for element in self.returns.step_taken[0].solution))
+
+    def _on_curve(self, element: Series) -> Series:
+        """A function of (theta, sigma, omega) at omega = 0: of higher grades nothing is there."""
+        return Series(self.arithmetic, [element.coefs[0]], [element.errors[0], 0.0])
+
+    def functions(
+        self, system: ReversibleSystem, here: Sequence[Series], there: Sequence[Series]
+    ) -> DistanceFunctions | Reason:
+        """What is known of the distance, or why it is not.
+
+        Args:
+            here, there: state and parameters at x(s) and y(s), functions of sigma.
+        """
+        program = system.squared_distance_program
+        assert program is not None
+        try:
+            self._states.append(self._beyond())
+            start, end = (at_start(program, arguments)[0] for arguments in (there, here))
+            parts = self._extremes([self._step(state) for state in self._states], start, end)
+        except IntegrationFailure as failure:
+            return failure.reason
+        return DistanceFunctions(restricted(end, self.share), restricted(start, self.share), parts)
+
+    def _step(self, state: Sequence[Series]) -> _Step:
+        arguments = (*state, *self._constants)
+        return _Step(evaluate(self._value, arguments)[0], arguments, self._turning)
+
+    def _beyond(self) -> tuple[Series, ...]:
+        """One more step, which ends after all orbits have come to x(s)."""
+        returns = self.returns
+        state, fixed = ([self._on_curve(element) for element in row] for row in (returns.state, returns.fixed))
+        rate = self.arithmetic.constant(Fraction(1)) if returns.rate is None else self._on_curve(returns.rate)
+        delay = self._on_curve(returns.delay)
+        longest = max(float(_value(delay, part).upper() / _value(rate, part).lower()) for part in range(PARTS))
+        length = dyadic_below(2 * max(longest, _SHORTEST))
+        step = advance(expand(returns.program, self.arithmetic, state, fixed), length)
+        if not all(is_positive(_value(rate.scaled(length) - delay, part)) for part in range(PARTS)):
+            raise IntegrationFailure("stability", "the half periods differ too much", "give a narrower piece")
+        return step.solution
+
+    def _extremes(self, steps: Sequence[_Step], start: Series, end: Series) -> tuple[Extremes, ...]:
+        cells = [Cells.of(step.value) for step in steps]
+        inside = np.array([(cell.lower.min(axis=0), cell.upper.max(axis=0)) for cell in cells])
+        at_times = np.array([(cell.upper_at_times.min(axis=0), cell.lower_at_times.max(axis=0)) for cell in cells])
+        ends = [(HERE, end, True), (THERE, start, False)]
+        nearest = self._taken(steps, ends, 1)
+        farthest = self._taken(steps, ends, -1)
+        return tuple(
+            Extremes(
+                _outward(inside[:, 0, part].min(), at_times[:, 0, part].min()),
+                _outward(at_times[:, 1, part].max(), inside[:, 1, part].max()),
+                nearest[part],
+                farthest[part],
+            )
+            for part in range(PARTS)
+        )
+
+    def _taken(self, steps: Sequence[_Step], ends: Sequence[tuple[str, Series, bool]], sign: int) -> list[str]:
+        """At which end of the orbits the distance is least (sign 1) or greatest (-1), for each part."""
+        places = [ALONG] * PARTS
+        for name, end, backwards in ends:
+            known = self.arithmetic.polynomial({(0,): known_part(end, 0)}).widened(error_of(end))
+            shown = _is_extremal(steps, known, backwards, sign)
+            places = [name if is_shown else place for is_shown, place in zip(shown, places, strict=True)]
+        return places
+
+
+def _is_extremal(steps: Sequence[_Step], end: Series, backwards: bool, sign: int) -> list[bool]:
+    """Whether the distance is least (sign 1) or greatest (-1) at this end of the orbits, part by part (Lemma 18.7)."""
+    beside, holds = [True] * PARTS, [True] * PARTS
+    for step in reversed(steps) if backwards else steps:
+        away = Cells.of(step.value - end).signs
+        for cell in reversed(range(_GRID)) if backwards else range(_GRID):
+            for part in range(PARTS):
+                beside[part] = beside[part] and step.curvature[cell][part] == sign
+                holds[part] = holds[part] and (beside[part] or away[cell][part] == sign)
+        if not any(holds):
+            break
+    return [is_shown and not at_end for is_shown, at_end in zip(holds, beside, strict=True)]
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Bounds of a function of theta and sigma on the cells of a grid, and at the middle times of these (section 18.11).
+
+    All of shape (grid, parts).
+    """
+
+    lower: Floats
+    upper: Floats
+    lower_at_times: Floats
+    upper_at_times: Floats
+
+    @classmethod
+    def of(cls, element: Series) -> Cells:
+        """Those of an element of the algebra in theta and sigma."""
+        arithmetic = element.arithmetic
+        assert isinstance(arithmetic, WideArithmetic)
+        known = arithmetic.unpack(element.coefs[0], arithmetic.scales[0], arithmetic.degree + 1)
+        in_time, across = _recentring(arithmetic.degree, _TIMES), _recentring(arithmetic.width, _ACROSS)
+        local = (in_time @ known)[:, None] @ across.transpose(0, 2, 1)[None]
+        # More than what is lost by rounding, of a recentring and of a sum of bounds (section 18.11).
+        share = (known.size + 64) * 2.0**-52
+        unknown = inflate(total([*element.errors, float(np.abs(known).sum()) * 2 * share]))
+        sizes = np.abs(local)
+        middle = local[:, :, 0, 0]
+        at_times = sizes[:, :, 0, 1:].sum(axis=-1) + unknown
+        radius = sizes[:, :, 1:].sum(axis=(-2, -1)) + at_times
+        slack = 4 * share * (np.abs(middle) + radius)
+        radius, at_times = radius + slack, at_times + slack
+        return cls(middle - radius, middle + radius, middle - at_times, middle + at_times)
+
+    @property
+    def signs(self) -> Signs:
+        """1 or -1 where the function has that sign on the cell, else 0."""
+        found: Signs = ((self.lower > 0).astype(int) - (self.upper < 0).astype(int)).tolist()
+        return found
+
+
+@cache
+def _recentring(degree: int, cells: tuple[tuple[Fraction, Fraction], ...]) -> Floats:
+    """For each cell, middle m and radius r, the matrix that takes coefficients of x^k to those in (x - m)/r."""
+    powers = range(degree + 1)
+    rows = []
+    for middle, radius in cells:
+        below = lcm(middle.denominator, radius.denominator)
+        m, r = int(middle * below), int(radius * below)
+        rows.append([[comb(k, j) * m ** (k - j) * r**j / below**k if k >= j else 0.0 for k in powers] for j in powers])
+    return np.array(rows)
+
+
+def _value(element: Series, part: int) -> arb:
+    """Encloses the values of a function of sigma on a part of the interval."""
+    middle, radius = _ACROSS[part]
+    return InTime(element, enclose(middle) + symmetric(radius)).value(arb(0))
+
+
+def _outward(low: float, high: float) -> Bounds:
+    """Weaker bounds of a square with few bits."""
+    if not (np.isfinite(low) and np.isfinite(high)):
+        raise IntegrationFailure("stability", "the distance is not enclosed", "give a narrower piece")
+    below, above = max(Fraction(low), Fraction(0)), max(Fraction(high), Fraction(0))
+    unit = Fraction(2) ** (floor(log2(above)) - 16) if above else Fraction(1)
+    return (below * (1 - _SLACK) // unit) * unit, -(-above * (1 + _SLACK) // unit) * unit

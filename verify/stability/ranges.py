@@ -1,0 +1,213 @@
+"""Half periods and distances over parts of a curve, from stored functions (section 18.11)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any, Protocol
+
+from flint import arb
+
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.claim import parities
+from orbitproof.verify.evidence import ball_to_json, enclose, hull, is_positive, up_to
+from orbitproof.verify.stability.distances import ALONG, HERE, PARTS, THERE
+from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
+
+_PIECES = 4
+"""Values over a part of an interval are enclosed on so many pieces of it."""
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """The least or the greatest squared distance of the orbits of a part of an interval.
+
+    Attributes:
+        square: encloses it.
+        where: on the orbits it is taken there, `HERE`, `THERE`, or this is not shown, `ALONG`.
+    """
+
+    square: arb
+    where: str
+
+
+@dataclass(frozen=True)
+class PartOfInterval:
+    """Both for tau from `lower` to `upper`."""
+
+    lower: Fraction
+    upper: Fraction
+    least: Extreme
+    greatest: Extreme
+
+
+@dataclass(frozen=True)
+class KnownDistances:
+    """Distances from a body along the orbits of an interval.
+
+    Attributes:
+        here, there: squares at x(s) and y(s), functions of tau.
+        parts: from left to right.
+    """
+
+    here: BoundedFunction
+    there: BoundedFunction
+    parts: tuple[PartOfInterval, ...]
+
+    def mirrored(self) -> KnownDistances:
+        """Those of -s."""
+        parts = [PartOfInterval(-p.upper, -p.lower, p.least, p.greatest) for p in reversed(self.parts)]
+        return KnownDistances(self.here.mirrored(), self.there.mirrored(), tuple(parts))
+
+    def over(self, lower: Fraction, upper: Fraction) -> tuple[Extreme, Extreme] | None:
+        """The least and the greatest squared distances for tau in an interval; `None` if it is not one of them."""
+        found = [
+            (max(lower, part.lower), min(upper, part.upper), part)
+            for part in self.parts
+            if part.lower <= upper and lower <= part.upper
+        ]
+        if not found:
+            return None
+        least = [self._values(part.least, first, last) for first, last, part in found]
+        greatest = [self._values(part.greatest, first, last) for first, last, part in found]
+        return joined(least), joined(greatest)
+
+    def _values(self, extreme: Extreme, lower: Fraction, upper: Fraction) -> Extreme:
+        if extreme.where == ALONG:
+            return extreme
+        function = self.here if extreme.where == HERE else self.there
+        return Extreme(_values(function, lower, upper), extreme.where)
+
+
+def _values(function: BoundedFunction, lower: Fraction, upper: Fraction) -> arb:
+    """Encloses the values of a function on an interval of tau."""
+    if lower == upper:
+        return function.value(enclose(lower))
+    ends = [enclose(lower + (upper - lower) * number / _PIECES) for number in range(_PIECES + 1)]
+    return _hull(function.value(hull(*pair)) for pair in pairwise(ends))
+
+
+def _hull(balls: Iterable[arb]) -> arb:
+    first, *others = balls
+    return hull(first, *others)
+
+
+def joined(extremes: Sequence[Extreme]) -> Extreme:
+    """What holds of several parts together."""
+    places = {extreme.where for extreme in extremes}
+    return Extreme(_hull(extreme.square for extreme in extremes), places.pop() if len(places) == 1 else ALONG)
+
+
+def is_distance_of_orbits(system: ReversibleSystem, symmetry: str | None) -> bool:
+    """Whether the system names a distance that R and S, if one is named, leave alone, from its program's parities."""
+    program = system.squared_distance_program
+    involutions = [system.reversing_symmetry, *([] if symmetry is None else [system.symmetries[symmetry]])]
+    return program is not None and all(parities(program, signs) == [1] for signs in involutions)
+
+
+def distances_from_json(entry: Mapping[str, Any] | None) -> KnownDistances | None:
+    """The distances of a JSON object that fits the schema. Raises `ValueError` if it is none."""
+    if entry is None or "reason" in entry:
+        return None
+    if len(entry["parts"]) != PARTS:
+        raise ValueError("the distance is given on another number of parts")
+    parts = []
+    for number, part in enumerate(entry["parts"]):
+        lower, upper = (Fraction(2 * end - PARTS, PARTS) / REACH for end in (number, number + 1))
+        extremes = [_extreme(part[name], part[f"{name}_at"]) for name in ("least", "greatest")]
+        parts.append(PartOfInterval(lower, upper, *extremes))
+    return KnownDistances(function_from_json(entry["here"]), function_from_json(entry["there"]), tuple(parts))
+
+
+def _extreme(bounds: Sequence[str], where: str) -> Extreme:
+    low, high = (parse_exact(bound) for bound in bounds)
+    if not 0 <= low <= high or where not in (HERE, THERE, ALONG):
+        raise ValueError("bounds of a distance are none")
+    return Extreme(hull(enclose(low), enclose(high)), where)
+
+
+class Known(Protocol):
+    """A part of the curve with the functions known on it; `places.Segment`."""
+
+    @property
+    def stretch(self) -> int:
+        """Number of the stretch."""
+
+    @property
+    def start(self) -> Fraction:
+        """s where it begins."""
+
+    @property
+    def end(self) -> Fraction:
+        """s where it ends."""
+
+    @property
+    def half_period(self) -> BoundedFunction:
+        """Function of tau."""
+
+    @property
+    def distances(self) -> KnownDistances | None:
+        """If they are known."""
+
+    def tau(self, s: Fraction) -> Fraction:
+        """The variable of the functions."""
+
+
+@dataclass(frozen=True)
+class Ranges:
+    """Half periods, least and greatest squared distances of the orbits of a part of the curve.
+
+    Attributes:
+        least, greatest: `None` if not known on all of it.
+    """
+
+    half_period: arb
+    least: Extreme | None
+    greatest: Extreme | None
+
+    @property
+    def distances(self) -> dict[str, tuple[arb, str]]:
+        """Enclosures of the distances, and where they are taken, by name."""
+        found = {"least": self.least, "greatest": self.greatest}
+        return {name: (_root(each.square), each.where) for name, each in found.items() if each is not None}
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object."""
+        entry: dict[str, Any] = {"half_period": ball_to_json(self.half_period)}
+        for name, (distance, where) in self.distances.items():
+            entry |= {f"{name}_distance": ball_to_json(distance), f"{name}_distance_at": where}
+        return entry
+
+
+def together(parts: Sequence[Ranges]) -> Ranges | None:
+    """Those of several parts of the curve; `None` if there are no parts."""
+    if not parts:
+        return None
+    least = [part.least for part in parts if part.least is not None]
+    greatest = [part.greatest for part in parts if part.greatest is not None]
+    return Ranges(
+        _hull(part.half_period for part in parts),
+        joined(least) if len(least) == len(parts) else None,
+        joined(greatest) if len(greatest) == len(parts) else None,
+    )
+
+
+def ranges_between(segments: Sequence[Known], begin: tuple[int, Fraction], end: tuple[int, Fraction]) -> Ranges | None:
+    """The ranges over the curve from one place to another, stretch and s; `None` if nothing is known of it."""
+    found = []
+    for segment in segments:
+        low = max(segment.start, begin[1]) if segment.stretch == begin[0] else segment.start
+        high = min(segment.end, end[1]) if segment.stretch == end[0] else segment.end
+        if begin[0] <= segment.stretch <= end[0] and low <= high:
+            first, last = segment.tau(low), segment.tau(high)
+            known = None if segment.distances is None else segment.distances.over(first, last)
+            found.append(Ranges(_values(segment.half_period, first, last), *(known or (None, None))))
+    return together(found)
+
+
+def _root(square: arb) -> arb:
+    """The root of a number that is not negative."""
+    return square.sqrt() if is_positive(square) else up_to(arb(square.upper()).sqrt())
