@@ -125,12 +125,14 @@ def _run(options: argparse.Namespace) -> int:
     if kept:
         display.message(f"{len(kept)} of {len(selected)} proved already, kept (--fresh verifies again)")
 
+    def save() -> None:
+        if options.output is not None and certificates:
+            write_certificates(options.output, [certificates[c.id] for c in everything if c.id in certificates])
+
     def finished(certificate: Certificate) -> None:
         certificates[certificate.id] = certificate
         fresh.add(certificate.id)
-        if options.output is not None:
-            in_order = [certificates[c.id] for c in everything if c.id in certificates]
-            write_certificates(options.output, in_order)
+        save()
         display.finish(certificate.id, f"{certificate.verdict}, {certificate.computation.seconds:.1f} s")
 
     limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
@@ -148,8 +150,10 @@ def _run(options: argparse.Namespace) -> int:
     done = {name: certificate for name, certificate in certificates.items() if name in fresh | kept}
     print(verdict_table(selected, done, kept), flush=True)
     if curve is not None:
-        for line in places_on(curve, [done[c.id] for c in selected if c.kind == ORBIT and c.id in done]):
-            print(line, flush=True)
+        for placed in places_on(curve, [done[c.id] for c in selected if c.kind == ORBIT and c.id in done]):
+            print(placed.line, flush=True)
+            certificates[placed.certificate.id] = placed.certificate
+        save()
     if unsaved is not None:
         raise unsaved
     if interrupted:
@@ -163,8 +167,6 @@ def _recheck(options: argparse.Namespace) -> int:
     for name in ("output", "fresh"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
-    if options.curve is not None:
-        raise InputError("--curve: places on a curve are found when candidates are verified; leave it out")
     if options.scheduler is not None:
         raise InputError("--scheduler: certificates are checked again on this machine; give --jobs instead")
     stored = read_certificates(options.file)
@@ -185,14 +187,35 @@ def _recheck(options: argparse.Namespace) -> int:
             recheck_all(selected, options.integrate, options.jobs, display.advance, finished)
     except KeyboardInterrupt:
         interrupted = True
+    if not interrupted:
+        done = _with_places(selected, done, options)
     print(recheck_table([entry.id for entry in selected], done), flush=True)
     if interrupted:
         print(f"interrupted: {len(done)} of {len(selected)} certificates checked", file=sys.stderr)
         return INTERRUPTED
     failed = [result for result in done.values() if not result.stands]
     for result in failed:
-        print(f"FAILED {result.id}: {result.findings[0].place}: {result.findings[0].message}", file=sys.stderr)
+        for finding in result.findings[:1]:
+            print(f"FAILED {result.id}: {finding.place}: {finding.message}", file=sys.stderr)
     return 1 if failed else 0
+
+
+def _with_places(
+    selected: Sequence[Certificate], done: dict[str, Recheck], options: argparse.Namespace
+) -> dict[str, Recheck]:
+    """The checks with those of the places on curves, where certificates carry some."""
+    if options.curve is None and not any("place" in entry.to_json() for entry in selected):
+        return done
+    # Only now: curves take a moment to load.
+    from orbitproof.verify.atlas import read_atlas_certificate, recheck_places
+    from orbitproof.verify.atlas.__main__ import examined
+
+    if options.curve is None:
+        return recheck_places(None, None, selected, done)
+    curve = read_atlas_certificate(options.curve)
+    how = argparse.Namespace(**{**vars(options), "only": None}, bifurcations=[], timeout=options.row_timeout)
+    checked = None if curve.atlas.is_surface else examined(curve.document, how)
+    return recheck_places(curve, checked, selected, done)
 
 
 def _work(certificate: Certificate, integrate: bool) -> float:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +13,7 @@ from orbitproof.explore.__main__ import main as explore
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.__main__ import main as verify
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate import read_certificates
+from orbitproof.verify.certificate import digest, read_certificates, recheck, write_certificates
 from orbitproof.verify.curve import conclude
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -62,11 +64,107 @@ def test_an_orbit_of_a_family_is_proved_and_placed_on_a_curve(
     (off,) = [line for line in lines if line.startswith("beta-150: ")]
     assert "lies on the proved curve falkner-skan" in on
     assert "not shown to lie on falkner-skan-part: it lies beyond the ends of all pieces" in off
-    assert verify(["--recheck", str(output), "--quiet"]) == 0
     found = read_certificates(output)["beta-400"].orbit
     assert found is not None
     assert found.point["beta"] == 400
     assert len(found.stability.parameters) == 1
+
+
+@pytest.fixture(scope="module")
+def placed(orbits: Path, curve: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The certificate of the orbit on the curve, with its place."""
+    path = tmp_path_factory.mktemp("placed") / "certificates.json"
+    words = [str(orbits), "--only", "beta-400", "-o", str(path), "--curve", str(curve), "--digits", "10"]
+    assert verify([*words, "--jobs", "1", "--quiet"]) == 0
+    return path
+
+
+def test_a_place_is_kept_and_checked_with_the_certificate_of_the_curve(
+    placed: Path, curve: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (entry,) = json.loads(placed.read_text())["certificates"]
+    document = json.loads(curve.read_text())
+    assert entry["place"]["rests_on"] == {"id": document["id"], "digest": document["digest"]}
+    assert entry["place"]["piece"] in {piece["id"] for piece in document["statement"]["atlas"]["pieces"]}
+    assert document["digest"] in entry["place"]["statement"]
+    words = ["--recheck", str(placed), "--quiet", "--jobs", "1"]
+    assert verify([*words, "--curve", str(curve)]) == 0
+    assert "not checked" not in capsys.readouterr().out
+    assert verify(words) == 1
+    shown = capsys.readouterr().out
+    assert "give it with --curve" in shown
+    assert document["digest"] in shown
+    (alone,) = (recheck(entry) for entry in read_certificates(placed).values())
+    assert alone.stands
+    assert any("where it lies on a curve is not checked" in note for note in alone.notes)
+
+
+@pytest.mark.slow
+def test_a_place_stands_when_orbit_and_curve_are_integrated_again(placed: Path, curve: Path) -> None:
+    words = ["--recheck", "--integrate", str(placed), "--curve", str(curve), "--quiet", "--jobs", "1"]
+    assert verify(words) == 0
+
+
+def another_piece(place: dict[str, Any]) -> None:
+    place["piece"] = "p016"
+
+
+def another_s(place: dict[str, Any]) -> None:
+    place["s"]["rad"] = "0x1p-200"
+
+
+def the_other_point(place: dict[str, Any]) -> None:
+    place["other_point"] = True
+
+
+def other_words(place: dict[str, Any]) -> None:
+    place["statement"] = place["statement"].replace("lies on", "begins")
+
+
+def another_curve(place: dict[str, Any]) -> None:
+    place["rests_on"]["digest"] = "sha256:" + 64 * "0"
+
+
+@pytest.mark.parametrize("change", [another_piece, another_s, the_other_point, other_words, another_curve])
+def test_a_forged_place_does_not_stand(
+    change: Callable[[dict[str, Any]], None], placed: Path, curve: Path, tmp_path: Path
+) -> None:
+    (entry,) = read_certificates(placed).values()
+    place = entry.to_json()["place"]
+    change(place)
+    forged = tmp_path / "forged.json"
+    write_certificates(forged, [entry.with_place(place)])
+    assert verify(["--recheck", str(forged), "--curve", str(curve), "--quiet", "--jobs", "1"]) == 1
+
+
+def test_a_place_of_an_orbit_that_is_not_on_the_curve_does_not_stand(
+    orbits: Path, placed: Path, curve: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "off.json"
+    words = [str(orbits), "--only", "beta-150", "-o", str(path), "--curve", str(curve), "--digits", "10"]
+    assert verify([*words, "--jobs", "1", "--quiet"]) == 0
+    (off,), (on,) = (read_certificates(each).values() for each in (path, placed))
+    assert "place" not in off.to_json()
+    write_certificates(path, [off.with_place(on.to_json()["place"])])
+    assert verify(["--recheck", str(path), "--curve", str(curve), "--quiet", "--jobs", "1"]) == 1
+
+
+def test_a_place_on_a_curve_whose_certificate_does_not_stand_does_not_stand(
+    placed: Path, curve: Path, tmp_path: Path
+) -> None:
+    """The curve's certificate says more than it has shown; its digest is right, and so is that in the place."""
+    document = json.loads(curve.read_text())
+    document["results"][1]["deviation"] = document["results"][1]["slope_deviation"] = ["0x1p-300"]
+    document["digest"] = digest(document)
+    changed = tmp_path / "changed.json"
+    changed.write_text(json.dumps(document))
+    (entry,) = read_certificates(placed).values()
+    place = entry.to_json()["place"]
+    place["rests_on"]["digest"] = document["digest"]
+    place["statement"] = place["statement"].replace(json.loads(curve.read_text())["digest"], document["digest"])
+    path = tmp_path / "placed.json"
+    write_certificates(path, [entry.with_place(place)])
+    assert verify(["--recheck", str(path), "--curve", str(changed), "--quiet", "--jobs", "1"]) == 1
 
 
 def test_a_curve_whose_certificate_was_changed_places_nothing(

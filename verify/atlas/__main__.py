@@ -244,6 +244,19 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
     document = read_document(options.file, SCHEMA)
+    try:
+        found = examined(document, options, work)
+    except KeyboardInterrupt:
+        print("interrupted: nothing is known yet", file=sys.stderr)
+        return INTERRUPTED
+    print(recheck_table([found.id], {found.id: found}), flush=True)
+    for finding in found.findings[:1]:
+        print(f"FAILED {found.id}: {finding.place}: {finding.message}", file=sys.stderr)
+    return 0 if found.stands else 1
+
+
+def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Work = prove_task) -> Recheck:
+    """The certificate checked again, up to its conclusion or with `options.integrate` to the end."""
     is_surface = document["statement"]["atlas"].get("claim", {}).get("kind") == SURFACE
     given = _bifurcations(options, is_surface)
 
@@ -264,15 +277,7 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
         return _checked(entries, True, options)
 
     means = Means(conclude_again, prove_again, integrate_again, options.timeout)
-    try:
-        found = recheck_atlas(document, given, options.integrate, means)
-    except KeyboardInterrupt:
-        print("interrupted: nothing is known yet", file=sys.stderr)
-        return INTERRUPTED
-    print(recheck_table([found.id], {found.id: found}), flush=True)
-    for finding in found.findings[:1]:
-        print(f"FAILED {found.id}: {finding.place}: {finding.message}", file=sys.stderr)
-    return 0 if found.stands else 1
+    return recheck_atlas(document, given, options.integrate, means)
 
 
 def _checked(entries: Sequence[Certificate], integrate: bool, options: argparse.Namespace) -> Sequence[Recheck]:

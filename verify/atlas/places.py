@@ -1,48 +1,145 @@
-"""Where certified orbits lie on a curve that is proved (section 15.8)."""
+"""Where certified orbits lie on a curve that is proved (sections 15.8 and 19.6)."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.atlas.recheck import Means, order_of, recheck_atlas
-from orbitproof.verify.certificate import Certificate, recheck
-from orbitproof.verify.curve import conclude
-from orbitproof.verify.evidence import interval_text
+from orbitproof.verify.certificate import PLACE_IS_OPEN, Certificate, Finding, Level, Recheck, differences, recheck
+from orbitproof.verify.curve import Bifurcation, conclude
+from orbitproof.verify.evidence import ball_to_json, interval_text
 
 _DIGITS = 18
 
 
-def places_on(curve: AtlasCertificate, orbits: Sequence[Certificate]) -> list[str]:
-    """For each certified orbit a line: on which piece of the curve it lies, with its s; or that this is not shown.
+@dataclass(frozen=True)
+class Placed:
+    """A certificate with its place on a curve.
+
+    Attributes:
+        certificate: carries the place, or none if it is not shown.
+        line: the same in words, for the command line.
+    """
+
+    certificate: Certificate
+    line: str
+
+
+def places_on(curve: AtlasCertificate, orbits: Sequence[Certificate]) -> list[Placed]:
+    """Each certified orbit with the piece of the curve on which it lies, and its s; or with the reason why not shown.
 
     The certificate of the curve is checked up to its conclusion first, and so is each orbit's.
     """
-    name = curve.document["id"]
-    if curve.atlas.is_surface:
-        return [f"{orbit.id}: not shown to lie on {name}: that is no curve but a surface" for orbit in orbits]
+    examined = None if curve.atlas.is_surface else check_of_conclusion(curve)
+    return [Placed(entry.with_place(place), line) for entry, place, line in _placed(curve, examined, orbits)]
+
+
+def check_of_conclusion(curve: AtlasCertificate) -> Recheck:
+    """Whether the certificate of a curve stands, up to its conclusion."""
     order = order_of(curve.document)
 
     def again(atlas: Atlas, results: Sequence[Mapping[str, Any]], entries: Sequence[Certificate]) -> Mapping[str, Any]:
         return conclusion_of(atlas, results, entries, recheck, order)
 
-    examined = recheck_atlas(curve.document, (), False, Means(again, _nothing, _nothing))
+    return recheck_atlas(curve.document, (), False, Means(again, _nothing, _nothing))
+
+
+def recheck_places(
+    curve: AtlasCertificate | None,
+    examined: Recheck | None,
+    certificates: Sequence[Certificate],
+    checks: Mapping[str, Recheck],
+) -> dict[str, Recheck]:
+    """What checking certificates again has shown, with the places that they carry.
+
+    Args:
+        curve: the certificate that the places rest on; without it they cannot be checked.
+        examined: that one, checked as far as the others.
+        checks: of the certificates without their places, by id.
+    """
+    result = dict(checks)
+    for entry in certificates:
+        place = entry.to_json().get("place")
+        check = checks.get(entry.id)
+        if place is None or check is None or not check.stands:
+            continue
+        notes = tuple(note for note in check.notes if note != PLACE_IS_OPEN)
+        if curve is None:
+            rests_on = place["rests_on"]
+            message = f"its place rests on the curve {rests_on['id']} ({rests_on['digest']}): give it with --curve FILE"
+            result[entry.id] = replace(check, obstacle=message, notes=notes, level=min(check.level, Level.FORM))
+            continue
+        findings = tuple(_differences(curve, examined, entry, place))
+        level = min(check.level, Level.FORM) if findings else check.level
+        result[entry.id] = replace(check, findings=findings, notes=notes, level=level)
+    return result
+
+
+def _differences(
+    curve: AtlasCertificate, examined: Recheck | None, entry: Certificate, stored: Mapping[str, Any]
+) -> Iterator[Finding]:
+    given = _rests_on(curve)
+    if stored["rests_on"] != given:
+        old, new = (f"{which['id']} ({which['digest']})" for which in (stored["rests_on"], given))
+        yield Finding("place", f"rests on the curve {old}; given is {new}")
+        return
+    ((_, again, line),) = _placed(curve, examined, [entry])
+    if again is None:
+        yield Finding("place", line)
+        return
+    yield from differences(stored, again, "place")
+
+
+def _placed(
+    curve: AtlasCertificate, examined: Recheck | None, orbits: Sequence[Certificate]
+) -> Iterator[tuple[Certificate, dict[str, Any] | None, str]]:
+    """Each orbit with its place as JSON, if it is shown, and a line about it."""
+    name = curve.document["id"]
+    if examined is None:
+        for orbit in orbits:
+            yield orbit, None, f"{orbit.id}: not shown to lie on {name}: that is no curve but a surface"
+        return
     if not (curve.is_proved and examined.stands):
         why = examined.findings[0].message if examined.findings else examined.obstacle or "it is not proved"
-        return [f"{orbit.id}: not shown to lie on {name}: its certificate does not stand: {why}" for orbit in orbits]
-    lines = []
-    for entry in conclude(curve.atlas, curve.results, orbits).bifurcations:
+        for orbit in orbits:
+            yield orbit, None, f"{orbit.id}: not shown to lie on {name}: its certificate does not stand: {why}"
+        return
+    found = conclude(curve.atlas, curve.results, orbits).bifurcations
+    for orbit, entry in zip(orbits, found, strict=True):
         if entry.place is None:
-            lines.append(f"{entry.id}: not shown to lie on {name}: {entry.reason}")
+            yield orbit, None, f"{entry.id}: not shown to lie on {name}: {entry.reason}"
             continue
         which = "its other point on Fix(R) lies" if entry.place.other_point else "lies"
         mirror = " (as its mirror image)" if entry.place.mirrored else ""
         s = interval_text(entry.place.s, _DIGITS)
-        lines.append(f"{entry.id}: {which} on the proved curve {name}{mirror}, piece {entry.place.piece}, s in {s}")
-    return lines
+        line = f"{entry.id}: {which} on the proved curve {name}{mirror}, piece {entry.place.piece}, s in {s}"
+        yield orbit, _to_json(curve, entry), line
+
+
+def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
+    place, rests_on = entry.place, _rests_on(curve)
+    assert place is not None
+    point = "P(x)" if place.other_point else "x"
+    mirror = f"The image under {curve.atlas.claim.symmetry} of the" if place.mirrored else "The"
+    s = interval_text(place.s, _DIGITS)
+    return {
+        "rests_on": rests_on,
+        "piece": place.piece,
+        "s": ball_to_json(place.s),
+        "mirrored": place.mirrored,
+        "other_point": place.other_point,
+        "statement": f"{mirror} point {point} lies on the curve that the certificate {rests_on['id']} "
+        f"({rests_on['digest']}) proves, on its piece {place.piece} at an s in {s}.",
+    }
+
+
+def _rests_on(curve: AtlasCertificate) -> dict[str, Any]:
+    return {"id": curve.document["id"], "digest": curve.document["digest"]}
 
 
 def _nothing(*_: Any) -> Any:

@@ -24,7 +24,13 @@ from orbitproof.verify.certificate.levels import (
     other_software,
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
-from orbitproof.verify.certificate.rechecking import UNKNOWN, digest_findings, recheck, statement_differences
+from orbitproof.verify.certificate.rechecking import (
+    PLACE_IS_OPEN,
+    UNKNOWN,
+    digest_findings,
+    recheck,
+    statement_differences,
+)
 from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
 from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
 from orbitproof.verify.certificate.tables import tables_from_json
@@ -35,6 +41,7 @@ __all__ = [
     "LEAST_PRECISION",
     "LEVELS",
     "MEANINGS",
+    "PLACE_IS_OPEN",
     "UNKNOWN",
     "CannotBeCheckedError",
     "Certificate",

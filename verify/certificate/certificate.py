@@ -150,6 +150,12 @@ class Certificate:
         entry: dict[str, Any] = json.loads(self._text)
         return entry
 
+    def with_place(self, place: Mapping[str, Any] | None) -> Certificate:
+        """The same with another place on a proved curve, as JSON, or with none."""
+        entry = {key: value for key, value in self.to_json().items() if key not in ("place", "digest")}
+        entry |= {} if place is None else {"place": dict(place)}
+        return Certificate.from_json({**entry, "digest": digest(entry)}, f"certificate {self.id!r}")
+
     def __str__(self) -> str:
         claim = self._claim
         if self.reason is not None:

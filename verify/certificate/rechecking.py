@@ -62,6 +62,9 @@ _WITHOUT_INTEGRATION = ("symmetries", "frames", "adapted-frames")
 _WORDS = ("theorem", "in_full")
 """What a statement has if its claim is proved."""
 
+PLACE_IS_OPEN = "where it lies on a curve is not checked without the certificate of the curve: give it with --curve"
+"""What is said of a certificate that carries a place on a curve, but where that is checked as well."""
+
 _WITHOUT_TABLES = "nothing shows why it is not proved: it carries no enclosures"
 
 
@@ -155,6 +158,8 @@ def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Findin
         examination.notes += (f"{stated.candidate.system.name}: {UNKNOWN}",)
     if certificate["verdict"] != "proved" and stated.enclosures is None:
         examination.notes += (_WITHOUT_TABLES,)
+    if "place" in certificate:
+        examination.notes += (PLACE_IS_OPEN,)
     found = list(_compare(certificate, again, stated.enclosures is not None))
     yield from found
     if found:
