@@ -38,7 +38,7 @@ from orbitproof.verify.evidence import (
     Reason,
     guarded,
 )
-from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.poincare import IntegratorSettings, regularised_steps
 
 Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Found]
 Progress = Callable[[float, str], None]
@@ -48,7 +48,7 @@ _MORE = "give --max-precision more"
 _MOST_SPREAD = 8
 """The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
 
-_MOST_BITS_ACROSS = 32
+_MOST_BITS_ACROSS = 24
 """It is not if P_2 is narrower than P_0 by more bits than that."""
 
 _AT_THE_PARAMETER = (
@@ -172,7 +172,7 @@ def _escalate(
             progress(fraction, f"{precision} bits" if attempts == 1 else f"{precision} bits, attempt {attempts}")
 
     accuracy = accuracy_bits(candidate, limits.digits)
-    precision = min(first_precision(candidate, limits.digits), limits.max_precision)
+    precision = min(_first_precision(candidate, limits.digits), limits.max_precision)
     while True:
         attempts += 1
         try:
@@ -193,6 +193,13 @@ def _escalate(
         precision = more
     assert best is not None
     return best, attempts
+
+
+def _first_precision(candidate: Candidate, digits: int) -> int:
+    least = first_precision(candidate, digits)
+    if candidate.k == 1 or candidate.kind == ORBIT:
+        return least
+    return first_precision(candidate, digits, regularised_steps(candidate, least))
 
 
 def _better(old: _Attempt | None, new: _Attempt) -> _Attempt:

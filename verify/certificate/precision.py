@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import ceil, isfinite
+from math import ceil, floor, isfinite
 
 from flint import arb
 
@@ -35,6 +35,9 @@ _SPARE = 8
 _RESERVE = 32
 _RESERVE_PER_RETURN = 6
 """Bits that errors were found to gain along an orbit, and a little more."""
+
+_FEW_STEPS = 8
+"""A half return in regularised coordinates that takes more steps costs half a bit more for each of them."""
 
 _BITS_PER_DIGIT = 3.33
 
@@ -74,15 +77,16 @@ class Limits:
             raise ValueError(f"level: {self.level!r} is none of {', '.join(LEVELS)}")
 
 
-def first_precision(candidate: Candidate, digits: int) -> int:
-    """Bits to begin with.
+def first_precision(candidate: Candidate, digits: int, steps: int = 0) -> int:
+    """Bits to begin with, if a half return takes so many `steps` in regularised coordinates (0: in the system's own).
 
     The error of G_1 has to stay well below R_0 G_01 for C3, and below the wanted digits of the
     bifurcation value; the error of p_2^H has to stay below R_2. Both grow with every return, and the
     first grade of a series is known to 5/6 of its bits.
     """
     value, slope = accuracy_bits(candidate, digits)
-    reserve = _RESERVE + _RESERVE_PER_RETURN * candidate.crossings * candidate.k
+    a_return = _RESERVE_PER_RETURN + max(0, steps - _FEW_STEPS) / 2
+    reserve = _RESERVE + floor(a_return * candidate.crossings * candidate.k)
     # A box much smaller than the digits ask for was made for an orbit along which errors grow.
     growth = max(0, slope - ceil(digits * _BITS_PER_DIGIT)) // 3
     wanted = max(value + reserve, (slope + reserve) * 6 // 5 + growth)

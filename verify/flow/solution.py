@@ -17,11 +17,21 @@ from typing import Protocol
 from flint import fmpz, fmpz_poly
 
 from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram, Series, partial_derivatives
-from orbitproof.verify.flow.centre import fixed_coefficients, float_coefficients, next_crossing, rough, step_size
+from orbitproof.verify.flow.centre import (
+    dyadic_below,
+    fixed_coefficients,
+    float_coefficients,
+    next_crossing,
+    rough,
+    step_size,
+)
 
 _ZERO = fmpz_poly([])
 _BLOCK = 12
 _ROUGH_DEGREE = 24
+_TOLERATED_BITS = 24
+"""The last coefficients of a step may be so many bits long before it is shortened."""
+
 Jacobian = list[dict[int, list[int]]]
 
 
@@ -43,6 +53,9 @@ class Expansion(Protocol):
     @property
     def arithmetic(self) -> Arithmetic:
         """The format."""
+
+    def shortened(self, step: Fraction) -> Fraction:
+        """The step, or less of it where its last terms are much larger than the first ones say that they are."""
 
     def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
         """The first zero of a component of the centre's orbit in (0, step], as a fraction of the step, dyadic."""
@@ -69,6 +82,14 @@ class CentreExpansion:
 
     def _centre(self, step: Fraction) -> Sequence[list[int]]:
         return fixed_coefficients(self.program, self._start, self.arithmetic.degree, self.arithmetic.bits, step)
+
+    def shortened(self, step: Fraction) -> Fraction:
+        """See `Expansion`."""
+        last = (abs(value) for row in self._coefficients(step) for value in row[-2:])
+        excess = max(last).bit_length()
+        if excess <= _TOLERATED_BITS:
+            return step
+        return dyadic_below(float(step) * 2.0 ** (-excess / self.arithmetic.degree))
 
     def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
         """See `Expansion`."""

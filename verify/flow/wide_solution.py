@@ -60,6 +60,10 @@ class CircleExpansion:
         sizes = np.abs(from_points(self.taylor[:, :, 0], arithmetic.width)).sum(axis=-1)
         self.step_size = step_size(sizes.tolist(), float(-arithmetic.bits), arithmetic.degree)
 
+    def shortened(self, step: Fraction) -> Fraction:
+        """See `Expansion`; its terms are not looked at."""
+        return step
+
     def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
         """See `Expansion`."""
         centre = from_points(self.taylor[section, :, 0], self.arithmetic.width)[:, 0]

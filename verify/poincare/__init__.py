@@ -13,6 +13,7 @@ from orbitproof.verify.poincare.iterates import (
     default_order,
     enclose_first_integral,
     enclose_iterates,
+    regularised_steps,
 )
 from orbitproof.verify.poincare.returns import (
     REGULARISED,
@@ -43,5 +44,6 @@ __all__ = [
     "first_integral",
     "initial_values",
     "kernel_components",
+    "regularised_steps",
     "table_of",
 ]

@@ -8,7 +8,7 @@ matter of time only.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -38,6 +38,7 @@ class Coordinates:
         section: index of the section coordinate.
         regularisation: `None` for the system's own coordinates.
         embedding: the state at a point of Fix(R); `None` for the system's own coordinates.
+        steps: about as many regularised ones a half return takes, where that was estimated; else 0.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Coordinates:
     section: int
     regularisation: Regularisation | None = None
     embedding: Program | None = None
+    steps: int = 0
 
 
 def physical(system: ReversibleSystem) -> Coordinates:
@@ -100,7 +102,8 @@ def choose(
     if few is None:
         return own
     most = int(_COST * few)
-    return own if steps_to_section(own, state, parameters, bits, degree, most) is not None else other
+    quick = steps_to_section(own, state, parameters, bits, degree, most) is not None
+    return own if quick else replace(other, steps=few)
 
 
 def steps_to_section(

@@ -159,6 +159,16 @@ def box_of(candidate: Candidate, bits: int, order: int) -> Box:
     return Box(arithmetic, scales, point, level)
 
 
+def regularised_steps(candidate: Candidate, precision: int) -> int:
+    """About as many steps as the centre takes to its first return, 0 in the system's own coordinates; a guess."""
+    try:
+        with guarded(precision):
+            box = box_of(candidate, precision, default_order(precision))
+            return Returns(candidate.system, box.arithmetic, box.point, level=box.level).coordinates.steps
+    except (IntegrationFailure, ArithmeticError, ValueError):
+        return 0
+
+
 class _Integration:
     def __init__(
         self, candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None

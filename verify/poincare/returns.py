@@ -170,7 +170,7 @@ class Returns:
         section = self.coordinates.section
         expansion = expand(self.program, self.arithmetic, self.state, self.fixed)
         while True:
-            step = self._planned(expansion.step_size)
+            step = expansion.shortened(self._planned(expansion.step_size))
             root = expansion.crossing(section, step, self.at_section)
             step = step if root is None else step * root
             try:
