@@ -57,6 +57,13 @@ def claimed(name: str, k: int, kind: str = "period_tupling", radii: str | None =
     return claim if radii is None else replace(claim, radii=known(radii).radii)
 
 
+def test_a_point_on_the_edge_of_the_box_is_refused_in_one_attempt() -> None:
+    claim = known("em1")
+    certificate = certify(moved(claim, 0, 1))
+    assert verdict_of(certificate) == "candidate-box"
+    assert certificate.computation.attempts == certify(claim).computation.attempts == 1
+
+
 @pytest.mark.parametrize(
     "name, k, radii, condition",
     [

@@ -121,8 +121,7 @@ def _certify(
         tried.append((form, best))
         if isinstance(best.outcome, Proved):
             break
-        # The box of a level form contains the candidate's: what is excluded there is excluded here.
-        if best.outcome.reason.excluded or best.outcome.reason.condition not in _AT_THE_PARAMETER:
+        if not _another_form_may_do(best.outcome.reason):
             break
     form, best = tried[-1] if isinstance(tried[-1][1].outcome, Proved) else tried[0]
     computation: dict[str, float | str] = {
@@ -135,6 +134,13 @@ def _certify(
     if best.enclosures is not None:
         computation["coordinates"] = best.enclosures.coordinates
     return make_certificate(candidate, best.outcome, computation, best.enclosures, form)
+
+
+def _another_form_may_do(reason: Reason) -> bool:
+    # The box of a level form contains the candidate's: what is excluded there is excluded here, and a point that is
+    # known well enough to reach over the edge of the candidate's box does so here as well.
+    on_the_edge = reason.condition == "candidate-box" and not reason.needs_precision
+    return reason.condition in _AT_THE_PARAMETER and not (reason.excluded or on_the_edge)
 
 
 def _forms(candidate: Candidate, limits: Limits) -> list[Candidate | None]:
