@@ -42,6 +42,23 @@ def _relative_field(sides: tuple[int, int]) -> VectorField:
     return field
 
 
+def _stiffness_across(sides: tuple[int, int]) -> VectorField:
+    """(1 - mu)/r_1^3 + mu/r_2^3: z'' = -z times it in the CR3BP, to first order in z."""
+
+    def stiffness(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        x, y, *_ = state
+        mu, x_l, eps = parameters
+        result = 0
+        for mass, distance, side in ((1 - mu, x_l + mu, sides[0]), (mu, x_l + mu - 1, sides[1])):
+            inverse = distance**-1
+            linear = 2 * x + eps * (inverse * (x * x + y * y))
+            cube = (1 + eps * (inverse * linear)) ** -1.5
+            result = result + side * mass * (inverse * inverse * inverse) * cube
+        return (result,)
+
+    return stiffness
+
+
 def _force_on_axis(value: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
     """The force along the axis at rest; increasing between the primaries and on either side of them."""
     (x,), (mu,) = value, parameters
@@ -81,6 +98,7 @@ def _around(point: str, sides: tuple[int, int], interval: Any) -> ReversibleSyst
         family_parameter="eps",
         normalised={"x": Fraction(1)},
         derived_parameters={"x_l": DerivedParameter(_force_on_axis, interval)},
+        stiffness_across=_stiffness_across(sides),
     )
 
 

@@ -99,6 +99,8 @@ class ReversibleSystem:
         squared_distance: the square of the distance from a body, plain arithmetic like the vector field, invariant
             under R; returns one value. `None` if orbits have no such distance.
         distance_name: from what, as people say it.
+        stiffness_across: of motion in a plane of a larger system: g, plain arithmetic like the vector field, returns
+            one value; variations w out of the plane along an orbit obey w'' = -g w, and R leaves g alone.
     """
 
     name: str
@@ -121,6 +123,7 @@ class ReversibleSystem:
     reversor: str | None = None
     squared_distance: VectorField | None = None
     distance_name: str | None = None
+    stiffness_across: VectorField | None = None
 
     def __post_init__(self) -> None:
         m = len(self.state)
@@ -264,6 +267,13 @@ class ReversibleSystem:
         if self.squared_distance is None:
             return None
         return record(self.squared_distance, self.state, tuple(self.parameters))
+
+    @cached_property
+    def stiffness_across_program(self) -> Program | None:
+        """g of variations out of the plane as a straight-line program; inputs: state, then parameters."""
+        if self.stiffness_across is None:
+            return None
+        return record(self.stiffness_across, self.state, tuple(self.parameters))
 
 
 def _circular_restricted_three_body(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:

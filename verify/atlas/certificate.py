@@ -21,13 +21,15 @@ Result = Mapping[str, Any]
 """What was found on one interval of a piece; the definition ``result`` of the schema."""
 
 
-def statement_of(atlas: Atlas, with_distance: bool = False) -> dict[str, Any]:
+def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: bool = False) -> dict[str, Any]:
     """The claim in full: the atlas without provenance, and the system that it is about.
 
-    `with_distance`: with the distance that the system names, if it does.
+    `with_distance`, `with_variations`: with the distance that the system names, and the stiffness out of the plane of
+    motion, if there are any.
     """
     system, symmetry = atlas.system, atlas.claim.symmetry
     integral, distance = system.first_integral_program, system.squared_distance_program
+    across = system.stiffness_across_program
     given = system.fixed_parameters
     derived = {
         name: record(parameter.equation, (name,), given).text() for name, parameter in system.derived_parameters.items()
@@ -42,6 +44,7 @@ def statement_of(atlas: Atlas, with_distance: bool = False) -> dict[str, Any]:
         "section": system.section,
         "names": system_names(system, with_distance),
         **({"squared_distance": distance.text()} if with_distance and distance is not None else {}),
+        **({"stiffness_across": across.text()} if with_variations and across is not None else {}),
     }
 
 
@@ -58,7 +61,8 @@ def make_atlas_certificate(
     """
     place = {piece.id: number for number, piece in enumerate(atlas.pieces)}
     ordered = sorted(results, key=lambda result: (place[result["piece"]], interval_of(result)))
-    statement = statement_of(atlas, any("distance" in result.get("stability", {}) for result in results))
+    known = {name for result in results for name in result.get("stability", ())}
+    statement = statement_of(atlas, "distance" in known, "out_of_plane" in known)
     if conclusion is None:
         verdict = "not proved"
         message, remedy = "not all intervals were tried", "run the same command again; it goes on from here"

@@ -19,6 +19,7 @@ from orbitproof.verify.stability.between_orbits import between_orbits
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
+from orbitproof.verify.stability.out_of_plane import variations_from_json
 from orbitproof.verify.stability.places import (
     COLLISION,
     EXTREMUM,
@@ -79,7 +80,7 @@ def complete_list(
         segments += found
         gaps += missing
         for segment in found:
-            finder = _Finder(atlas, stretch, segment)
+            finder = Finder(atlas, stretch, segment)
             for k, j in orders(order):
                 finder.resonances(k, j)
             finder.collisions()
@@ -178,15 +179,17 @@ def segment_of(
         functions = [function.mirrored() for function in functions]
     *characteristic, level, half_period, first_factor = functions
     distances = distances_from_json(entry.get("distance"))
-    if mirrored and distances is not None:
-        distances = distances.mirrored()
+    across = variations_from_json(entry.get("out_of_plane"))
+    if mirrored:
+        distances = None if distances is None else distances.mirrored()
+        across = None if across is None else across.mirrored()
     return Segment(
         number, *places, (low + high) / 2, (high - low) / 2 * REACH, tuple(characteristic), level, half_period,
-        first_factor, distances,
+        first_factor, distances, across,
     )  # fmt: skip
 
 
-class _Finder:
+class Finder:
     """The zeros of the functions of one segment."""
 
     def __init__(self, atlas: Atlas, stretch: Stretch, segment: Segment) -> None:
@@ -206,6 +209,11 @@ class _Finder:
             self.points.append(self._point(k, j, self._kind(k, zero), zero.place))
         if at_end:
             self.points.append(self._point(k, j, SYMMETRIC, arb(0)))
+
+    def add(self, function: BoundedFunction, k: int, j: int, kind: str) -> None:
+        """The zeros of a function of tau, as points of this kind."""
+        for zero in self._zeros(function, 0, f"k = {k}, j = {j}"):
+            self.points.append(self._point(k, j, kind, zero.place))
 
     def collisions(self) -> None:
         """The zeros of the discriminant."""

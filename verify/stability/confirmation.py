@@ -9,6 +9,7 @@ from flint import ctx
 
 from orbitproof.verify.stability.distances import ALONG
 from orbitproof.verify.stability.functions import function_from_json
+from orbitproof.verify.stability.out_of_plane import variations_from_json
 from orbitproof.verify.stability.ranges import distances_from_json
 
 _BITS = 192
@@ -39,7 +40,18 @@ def unconfirmed(stored: Mapping[str, Any], fresh: Mapping[str, Any]) -> Iterator
         for name, old, new in pairs:
             if not function_from_json(old).contains(function_from_json(new)):
                 yield f"the stored bounds of the {name} are not confirmed"
+        yield from _unconfirmed_variations(stored.get("out_of_plane"), fresh.get("out_of_plane"))
         yield from _unconfirmed_distances(stored.get("distance"), fresh.get("distance"))
+
+
+def _unconfirmed_variations(stored: Mapping[str, Any] | None, fresh: Mapping[str, Any] | None) -> Iterator[str]:
+    old, new = (variations_from_json(entry) for entry in (stored, fresh))
+    if old is None:
+        return
+    if new is None:
+        yield "variations out of the plane are not enclosed again"
+    elif not all(held.contains(found) for held, found in zip(old.entries, new.entries, strict=True)):
+        yield "the stored bounds of variations out of the plane are not confirmed"
 
 
 def _unconfirmed_distances(stored: Mapping[str, Any] | None, fresh: Mapping[str, Any] | None) -> Iterator[str]:

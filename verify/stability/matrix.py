@@ -47,6 +47,7 @@ from orbitproof.verify.stability.functions import (
     restricted,
     slope,
 )
+from orbitproof.verify.stability.out_of_plane import variations_across, variations_to_json
 from orbitproof.verify.stability.ranges import is_distance_of_orbits
 from orbitproof.verify.stability.units import in_own_units
 
@@ -76,6 +77,7 @@ class OrbitFunctions:
         half_period: the time to the end of a half orbit.
         first_factor: the determinant of D(pi_p P) on Fix(R), up to a constant factor.
         distance: along the orbits, or why it is not known; `None` if the system names none.
+        out_of_plane: V of variations out of the plane, by rows, or why not; `None` if the system is none in a plane.
     """
 
     characteristic: tuple[Series, ...]
@@ -83,6 +85,7 @@ class OrbitFunctions:
     half_period: Series
     first_factor: Series
     distance: DistanceFunctions | Reason | None = None
+    out_of_plane: tuple[Series, ...] | Reason | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object; all numbers are exact."""
@@ -90,6 +93,7 @@ class OrbitFunctions:
         known = {"reason": distance.to_json()} if isinstance(distance, Reason) else distance and distance.to_json()
         return {
             **({} if known is None else {"distance": known}),
+            **({} if self.out_of_plane is None else {"out_of_plane": variations_to_json(self.out_of_plane)}),
             "characteristic": [function_to_json(element) for element in self.characteristic],
             "level": function_to_json(self.level),
             "half_period": function_to_json(self.half_period),
@@ -238,7 +242,15 @@ class _Integration:
             restricted(curve.value(half.time), SHARE),
             determinant(out),
             None if along is None else along.functions(system, *points),
+            self._across(curve, half, flow),
         )
+
+    def _across(self, curve: CurveInTube, half: HalfReturn, flow: WideArithmetic) -> tuple[Series, ...] | Reason | None:
+        """Variations out of the plane, of motion in one."""
+        if self.system.stiffness_across is None:
+            return None
+        start = {name: curve.value(element) for name, element in half.start.items()}
+        return variations_across(self.system, flow, start, SHARE, self.crossings)
 
     def _initial(self, curve: CurveInTube, start: Mapping[str, Series], point: Sequence[Series] = ()) -> list[Series]:
         """State and parameters on Fix(R) as functions of sigma: at x(s), or at a point with these coordinates."""

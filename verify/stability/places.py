@@ -14,11 +14,14 @@ from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.evidence import ball_to_json, enclose
 from orbitproof.verify.stability.functions import BoundedFunction
+from orbitproof.verify.stability.out_of_plane import KnownVariations
 from orbitproof.verify.stability.ranges import KnownDistances
 
 FOLD, LOSS, SYMMETRIC = "fold", "loss of R", "symmetric point"
 HERE, THERE, RESONANCE, UNKNOWN = "doubling at this point", "doubling at the other point", "resonance", "undecided"
 COLLISION = "Krein collision"
+ACROSS_SYMMETRIC, ACROSS_AXIAL = "birth out of the plane", "axial birth out of the plane"
+ACROSS_DOUBLING = "doubling out of the plane"
 EXTREMUM = "extrema of stability parameters"
 
 
@@ -33,6 +36,7 @@ class Segment:
         middle, radius: s = middle + radius tau.
         characteristic, level, half_period, first_factor: functions of tau, as in `matrix.OrbitFunctions`.
         distances: from the body that the system names, if they are known.
+        out_of_plane: variations out of the plane of motion, if they are known.
     """
 
     stretch: int
@@ -46,6 +50,7 @@ class Segment:
     half_period: BoundedFunction
     first_factor: BoundedFunction
     distances: KnownDistances | None = None
+    out_of_plane: KnownVariations | None = None
 
     def tau(self, s: Fraction) -> Fraction:
         """The variable of the functions."""

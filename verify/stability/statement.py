@@ -6,10 +6,14 @@ from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.evidence import decimal_interval, interval_text
+from orbitproof.verify.stability.across_list import ListAcross
 from orbitproof.verify.stability.distances import ALONG
 from orbitproof.verify.stability.extrema import BAND
 from orbitproof.verify.stability.linear_stability import Bound, StableInterval
 from orbitproof.verify.stability.places import (
+    ACROSS_AXIAL,
+    ACROSS_DOUBLING,
+    ACROSS_SYMMETRIC,
     COLLISION,
     FOLD,
     HERE,
@@ -32,6 +36,9 @@ _WORDS = {
     THERE: "1:2, orbits of twice the period at the other point of the orbit on Fix(R)",
     COLLISION: "Krein collision: two stability parameters are equal",
     SYMMETRIC: "symmetric point of the curve, 1:1",
+    ACROSS_SYMMETRIC: "1:1, a curve of orbits out of the plane, symmetric under R, begins here",
+    ACROSS_AXIAL: "1:1, a curve of orbits out of the plane, symmetric under R followed by z -> -z, begins here",
+    ACROSS_DOUBLING: "1:2",
 }
 
 
@@ -60,6 +67,40 @@ def statement(
     lines += _stability(atlas, stable, unknown)
     if found.gaps:
         lines.append("Not covered, so that nothing is said of it:")
+        lines += [f"- {_gap(gap)}" for gap in found.gaps]
+    return "\n".join(lines)
+
+
+def statement_across(atlas: Atlas, across: ListAcross) -> str:
+    """What is proved of variations out of the plane."""
+    found = across.found
+    but = ", but for the places named below," if found.gaps else ""
+    lines = [
+        "Variations of the orbits out of the plane have one more pair of multipliers lambda, 1/lambda. Along the curve"
+        f"{but} (lambda + 1/lambda)/2 is cos(2 pi j/k), k at most {found.order}, "
+        + ("exactly here:" if found.points else "nowhere.")
+    ]
+    lines += [f"- {_point(atlas, point)}" for point in found.points]
+    if any(point.kind in (ACROSS_SYMMETRIC, ACROSS_AXIAL) for point in found.points):
+        lines.append(
+            "Where a curve begins, the orbits near this one that are symmetric in that way, start on the fixed points "
+            "of the symmetry and meet them again at the corresponding crossing of the section are those in the plane "
+            "and the orbits of one smooth curve, which leaves the plane."
+        )
+    rest = "and of the others, but for the places named below, none are" if across.unknown else "and no others are"
+    if across.stable:
+        lines.append(
+            "Between the following points, themselves not included, variations out of the plane are linearly stable "
+            f"(these multipliers are on the unit circle, not 1 or -1), {rest}:"
+        )
+        lines += [f"- {_interval(atlas, entry)}" for entry in across.stable]
+    elif not across.unknown:
+        lines.append("For no orbit of the curve they are linearly stable.")
+    if across.unknown:
+        lines.append("It is not decided whether they are linearly stable at and between these places:")
+        lines += [f"- {_interval(atlas, entry)}" for entry in across.unknown]
+    if found.gaps:
+        lines.append("Not covered, out of the plane:")
         lines += [f"- {_gap(gap)}" for gap in found.gaps]
     return "\n".join(lines)
 

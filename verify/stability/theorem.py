@@ -10,10 +10,11 @@ from flint import ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved, Reason
+from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import stable_intervals
 from orbitproof.verify.stability.ranges import is_distance_of_orbits
-from orbitproof.verify.stability.statement import statement
+from orbitproof.verify.stability.statement import statement, statement_across
 
 _EMPTY: dict[str, Any] = {name: [] for name in ("points", "stable", "undecided", "gaps", "extrema", "open_extrema")}
 
@@ -35,6 +36,7 @@ def with_complete_list(
     with ctx.workprec(PRECISION):
         try:
             found = complete_list(atlas, chain, results, order, conclusion.bifurcations)
+            across = list_across(atlas, chain, found, conclusion.bifurcations)
         except EmptyIntersectionError as error:
             reason = Reason(
                 "complete", f"the complete list and the certificates contradict each other: {error}", "report this"
@@ -42,6 +44,8 @@ def with_complete_list(
             return {**document, "verdict": "not proved", "reason": reason.to_json(), "statement": ""}
         stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
         words = statement(atlas, found, stable, unknown)
+        if across is not None:
+            words = f"{words}\n{statement_across(atlas, across)}"
     return {
         **document,
         "statement": f"{document['statement']}\n{words}",
@@ -53,6 +57,7 @@ def with_complete_list(
             "gaps": [gap.to_json() for gap in found.gaps],
             "extrema": [entry.to_json() for entry in found.extrema],
             "open_extrema": [gap.to_json() for gap in found.open_extrema],
+            **({} if across is None else {"out_of_plane": across.to_json()}),
         },
     }
 

@@ -1,0 +1,235 @@
+"""Variations out of the plane of planar families: compared with the spatial problem, listed, forged."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from fractions import Fraction
+from math import cos, pi, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+from scipy.integrate import solve_ivp
+from support.flow_checks import ball
+from support.forgeries import checked, forged, honest
+
+from orbitproof.shared.formats.atlas import Atlas, read_atlas
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems.libration import AROUND
+from orbitproof.shared.systems.system import CR3BP
+from orbitproof.verify.atlas.certificate import make_atlas_certificate
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
+from orbitproof.verify.curve.libration_point import derived_parameter
+from orbitproof.verify.curve.piece import PieceLimits
+from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
+from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.stability.across_list import list_across
+from orbitproof.verify.stability.complete_list import complete_list
+from orbitproof.verify.stability.functions import REACH, function_from_json
+from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.out_of_plane import ENTRIES, variations_from_json
+from orbitproof.verify.stability.theorem import with_complete_list
+
+DATA = Path(__file__).parents[1] / "data"
+Results = list[dict[str, Any]]
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Any:
+    with ctx.workprec(160):
+        yield
+
+
+def atlas() -> Atlas:
+    """The planar Lyapunov family of L1, Earth-Moon, one piece."""
+    return read_atlas(DATA / "atlas-lyapunov.json")
+
+
+def results() -> Results:
+    found: Results = json.loads((DATA / "stability-lyapunov.json").read_text())
+    return found
+
+
+def place_of(eps: float) -> float:
+    """s where the family has this size."""
+    (piece,) = atlas().curve_pieces()
+    first, second = (float(piece.point(Fraction(s))[0]) for s in (0, 1))
+    return (eps - first) / (second - first)
+
+
+BIRTH = -0.013524226852042805
+
+
+def half_variation(eps: float, vy: float, mu: float, x_l: float, half_period: float) -> Any:
+    """V from the spatial CR3BP, by complex steps in z and vz, by an integrator that knows no enclosures."""
+    step = 1e-30
+    start = np.zeros((6, 2), complex)
+    start[0], start[4] = x_l + eps, eps * vy
+    start[2, 0] = start[5, 1] = 1j * step
+
+    def field(_: float, flat: Any) -> Any:
+        return np.array(CR3BP.vector_field(list(flat.reshape(6, 2)), [mu])).ravel()
+
+    run = solve_ivp(field, (0, half_period), start.ravel(), "DOP853", rtol=3e-14, atol=1e-20)
+    end = run.y[:, -1].reshape(6, 2)
+    return end[[2, 5]].imag / step
+
+
+def check_containment(entry: dict[str, Any], start: Fraction, end: Fraction, shares: list[float]) -> None:
+    (piece,) = atlas().curve_pieces()
+    known = variations_from_json(entry["out_of_plane"])
+    assert known is not None
+    mu = atlas().parameters["mu"]
+    x_l = float(derived_parameter(atlas().system, "x_l", atlas().parameters, 80).middle)
+    for share in shares:
+        s = start + (end - start) * Fraction(share)
+        tau = ball((2 * (s - start) / (end - start) - 1) / REACH)
+        eps, vy = (float(value) for value in piece.point(s))
+        half_period = float(function_from_json(entry["half_period"]).value(tau).mid())
+        expected = half_variation(eps, vy, float(mu), x_l, half_period)
+        for enclosed, value in zip(known.entries, expected.ravel(), strict=True):
+            assert (enclosed.value(tau) + arb(0, 1e-7)).contains(arb(value))
+            assert float(enclosed.value(tau).rad()) < 1e-6
+        assert (known.parameter.value(tau) + arb(0, 1e-7)).contains(
+            arb(expected[0, 0] * expected[1, 1] + expected[0, 1] * expected[1, 0])
+        )
+
+
+def test_variations_contain_those_of_the_spatial_problem() -> None:
+    check_containment(results()[0]["stability"], Fraction(-1), Fraction(1), [0.01, 0.05, 0.3, 0.62, 0.87])
+
+
+@pytest.mark.slow
+def test_an_integration_of_a_part_contains_them_too() -> None:
+    interval = (Fraction(1, 2), Fraction(3, 4))
+    (piece,) = atlas().curve_pieces()
+    limits = PieceLimits(72, 28, 16)
+    found = orbit_functions(atlas().system, atlas().parameters, piece, interval, limits, "physical").to_json()
+    check_containment(found, *interval, [0.1, 0.9])
+
+
+def test_at_the_libration_point_it_is_that_of_the_linear_frequencies() -> None:
+    """s_v = cos(2 pi sqrt(c)/omega) with omega^4 - (2 - c) omega^2 + (1 + 2c)(1 - c) = 0."""
+    known = variations_from_json(results()[0]["stability"]["out_of_plane"])
+    assert known is not None
+    mu = float(atlas().parameters["mu"])
+    x_l = float(derived_parameter(atlas().system, "x_l", atlas().parameters, 80).middle)
+    c = (1 - mu) / abs(x_l + mu) ** 3 + mu / abs(x_l + mu - 1) ** 3
+    omega = sqrt((2 - c + sqrt(9 * c * c - 8 * c)) / 2)
+    value = known.parameter.value(ball(Fraction(place_of(0.0)) / REACH))
+    assert abs(float(value) - cos(2 * pi * sqrt(c) / omega)) < 1e-9
+
+
+def test_the_stiffness_is_that_of_the_three_body_problem() -> None:
+    source = np.random.default_rng(5)
+    for name, system in AROUND.items():
+        assert system.stiffness_across is not None
+        mu, x_l = 0.1, {"L1": 0.6, "L2": 1.25, "L3": -1.04}[name]
+        for x, y, eps in source.uniform(-0.1, 0.1, (5, 3)):
+            (found,) = system.stiffness_across([x, y, 0.3, 0.4], [mu, x_l, eps])
+            force = CR3BP.vector_field([x_l + eps * x, eps * y, 1e-30j, 0, 0, 0], [mu])[5]
+            assert abs(found + force.imag / 1e-30) < 1e-12 * abs(found)
+
+
+def listed(found: Results, order: int = 12) -> dict[str, Any]:
+    return with_complete_list(atlas(), found, conclude(atlas(), found), order)
+
+
+def test_the_halo_orbits_are_born_at_exactly_one_point() -> None:
+    document = listed(results())
+    across = document["complete"]["out_of_plane"]
+    (birth,) = across["points"]
+    assert birth["kind"] == "birth out of the plane"
+    assert birth["level"]["decimal"].startswith("[-0.0135242268")
+    assert abs(float(parse_exact(birth["level"]["mid"])) - BIRTH) < 1e-11
+    (stable,) = across["stable"]
+    assert stable["from"]["what"] == "birth out of the plane"
+    assert stable["to"]["what"] == "the end of the curve"
+    assert across["gaps"] == across["undecided"] == []
+    assert (
+        "a curve of orbits out of the plane, symmetric under R, begins here: eps in [-0.013524226"
+        in document["statement"]
+    )
+    assert "and no others are:\n- from eps in" in document["statement"]
+
+
+def test_what_is_not_known_is_named() -> None:
+    found = results()
+    found[0]["stability"]["out_of_plane"] = {"reason": {"message": "tired"}}
+    document = listed(found)
+    across = document["complete"]["out_of_plane"]
+    assert across["points"] == across["stable"] == []
+    assert [gap["about"] for gap in across["gaps"]] == ["everything"]
+    assert "Not covered, out of the plane" in document["statement"]
+
+
+def certified(s: float, kind: str = "symmetry_breaking") -> Bifurcation:
+    return Bifurcation("halo", kind, 1, Place("p001", ball(Fraction(s)), False), "", {})
+
+
+def test_a_certified_symmetry_breaking_is_the_birth_or_contradicts_the_list() -> None:
+    outcome = conclude(atlas(), results()).outcome
+    assert isinstance(outcome, Proved)
+    chain = outcome.results.chain
+    plane = complete_list(atlas(), chain, results(), 4)
+    (birth,) = list_across(atlas(), chain, plane, []).found.points  # type: ignore[union-attr]
+    place = float(birth.s.mid())
+    (point,) = list_across(atlas(), chain, plane, [certified(place)]).found.points  # type: ignore[union-attr]
+    assert point.certificates == ("halo",)
+    assert list_across(atlas(), chain, plane, [certified(0.3, "period_tupling")]) is not None
+    with pytest.raises(EmptyIntersectionError):
+        list_across(atlas(), chain, plane, [certified(place + 1e-3)])
+
+
+def document_of(found: Results) -> dict[str, Any]:
+    return make_atlas_certificate(atlas(), found, listed(found, 3))
+
+
+def no_birth(entry: dict[str, Any]) -> None:
+    del entry["conclusion"]["complete"]["out_of_plane"]["points"][0]
+
+
+def longer(entry: dict[str, Any]) -> None:
+    begin = entry["conclusion"]["complete"]["out_of_plane"]["stable"][0]["from"]
+    begin["interval"] = [format_exact(parse_exact(end) - Fraction(1, 2**30)) for end in begin["interval"]]
+
+
+def axial(entry: dict[str, Any]) -> None:
+    entry["conclusion"]["complete"]["out_of_plane"]["points"][0]["kind"] = "axial birth out of the plane"
+
+
+def left_out(entry: dict[str, Any]) -> None:
+    del entry["conclusion"]["complete"]["out_of_plane"]
+
+
+def other_stiffness(entry: dict[str, Any]) -> None:
+    entry["statement"]["stiffness_across"] = entry["statement"]["vector_field"]
+
+
+@pytest.mark.parametrize("change", [no_birth, longer, axial, left_out, other_stiffness], ids=lambda f: f.__name__)
+def test_a_forged_list_is_found_without_integrating(change: Callable[[dict[str, Any]], None]) -> None:
+    document = document_of(results())
+    assert checked(document).stands
+    assert not checked(forged(document, change)).stands
+
+
+@pytest.mark.parametrize("name", [None, *ENTRIES])
+def test_forged_variations_are_found_by_another_integration(name: str | None) -> None:
+    """Also with a list that fits them."""
+    fresh = copy.deepcopy(results())
+    known = fresh[0]["stability"]
+    functions = [known[key] for key in ("level", "half_period", "first_factor")]
+    for function in (*functions, *known["characteristic"], *known["out_of_plane"].values()):
+        function["error"] = format_exact(parse_exact(function["error"]) / 4)
+    stored = results()
+    if name is not None:
+        coefficients = stored[0]["stability"]["out_of_plane"][name]["coefficients"]
+        coefficients[0] = format_exact(parse_exact(coefficients[0]) + Fraction(1, 2**12))
+    found = checked(document_of(stored), honest(fresh))
+    assert found.stands == (name is None)
+    assert name is None or any("out of the plane" in finding.message for finding in found.findings)

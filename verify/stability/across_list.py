@@ -1,0 +1,101 @@
+"""The list of resonances and stability of variations out of the plane of motion (section 18.12)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.claim import parities
+from orbitproof.verify.curve import Bifurcation, Chain
+from orbitproof.verify.evidence import excludes_zero
+from orbitproof.verify.stability.complete_list import Finder, orders, resonant_value
+from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
+from orbitproof.verify.stability.matching import with_certificates
+from orbitproof.verify.stability.places import (
+    ACROSS_AXIAL,
+    ACROSS_DOUBLING,
+    ACROSS_SYMMETRIC,
+    RESONANCE,
+    UNKNOWN,
+    CompleteList,
+    Gap,
+    Point,
+    Segment,
+)
+
+_ENTRIES = {
+    (1, 0): ((ACROSS_AXIAL, 1), (ACROSS_SYMMETRIC, 2)),
+    (2, 1): ((ACROSS_DOUBLING, 0), (ACROSS_DOUBLING, 3)),
+}
+"""For the values 1 and -1 of the stability parameter, the entries of V that vanish there."""
+
+
+@dataclass(frozen=True)
+class ListAcross:
+    """What is proved of variations out of the plane along a curve.
+
+    Attributes:
+        found: the list.
+        stable, unknown: intervals between which they are stable, and of which nothing is known.
+    """
+
+    found: CompleteList
+    stable: tuple[StableInterval, ...]
+    unknown: tuple[StableInterval, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object."""
+        return {
+            "points": [point.to_json() for point in self.found.points],
+            "stable": [entry.to_json() for entry in self.stable],
+            "undecided": [entry.to_json() for entry in self.unknown],
+            "gaps": [gap.to_json() for gap in self.found.gaps],
+        }
+
+
+def _away_from_centre(point: Point) -> Point:
+    """At the libration point itself, where the size of the orbit is 0, nothing begins."""
+    is_birth = point.kind in (ACROSS_AXIAL, ACROSS_SYMMETRIC)
+    return replace(point, kind=UNKNOWN) if is_birth and not excludes_zero(point.level) else point
+
+
+def list_across(
+    atlas: Atlas, chain: Chain, plane: CompleteList, bifurcations: Sequence[Bifurcation]
+) -> ListAcross | None:
+    """The list for the values of that of the orbits in the plane; `None` if the system is no motion in a plane.
+
+    Raises `EmptyIntersectionError` if a certified symmetry breaking on the curve is not in it.
+    """
+    program = atlas.system.stiffness_across_program
+    if program is None or parities(program, atlas.system.reversing_symmetry) != [1]:
+        return None
+    points: list[Point] = []
+    gaps = [gap for gap in plane.gaps if gap.about == "everything"]
+    segments: list[Segment] = []
+    for segment in plane.segments:
+        stretch = chain.stretches[segment.stretch]
+        known = segment.out_of_plane
+        if known is None:
+            why = "variations out of the plane are not enclosed"
+            gaps.append(Gap(segment.stretch, stretch.tube.piece.id, segment.start, segment.end, "everything", why))
+            continue
+        across = replace(segment, characteristic=(known.parameter,))
+        finder = Finder(atlas, stretch, across)
+        for k, j in orders(plane.order):
+            for kind, entry in _ENTRIES.get((k, j), ((RESONANCE, None),)):
+                function = across.at(resonant_value(k, j)) if entry is None else known.entries[entry]
+                finder.add(function, k, j, kind)
+        points += finder.points
+        gaps += finder.gaps
+        segments.append(across)
+    points = [_away_from_centre(point) for point in points]
+    points.sort(key=lambda entry: (entry.stretch, entry.s.mid()))
+    births = [entry for entry in bifurcations if entry.kind == "symmetry_breaking"]
+    symmetric = [number for number, point in enumerate(points) if point.kind == ACROSS_SYMMETRIC]
+    for number, point in zip(symmetric, with_certificates([points[n] for n in symmetric], gaps, births), strict=True):
+        points[number] = point
+    found = CompleteList(plane.order, tuple(points), tuple(gaps), tuple(segments))
+    stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
+    return ListAcross(found, tuple(stable), tuple(unknown))
