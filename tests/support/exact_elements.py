@@ -89,8 +89,8 @@ def known_value(series: Series, theta: mpmath.mpf, point: Sequence[Any]) -> Any:
 
 
 def rows_of(arithmetic: Arithmetic, packed: fmpz_poly) -> list[list[int]]:
-    """The coefficients by powers of theta, and in each row by powers of s: theta^n s^j has index n (2 d + 1) + j."""
-    width, stride = arithmetic.width, 2 * arithmetic.width + 1
+    """The coefficients by powers of theta, and in each row by powers of s: theta^n s^j has index n stride + j."""
+    width, stride = arithmetic.width, arithmetic.stride
     values = [int(c) for c in packed.coeffs()]
     values += [0] * (-len(values) % stride)
     rows = [values[start : start + stride] for start in range(0, len(values), stride)]
@@ -100,7 +100,7 @@ def rows_of(arithmetic: Arithmetic, packed: fmpz_poly) -> list[list[int]]:
 
 def packed_from(arithmetic: Arithmetic, rows: Sequence[Sequence[int]]) -> fmpz_poly:
     """The packed polynomial with these rows."""
-    return fmpz_poly([value for row in rows for value in [*row, *[0] * (2 * arithmetic.width + 1 - len(row))]])
+    return fmpz_poly([value for row in rows for value in [*row, *[0] * (arithmetic.stride - len(row))]])
 
 
 def exponents_of_grade(grading: Grading, grade: int) -> list[Exponents]:

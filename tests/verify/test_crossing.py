@@ -10,14 +10,17 @@ from itertools import pairwise
 
 import pytest
 from flint import arb, fmpz_poly
+from support.exact_elements import packed_from
 from support.flow_checks import box, falkner_skan_box, halo
 
 from orbitproof.shared.formats.candidates import Candidate
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter
+from orbitproof.verify.poincare import crossing
+from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, stays_positive
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
 
 ARITHMETIC = Arithmetic(Grading((1,), 1), 120, 0, 12)
@@ -248,3 +251,19 @@ def test_tiny_boxes_do_not_underflow(radius: str) -> None:
         else:
             # Above the kept grade nothing but the error bounds speaks, and they never vanish.
             assert (tables[1].box[alpha].rad() > 0) is True
+
+
+@pytest.mark.parametrize(("factor", "part", "positive"), [(10, "7/8", True), (-10, "7/8", False), (10, "-7/8", False)])
+def test_a_function_is_positive_on_a_part_that_is_halved_where_its_coefficients_belong_together(
+    factor: int, part: str, positive: bool
+) -> None:
+    """1 + c s (1 - theta): with a ball for each of its coefficients the part is too wide."""
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 2, width=2)
+    one = int(arithmetic.one)
+    known = packed_from(arithmetic, [[one, factor * one, 0], [0, -factor * one, 0]])
+    function = Series(arithmetic, [known, fmpz_poly([])], arithmetic.zero_errors())
+    wide = arb(Fraction(part).numerator) / 8 + arb(0, 1) / 8
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(crossing, "_WIDE_DEPTH", 0)
+        assert not stays_positive(function, wide)
+    assert stays_positive(function, wide) is positive

@@ -66,6 +66,55 @@ def test_a_product_of_packed_polynomials_is_cut_to_what_is_kept(seed: int) -> No
     assert beyond == sum(abs(c) for (n, j), c in terms.items() if n > arithmetic.degree or j > arithmetic.width)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_what_a_product_lacks_and_what_runs_into_wrong_powers_is_counted(seed: int) -> None:
+    """Against products of single terms, with powers of s so high that they run into the next power of theta."""
+    source = random.Random(seed)
+    arithmetic = WideArithmetic(Grading((1,), 1), 8, 0, source.choice((0, 1, 3)), width=source.choice((10, 14, 20)))
+    assert arithmetic.stride < 2 * arithmetic.width + 1
+    rows, powers = arithmetic.degree + 1, arithmetic.width + 1
+    left, right = ([[source.randint(-999, 999) for _ in range(powers)] for _ in range(rows)] for _ in range(2))
+    exact: dict[tuple[int, int], Fraction] = {}
+    for (n, i), (m, j) in product(product(range(rows), range(powers)), repeat=2):
+        place = n + m, i + j
+        exact[place] = exact.get(place, Fraction(0)) + Fraction(left[n][i] * right[m][j], 2**16)
+    factors = [[packed_from(arithmetic, table), fmpz_poly([])] for table in (left, right)]
+    value, lost = arithmetic.product_slice(*factors, 0)
+    kept = {(n, j): Fraction(c, 2**8) for n, row in enumerate(rows_of(arithmetic, value)) for j, c in enumerate(row)}
+    places = set(exact) | set(kept)
+    missing = sum(abs(exact.get(place, Fraction(0)) - kept.get(place, Fraction(0))) for place in places)
+    assert missing <= Fraction(lost)
+    # Some of it is nowhere in the packed product, or in a wrong place: without its bound the rest would not do.
+    stride = arithmetic.stride
+    elsewhere = sum(abs(c) for (n, j), c in exact.items() if n > arithmetic.degree or j >= stride)
+    assert Fraction(lost) - missing < 40 * elsewhere
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_product_is_enclosed_where_the_highest_powers_matter(seed: int) -> None:
+    source = random.Random(seed)
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 2, width=source.choice((12, 16)))
+    one = int(arithmetic.one)
+
+    def factor() -> Series:
+        row = [[source.randint(-one, one) for _ in range(arithmetic.width + 1)] for _ in range(3)]
+        return Series(arithmetic, [packed_from(arithmetic, row), fmpz_poly([])], arithmetic.zero_errors())
+
+    left, right = factor(), factor()
+    result = left * right
+    for s, theta in product((Fraction(-1), Fraction(3, 7), Fraction(1)), (Fraction(0), Fraction(2, 3), Fraction(1))):
+        values = [_value(arithmetic, element, s, theta) for element in (left, right, result)]
+        assert abs(values[0] * values[1] - values[2]) <= Fraction(result.errors[0])
+
+
+def _value(arithmetic: WideArithmetic, element: Series, s: Fraction, theta: Fraction) -> Fraction:
+    rows = rows_of(arithmetic, element.coefs[0])
+    terms = (
+        Fraction(c, int(arithmetic.one)) * theta**n * s**j for n, row in enumerate(rows) for j, c in enumerate(row)
+    )
+    return sum(terms, Fraction(0))
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_derivatives_in_time_are_exact(seed: int) -> None:
     source = random.Random(seed)

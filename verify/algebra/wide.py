@@ -6,6 +6,8 @@ minor index. Powers are approximations only: `correct_power` bounds how far they
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ldexp
@@ -15,11 +17,15 @@ from flint import arb, arb_poly, fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.circle import Floats, from_points, power_of_series, to_points
 from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.norms import float_above
-from orbitproof.verify.algebra.series import Arithmetic
+from orbitproof.verify.algebra.norms import float_above, inflate
+from orbitproof.verify.algebra.series import ZERO, Arithmetic
 from orbitproof.verify.evidence import IntegrationFailure
 
 _FLOAT_BITS = 50
+_SPARE_POWERS = 8
+"""So many powers of s beyond the width are found exactly in a product before they are cut off."""
+_REMEMBERED = 256
+"""Polynomials whose sizes are kept: most of them are factors of several products in a row."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +40,8 @@ class WideArithmetic(Arithmetic):
 
     @property
     def stride(self) -> int:
-        """Distance of the powers of theta in a packed polynomial: a product has degree 2 d in s."""
-        return 2 * self.width + 1
+        """Distance of the powers of theta in a packed polynomial; higher powers of s of a product run into the next."""
+        return self.width + 1 + min(self.width, _SPARE_POWERS)
 
     def coarser(self, grading: Grading, bits: int, degree: int, width: int) -> WideArithmetic:
         """As for every arithmetic."""
@@ -67,6 +73,34 @@ class WideArithmetic(Arithmetic):
                 kept += zeros
         beyond += sum(map(abs, coefs[length:]))
         return fmpz_poly(kept), int(beyond)
+
+    def product_slice(
+        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int
+    ) -> tuple[fmpz_poly, float]:
+        """As for every arithmetic; what is not found exactly is bounded by the sizes of the factors."""
+        exact: fmpz_poly | None = None
+        beyond = 0.0
+        length = (self.degree + 1) * self.stride
+        square = left is right
+        for i, j in self.grading.factors[position]:
+            a, b = left[i], right[j]
+            if a.length() and b.length() and (i <= j or not square):
+                times = 1 if i == j or not square else 2
+                term = a.mul_low(b, length) * times
+                exact = term if exact is None else exact + term
+                beyond += times * self._beyond(
+                    _sizes(a, self.stride, self.scales[i]), _sizes(b, self.stride, self.scales[j])
+                )
+        if exact is None:
+            return ZERO, 0.0
+        value, lost = self.round_product(exact, position)
+        return value, inflate(lost + beyond)
+
+    def _beyond(self, left: _Sizes, right: _Sizes) -> float:
+        """A bound of what a packed product of bounded length lacks, and of what runs into the wrong powers."""
+        late = np.convolve(left.of_times, right.of_times)[self.degree + 1 :].sum()
+        high = np.convolve(left.of_powers, right.of_powers)[self.stride :].sum()
+        return float(late + 2 * high)
 
     def derivative(self, polynomial: fmpz_poly) -> fmpz_poly:
         """The derivative in theta."""
@@ -105,7 +139,7 @@ class WideArithmetic(Arithmetic):
         mantissas, exponents = np.frexp(coefficients)
         integers = np.rint(np.ldexp(mantissas, 53)).astype(np.int64).tolist()
         shifts = (exponents.astype(np.int64) - 53 + scale).tolist()
-        zeros = [0] * self.width
+        zeros = [0] * (self.stride - self.width - 1)
         values: list[int] = []
         for row, shift in zip(integers, shifts, strict=True):
             values += [value << by if by >= 0 else value >> -by for value, by in zip(row, shift, strict=True)]
@@ -130,6 +164,40 @@ class WideArithmetic(Arithmetic):
         for factor in [power] * q + [base] * p:
             value = self.reduced(value * factor)
         return power + self.reduced(power * (one - value)) // fmpz(q), inverse
+
+
+@dataclass(frozen=True)
+class _Sizes:
+    """Bounds of the sums of the absolute values of the coefficients of a packed polynomial.
+
+    Attributes:
+        of_times: for each power of theta, over all powers of s.
+        of_powers: for each power of s, over all powers of theta.
+    """
+
+    of_times: Floats
+    of_powers: Floats
+
+
+_remembered: OrderedDict[tuple[int, int, int], tuple[fmpz_poly, _Sizes]] = OrderedDict()
+
+
+def _sizes(polynomial: fmpz_poly, stride: int, scale: int) -> _Sizes:
+    """Bounds, up to rounding, for a polynomial times 2^-scale: every coefficient counts with the next power of 2."""
+    key = id(polynomial), stride, scale
+    # An entry keeps its polynomial, whose identity therefore is not given to another one.
+    known = _remembered.get(key)
+    if known is None:
+        bits = np.array([value.bit_length() for value in polynomial.coeffs()])
+        rows = -(-len(bits) // stride)
+        padded = np.zeros(rows * stride)
+        padded[: len(bits)] = np.ldexp((bits > 0).astype(float), bits - scale)
+        table = padded.reshape(rows, stride)
+        known = polynomial, _Sizes(table.sum(axis=1), table.sum(axis=0))
+        if len(_remembered) >= _REMEMBERED:
+            _remembered.popitem(last=False)
+        _remembered[key] = known
+    return known[1]
 
 
 def _mean_value_form(coefficients: list[arb], part: arb) -> arb:

@@ -15,6 +15,8 @@ from orbitproof.verify.algebra import Series, total
 from orbitproof.verify.evidence import IntegrationFailure
 
 _DEPTH = 14
+_WIDE_DEPTH = 4
+"""How often a part of the wide variable's interval is halved at most."""
 _BITS = 96
 
 
@@ -28,8 +30,17 @@ def stays_positive(series: Series, wide: arb | None = None) -> bool:
 
     `wide`: the part of the wide variable's interval, if there is one.
     """
+    parts = [(wide, 0)]
     with ctx.workprec(_BITS):
-        return _stays_positive(InTime(series, wide), arb(0), arb(1), 0)
+        while parts:
+            part, depth = parts.pop()
+            if _stays_positive(InTime(series, part), arb(0), arb(1), 0):
+                continue
+            if part is None or depth == _WIDE_DEPTH:
+                return False
+            middle, half = part.mid(), arb(0, 1) * part.rad() / 2
+            parts += [(middle + side * part.rad() / 2 + half, depth + 1) for side in (-1, 1)]
+    return True
 
 
 def _stays_positive(function: InTime, left: arb, right: arb, depth: int) -> bool:
