@@ -9,12 +9,12 @@ from matplotlib.figure import Figure
 
 from orbitproof.figures.files import file_name
 from orbitproof.figures.model import CertifiedCurves, Curve
-from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, surface_of
+from orbitproof.figures.pictures import draw_curves, draw_orbit, draw_pieces, draw_surface, surface_of
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import FOLD, ORBIT
+from orbitproof.shared.formats import FOLD
 from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS
 from orbitproof.verify.atlas import AtlasCertificate
 
@@ -23,15 +23,22 @@ _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the tr
 
 
 def pictures_of(entry: Checked) -> tuple[Picture, ...]:
-    """The pictures of a proved theorem; none of a fold, nor of a system that is not known here."""
+    """The pictures of a proved theorem; none of a fold, nor of a bifurcation in an unknown system."""
     with use_style():
         return _of_row(entry) if isinstance(entry, CheckedRow) else _of_atlas(entry)
 
 
 def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
-    if entry.candidate.system.name not in SYSTEMS or entry.candidate.kind in (FOLD, ORBIT):
-        return ()
     name = entry.certificate.id
+    if entry.certificate.orbit is not None:
+        caption = (
+            f"{name}: the orbit, integrated in double precision from the middle of its enclosures; the marked points "
+            "and times are enclosed by the certificate, far closer than can be seen"
+        )
+        figure = draw_orbit(entry.candidate, entry.certificate.orbit)
+        return (_picture(f"orbit-{file_name(name)}", caption, figure),)
+    if entry.candidate.system.name not in SYSTEMS or entry.candidate.kind == FOLD:
+        return ()
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
     caption = (
         f"{name}: (a) the family and the branch in the box of the certificate, both enclosed; (b) the parameter along "

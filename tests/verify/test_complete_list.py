@@ -30,7 +30,7 @@ from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.linear_stability import is_stable
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
-from orbitproof.verify.stability.places import FOLD, LOSS, SYMMETRIC, Point, Segment
+from orbitproof.verify.stability.places import FOLD, LOSS, RESONANCE, SYMMETRIC, Point, Segment
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -208,19 +208,44 @@ def certified(k: int, s: float, piece: str = "p015") -> Bifurcation:
     return Bifurcation("row", "touch_and_go", k, Place(piece, ball(Fraction(s)), False), "", {})
 
 
-def test_certificates_are_matched_by_where_they_are() -> None:
+@pytest.mark.parametrize("k", [3, 5])
+def test_certificates_are_matched_by_where_they_are(k: int) -> None:
     outcome = conclude(atlas(), results()).outcome
     assert isinstance(outcome, Proved)
     chain = outcome.results.chain
-    plain = complete_list(atlas(), chain, results(), 4)
-    (at,) = [point for point in plain.points if point.k == 3]
-    place = float(at.s.mid())
-    (found,) = [p for p in complete_list(atlas(), chain, results(), 4, [certified(3, place)]).points if p.k == 3]
+    plain = complete_list(atlas(), chain, results(), 6)
+    (at,) = [point for point in plain.points if point.k == k]
+    entry = replace(certified(k, float(at.s.mid())), place=Place(at.piece, at.s, False))
+    (found,) = [p for p in complete_list(atlas(), chain, results(), 6, [entry]).points if p.k == k]
     assert found.certificates == ("row",)
-    for k, s in ((4, place), (3, place + 1e-3)):
+    beside = Place(at.piece, at.s + 1e-3, False)
+    for wrong in (replace(entry, k=k + 1), replace(entry, k=2 * k), replace(entry, place=beside)):
+        if wrong.k <= 6:
+            with pytest.raises(EmptyIntersectionError):
+                complete_list(atlas(), chain, results(), 6, [wrong])
+    foreign = replace(entry, place=None, is_foreign=True)
+    assert not any(point.certificates for point in complete_list(atlas(), chain, results(), 6, [foreign]).points)
+    assert complete_list(atlas(), chain, results(), k - 1, [entry]).points
+
+
+def test_two_certificates_of_a_resonance_of_order_six_are_matched_with_its_point() -> None:
+    """One at each point of the orbit on Fix(R); those of other orders at the same place, or elsewhere, are refused."""
+    at = ball(Fraction(1, 3))
+    point = Point(0, "p001", 6, 1, RESONANCE, at, at, at, {})
+    entries = [
+        Bifurcation(name, "period_tupling", 6, Place("p001", at, False, other), "", {})
+        for name, other in (("row", False), ("row-second", True))
+    ]
+    (found,) = with_certificates([point], [], entries)
+    assert found.certificates == ("row", "row-second")
+    for wrong in (
+        replace(entries[0], k=3),
+        replace(entries[0], k=2),
+        replace(entries[0], place=Place("p002", at, False)),
+        replace(entries[0], place=Place("p001", at + 1, False)),
+    ):
         with pytest.raises(EmptyIntersectionError):
-            complete_list(atlas(), chain, results(), 4, [certified(k, s)])
-    assert complete_list(atlas(), chain, results(), 3, [certified(4, place)]).points
+            with_certificates([point], [], [wrong])
 
 
 def test_bifurcations_out_of_the_plane_are_not_looked_for_in_the_plane() -> None:
