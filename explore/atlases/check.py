@@ -160,14 +160,13 @@ def first_returns(returns: HalfReturns, points: ComplexArray) -> Vector:
     number = points.shape[1]
     parts = LANES // number
     lanes = np.repeat(points, parts, axis=1)
-    nothing = np.zeros((LANES, 2 * (LANES // len(points))), dtype=complex)
     low, high, signs = np.zeros(number), np.full(number, 1.0), np.zeros(number)
     found = np.zeros(number, dtype=bool)
     failures = 0
     while np.all(high < LONGEST_TIME):
         times = low[:, None] + (high - low)[:, None] * (np.arange(parts) + 1) / parts
         try:
-            heights = returns.evaluate(lanes, times.ravel().astype(complex), nothing).values[0].real
+            heights = returns.evaluate(lanes, times.ravel().astype(complex)).values[0].real
         except FlowFailure:
             # Beyond its return an orbit may run away.
             failures += 1

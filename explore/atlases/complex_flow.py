@@ -23,13 +23,12 @@ from numpy.typing import NDArray
 from orbitproof.explore.flow import (
     FlowFailure,
     Vector,
-    attempt,
+    attempt_in_loop,
     compiling,
     configure_jax,
     growth,
     norm,
     power,
-    scaled_error,
 )
 from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem
 
@@ -93,18 +92,20 @@ class HalfReturns:
         costs = {"mul": 1, "div": POWER_COST, "pow": POWER_COST}
         return sum(costs.get(step.operation, 0) for step in program.instructions)
 
-    def evaluate(self, points: ComplexArray, times: ComplexArray, transform: ComplexArray) -> Returns:
+    def evaluate(self, points: ComplexArray, times: ComplexArray, transform: ComplexArray | None = None) -> Returns:
         """Follow the orbits of `points` over `times`.
 
         Arguments:
             points: shape (1 + n, N), in the order of `ReversibleSystem.centre_coordinates`.
             times: shape (N,), in the units of the coordinates.
-            transform: shape (N, N'), a linear map of functions on the points, see `Returns.spectrum`.
+            transform: shape (N // (1 + n), N'), a linear map of functions on the first points, see `Returns.spectrum`.
 
         Raises `FlowFailure` where an orbit does not get through.
         """
         system = self.system
-        count = points.shape[1]
+        size, count = points.shape
+        if transform is None:
+            transform = np.zeros((count // size, 2 * (count // size)), dtype=complex)
         inputs = np.array(
             [
                 points[0] if name == system.family_parameter else np.full(count, _long(self.parameters[name]))
@@ -140,11 +141,10 @@ class HalfReturns:
         clocks = times if self.regularisation is None else end[self.regularisation.time_index]
         return Returns(values, rates, clocks, spectrum, int(steps))
 
-    def clock(self, point: Vector, time: float) -> float:
-        """The system's time after a time of the coordinates. Raises `FlowFailure`."""
-        points = np.repeat(point.astype(np.clongdouble)[:, None], LANES, axis=1)
-        nothing = np.zeros((LANES, 2 * (LANES // len(point))), dtype=complex)
-        return float(self.evaluate(points, np.full(LANES, time, dtype=complex), nothing).clocks[0].real)
+    def clocks(self, point: Vector, times: Vector) -> Vector:
+        """The system's times after times of the coordinates, shape (LANES,), of one orbit. Raises `FlowFailure`."""
+        points = np.repeat(point.astype(np.clongdouble)[:, None], len(times), axis=1)
+        return np.asarray(self.evaluate(points, times.astype(complex)).clocks.real)
 
     def _put_on_level(self, states: ComplexArray, inputs: ComplexArray) -> None:
         """Fill in the level coordinate w of states that are given but for it, from H = A + b w^2."""
@@ -201,7 +201,7 @@ def _integrator(program: Program) -> Callable[..., Any]:
             return times * jnp.stack([jnp.broadcast_to(value, times.shape) for value in values])
 
         def sizes(states: jax.Array, before: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
-            transformed = jnp.abs((states @ transform).real)
+            transformed = jnp.abs((states[:, : len(transform)] @ transform).real)
             return jnp.maximum(before[0], transformed), jnp.maximum(before[1], jnp.max(jnp.abs(states), axis=1))
 
         def going(carry: tuple[Any, ...]) -> jax.Array:
@@ -212,14 +212,14 @@ def _integrator(program: Program) -> Callable[..., Any]:
             place, now, slope, length, largest, steps = carry
             last = length >= 1.0 - place
             taken = jnp.where(last, 1.0 - place, length)
-            end, stages = attempt(slopes, now, slope, taken)
-            error = jnp.max(norm(scaled_error(now, end, stages, taken, RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE)))
+            end, new_slope, errors = attempt_in_loop(slopes, now, slope, taken, RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE)
+            error = jnp.max(norm(errors))
             accepted = error <= 1.0
             new = sizes(end, largest)
             return (
                 jnp.where(accepted, jnp.where(last, 1.0, place + taken), place),
                 jnp.where(accepted, end, now),
-                jnp.where(accepted, stages[-1], slope),
+                jnp.where(accepted, new_slope, slope),
                 taken * growth(error, GROW),
                 tuple(jnp.where(accepted, a, b) for a, b in zip(new, largest, strict=True)),
                 steps + 1,

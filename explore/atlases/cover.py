@@ -8,6 +8,7 @@ length costs fewer multiplications.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -28,6 +29,9 @@ STRETCHED = 1.12
 """A last piece may be so much wider than its first half, if that saves another one."""
 
 ATTEMPTS = 12
+
+FAR = 2.0
+"""A chart is not tried at once if it goes beyond so many best half-widths of the one before."""
 
 MUCH_DEARER, REST = 2.5, 4
 """Coordinates in which a unit of length costs so many times more are not tried again for some pieces."""
@@ -77,25 +81,38 @@ class Coverer:
         problem = self.curve.family.problem
         names: tuple[Coordinates, ...] = ("physical",)
         if problem.system.name in REGULARISATIONS:
-            names = ("physical", "regularised")
+            names = ("regularised", "physical")
         for name in names if self.coordinates is None else (self.coordinates,):
             self._returns[name] = HalfReturns(problem.system, problem.parameters, name)
             self._times[name] = 1.0
 
     def expansion(
-        self, chart: Chart, half_period: float, *, even: bool = False, only: Coordinates | None = None
+        self, chart: Chart, half_period: float, *, even: bool = False, before: Expansion | None = None
     ) -> Expansion:
-        """The curve in a chart, in the cheapest coordinates or in given ones. Raises `ExpansionFailure`.
+        """The curve in a chart, in the cheapest coordinates. Raises `ExpansionFailure`.
 
+        With the result for a chart nearby, `before`, its coordinates are taken, and Newton's method begins with it.
         The result has a narrower chart if the coefficients in that one show that the other is much too wide.
         """
+        result = None
+        if before is not None and before.reach(chart) < FAR * self.best(before):
+            with suppress(ExpansionFailure):
+                result = expand(before.returns, chart, before.times[0], guess=before.predicted(chart), even=even)
+        if result is None:
+            result = self._staged(chart, half_period, even, before and before.returns.coordinates)
+        self._times[result.returns.coordinates] = float(result.times[0])
+        return result
+
+    def _staged(self, chart: Chart, half_period: float, even: bool, only: Coordinates | None) -> Expansion:
+        """The curve in a chart, first in narrower ones."""
         found: list[tuple[float, Expansion]] = []
         failures = []
         for name in self._candidates(only):
             try:
-                small = self._first_stage(chart, half_period, even, name)
+                small = self._first_stage(chart, half_period, even, name, 1 if found else STAGES)
             except (ExpansionFailure, FlowFailure) as error:
                 failures.append(str(error))
+                self._resting[name] = REST if found else 0
                 continue
             cost = small.steps * small.returns.products / self.best(small)
             found.append((cost if name == "regularised" else cost * GROWTH, small))
@@ -108,9 +125,8 @@ class Coverer:
         while small.chart.half_width < chart.half_width:
             if self.best(small) < min(0.5 * chart.half_width, 2 * small.chart.half_width):
                 return small
-            wider = min(chart.half_width, small.chart.half_width / STAGE)
-            guess = small.rescaled(wider / small.chart.half_width)
-            small = expand(small.returns, replace(chart, half_width=wider), small.times[0], guess=guess, even=even)
+            wider = replace(chart, half_width=min(chart.half_width, small.chart.half_width / STAGE))
+            small = expand(small.returns, wider, small.times[0], guess=small.predicted(wider), even=even)
         return small
 
     def _candidates(self, only: Coordinates | None) -> list[Coordinates]:
@@ -121,12 +137,12 @@ class Coverer:
             self._resting[name] = max(rest - 1, 0)
         return [name for name in self._returns if not self._resting.get(name)]
 
-    def _first_stage(self, chart: Chart, half_period: float, even: bool, name: Coordinates) -> Expansion:
+    def _first_stage(self, chart: Chart, half_period: float, even: bool, name: Coordinates, stages: int) -> Expansion:
         """In a chart so narrow that its axis is a sufficient first approximation of the curve."""
         returns = self._returns[name]
         time = self._times[name] = coordinate_time(returns, chart.centre, half_period, self._times[name])
         width = STAGE * chart.half_width
-        for _ in range(STAGES):
+        for _ in range(stages):
             try:
                 return expand(returns, replace(chart, half_width=width), time, even=even)
             except ExpansionFailure as error:
@@ -142,9 +158,10 @@ class Coverer:
         """The piece about a point where the curve meets Fix(S), along `direction`. Raises `CoverFailure`."""
         scale = self.curve.scale(point.point)
         chart = Chart(point.point, np.column_stack([direction, across]), 0.02 * scale, scale)
+        result = None
         for _ in range(ATTEMPTS):
             try:
-                result = self.expansion(chart, point.half_period, even=True)
+                result = self.expansion(chart, point.half_period, even=True, before=result)
             except ExpansionFailure:
                 chart = replace(chart, half_width=0.4 * chart.half_width)
                 continue
@@ -200,7 +217,7 @@ class Coverer:
     ) -> tuple[Expansion, float, bool]:
         """The next piece from `left`, the place of its centre and whether it reaches `end`."""
         curve, control = self.curve, self.control
-        here, only = curve.at(place), None
+        here, piece = curve.at(place), None
         for attempt in range(ATTEMPTS):
             scale = curve.scale(here.point)
             if width < control.smallest * scale:
@@ -217,11 +234,11 @@ class Coverer:
             if last:
                 chart = replace(chart, half_width=max(chart.half_width, reach))
             try:
-                piece = self.expansion(chart, centre.half_period, only=only)
+                piece = self.expansion(chart, centre.half_period, before=piece)
             except ExpansionFailure:
                 width *= 0.4
                 continue
-            only, best = piece.returns.coordinates, self.best(piece)
+            best = self.best(piece)
             wide = chart.half_width <= WIDER * best and piece.chart.half_width == chart.half_width
             if wide and (last or attempt > ATTEMPTS // 2 or chart.half_width >= NARROWER * best):
                 return piece, centre.place, last

@@ -6,12 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orbitproof.explore.atlases.complex_flow import HalfReturns
+from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.families import Family
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.seeds import primaries
 from orbitproof.shared.systems import CR3BP
+
+BEYOND, DOUBLINGS = 1.25, 30
+"""The time of an orbit is first searched up to so many times that of the last one; this range is doubled so often."""
+
+RESOLVED = LANES // 4
+"""Interpolation is exact enough with so many of the times before the one that is searched."""
 
 
 @dataclass(frozen=True)
@@ -77,26 +83,23 @@ class Curve:
 
 
 def coordinate_time(returns: HalfReturns, point: Vector, half_period: float, guess: float) -> float:
-    """The time of the coordinates after which the system's time is `half_period`, to six digits.
+    """The time of the coordinates after which the system's time is `half_period`, to some six digits.
 
-    By bisection and the secant method on a function that increases. Raises `FlowFailure`.
+    The orbit is followed over many times at once, between which the system's, which increases, is interpolated.
+    Raises `FlowFailure`.
     """
     if returns.regularisation is None:
         return half_period
-    (low, below), high, above = (0.0, -half_period), np.inf, np.nan
-    place = guess
-    for attempt in range(60):
-        value = returns.clock(point, place) - half_period
-        if abs(value) < 1e-6 * half_period:
-            return place
-        if value < 0:
-            low, below = place, value
+    longest = BEYOND * guess
+    for _ in range(DOUBLINGS):
+        times = longest * (np.arange(LANES) + 1) / LANES
+        clocks = returns.clocks(point, times)
+        number = int(np.searchsorted(clocks, half_period))
+        if number < RESOLVED:
+            longest = longest * 2 * (number + 1) / LANES
+        elif number == LANES:
+            longest *= 2
         else:
-            high, above = place, value
-        if np.isinf(high):
-            place = 2.0 * low
-        elif attempt % 3 == 2:
-            place = 0.5 * (low + high)
-        else:
-            place = low - below * (high - low) / (above - below)
+            near = slice(min(number - 2, LANES - 4), number + 2)
+            return float(np.polyfit(clocks[near] / half_period - 1, times[near], 3)[-1])
     raise FlowFailure(f"the orbit does not reach the time {half_period:.6g} in regularised coordinates")

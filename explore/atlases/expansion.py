@@ -14,15 +14,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from orbitproof.explore.atlases.complex_flow import LANES, ComplexArray, HalfReturns, Returns
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.numerics import NewtonRule
 
-CIRCLE = NewtonRule(tolerance=1e-15, accepted=1e-7, steps=8)
+CIRCLE = NewtonRule(tolerance=5e-14, accepted=1e-7, steps=8)
 """For all points of the circle at once, in units of its radius: the least exact of them ends the iteration."""
 DIFFERENCE = 1e-7
 TIME_STEPS, CORRECTIONS = 3, 3
+WILD = 10.0
+"""Steps that grow so fast lead away from the curve, and to orbits that take long to follow."""
+PLACING = 12
+"""Iterations for the points of one chart in another; their axes are nearly parallel."""
 NOISE = 1e-14
 """Relative size below which coefficients of the flow say nothing about their decay."""
 
@@ -81,7 +86,7 @@ class Expansion:
 
     def local(self, s: float) -> Vector:
         """The coordinates p at a real s."""
-        across = [np.polynomial.polynomial.polyval(s, row) for row in self.trimmed]
+        across = [polyval(s, row) for row in self.trimmed]
         return np.array([self.chart.half_width * s, *across])
 
     def point(self, s: float) -> Vector:
@@ -93,12 +98,24 @@ class Expansion:
         """For each p_j the coefficients above the noise."""
         return tuple(_trim(row, error) for row, error in zip(self.coefficients, self.noise, strict=True))
 
-    def rescaled(self, factor: float) -> tuple[Matrix, Vector]:
-        """Coefficients and times for a half-width `factor` times as large, to begin Newton's method with."""
-        powers = factor ** np.arange(self.coefficients.shape[1])
+    def predicted(self, chart: Chart) -> tuple[ComplexArray, ComplexArray]:
+        """Approximate p_j, shape (n, N), and times, shape (N,), of the curve at the circle of another chart."""
         longest = max(max(map(len, self.trimmed)), 2)
-        kept = powers * (np.arange(len(powers)) < longest)
-        return self.coefficients * kept, self.times * kept
+        rows, times = self.coefficients[:, :longest], self.times[:longest]
+        frame = np.linalg.solve(chart.frame, self.chart.frame)
+        offset = np.linalg.solve(chart.frame, self.chart.centre - chart.centre)
+        target = chart.half_width * circle(self.coefficients.shape[1] // 2) - offset[0]
+        across = np.zeros((len(rows), len(target)), dtype=complex)
+        with np.errstate(all="ignore"):
+            for _ in range(PLACING):
+                s = (target - frame[0, 1:] @ across) / (frame[0, 0] * self.chart.half_width)
+                across = np.array([polyval(s, row) for row in rows])
+            local = offset[:, None] + frame @ np.vstack([self.chart.half_width * s, across])
+            return local[1:], np.asarray(polyval(s, times))
+
+    def reach(self, chart: Chart) -> float:
+        """How far from its own centre the curve has to be known for another chart, along the curve."""
+        return float(abs(self.chart.local(chart.centre)[0])) + chart.half_width
 
     def best_half_width(self, degree: int, tolerance: float) -> float:
         """The half-width at which coefficient `degree` of the flow falls to `tolerance`.
@@ -130,14 +147,14 @@ def expand(
     chart: Chart,
     time: float,
     *,
-    guess: tuple[Matrix, Vector] | None = None,
+    guess: tuple[ComplexArray, ComplexArray] | None = None,
     even: bool = False,
 ) -> Expansion:
     """Expand the curve through (nearly) the centre of a chart.
 
     Arguments:
         time: of the half return at the centre, in the units of `returns.coordinates`.
-        guess: approximate coefficients and times, see `Expansion.rescaled`.
+        guess: approximate p_j and times on the circle, see `Expansion.predicted`.
         even: whether the p_j are known to be even in s.
 
     Raises `ExpansionFailure` if Newton's method does not converge on the circle.
@@ -146,16 +163,14 @@ def expand(
     # Each point of the circle comes with its neighbours across the curve, one in each direction.
     count = LANES // (1 + n)
     s, transform = circle(count), coefficient_transform(count)
-    powers = s[None, :] ** np.arange(2 * count)[:, None]
     across, times = np.zeros((n, count), dtype=complex), np.full(count, time, dtype=complex)
     if guess is not None:
-        across, times = guess[0] @ powers, guess[1] @ powers
-    everything = np.concatenate([transform, np.zeros((n * count, 2 * count))])
+        across, times = guess
     last = np.inf
     for _ in range(CIRCLE.steps):
-        result, step = _newton(returns, chart, s, across, times, everything)
+        result, step = _newton(returns, chart, s, across, times, transform)
         size = float(np.max(np.abs(step[:, :n]))) / chart.scale
-        if not np.isfinite(size) or size > 1e3:
+        if not size < WILD * last:
             raise ExpansionFailure("Newton's method does not converge at complex points of the curve")
         across, times = across - step[:, :n].T, times - step[:, n]
         if CIRCLE.judge(size, last)[0]:
@@ -185,14 +200,13 @@ def newton_on_curve(
     Raises `ExpansionFailure`.
     """
     n = len(across)
-    nothing = np.zeros((LANES, 2 * len(s)), dtype=complex)
     place, p, t = s.astype(complex), across.astype(complex), times.astype(complex)
     for _ in range(TIME_STEPS):
-        result, _ = _newton(returns, chart, place, p, t, nothing)
+        result, _ = _newton(returns, chart, place, p, t)
         t = t - result.values[0, : len(s)] / result.rates[0, : len(s)]
     kernel = 0.0
     for number in range(CORRECTIONS):
-        result, step = _newton(returns, chart, place, p, t, nothing)
+        result, step = _newton(returns, chart, place, p, t)
         if number == 0:
             kernel = float(np.max(np.abs(result.values[1:, : len(s)])))
         p, t = p - step[:, :n].T, t - step[:, n]
@@ -207,7 +221,7 @@ def _newton(
     s: ComplexArray,
     across: ComplexArray,
     times: ComplexArray,
-    transform: ComplexArray,
+    transform: ComplexArray | None = None,
 ) -> tuple[Returns, ComplexArray]:
     """The returns and the Newton step in (p_1, .., p_n, time) for each point, shape (N, n + 1)."""
     n, count = across.shape

@@ -13,7 +13,6 @@ from .flow import Matrix as Matrix
 from .flow import Vector as Vector
 from .flow import flow_of as flow_of
 from .integration import integrate as integrate
-from .runge_kutta import attempt as attempt
+from .runge_kutta import attempt_in_loop as attempt_in_loop
 from .runge_kutta import growth as growth
 from .runge_kutta import norm as norm
-from .runge_kutta import scaled_error as scaled_error

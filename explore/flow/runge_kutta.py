@@ -57,8 +57,39 @@ def scaled_error(
     absolute: float = ABSOLUTE_TOLERANCE,
 ) -> jax.Array:
     """The error of a step in units of the tolerance, coordinate by coordinate."""
-    scale = absolute + relative * jnp.maximum(jnp.abs(start), jnp.abs(end))
-    return jnp.abs(length * _combination(_tableau()[1], stages)) / scale
+    return _scaled(length * _combination(_tableau()[1], stages), start, end, relative, absolute)
+
+
+def attempt_in_loop(
+    slopes: Slopes, start: jax.Array, slope: jax.Array, length: jax.Array, relative: float, absolute: float
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """As `attempt`, for complex states of shape (m, N): where the step leads, the slope there and its scaled error.
+
+    The vector field stands once in the compiled code, which takes an eighth of the time to compile. The stages are
+    rows of real numbers: their combinations are then products with a real matrix, as fast as those written out.
+    """
+    rows, error_weights = _tableau()
+    lower = jnp.array([[*row, *[0.0] * (1 + len(rows) - len(row))] for row in rows])
+
+    def real(values: jax.Array) -> jax.Array:
+        return jnp.stack([values.real, values.imag]).reshape(-1)
+
+    def complex_(row: jax.Array) -> jax.Array:
+        return jax.lax.complex(*row.reshape(2, *start.shape))
+
+    def stage(number: jax.Array, carry: tuple[jax.Array, jax.Array]) -> tuple[jax.Array, jax.Array]:
+        stages = carry[1]
+        end = real(start) + length * (lower[number] @ stages)
+        return end, stages.at[number + 1].set(real(slopes(complex_(end))))
+
+    first = jnp.zeros((1 + len(rows), 2 * start.size)).at[0].set(real(slope))
+    end, stages = jax.lax.fori_loop(0, len(rows), stage, (real(start), first))
+    error = length * complex_(jnp.array(error_weights) @ stages)
+    return complex_(end), complex_(stages[-1]), _scaled(error, start, complex_(end), relative, absolute)
+
+
+def _scaled(error: jax.Array, start: jax.Array, end: jax.Array, relative: float, absolute: float) -> jax.Array:
+    return jnp.abs(error) / (absolute + relative * jnp.maximum(jnp.abs(start), jnp.abs(end)))
 
 
 def growth(error: jax.Array, largest: float = GROW) -> jax.Array:

@@ -14,7 +14,7 @@ import pytest
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases.build import AtlasRequest, build_atlas
 from orbitproof.explore.atlases.check import check_joint, check_piece, first_returns
-from orbitproof.explore.atlases.complex_flow import HalfReturns
+from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, expand
@@ -92,7 +92,7 @@ def test_coefficients_fall_as_far_as_asked_and_no_further(odd_family: Family) ->
     half_period = min(odd_family.orbits, key=lambda orbit: abs(orbit.unknowns[0] - centre[0])).half_period
     chart = Chart(centre, curve.frame(np.ones(2)), float(piece.half_width), 1.0)
     narrow = expand(HalfReturns(FALKNER_SKAN, {}), replace(chart, half_width=0.2 * chart.half_width), half_period)
-    result = expand(narrow.returns, chart, narrow.times[0], guess=narrow.rescaled(5.0))
+    result = expand(narrow.returns, chart, narrow.times[0], guess=narrow.predicted(chart))
     assert 1e-12 < result.spectrum[20] < 1e-9
 
 
@@ -161,7 +161,8 @@ def test_first_return_in_regularised_time_is_that_of_the_orbit(halo_family: Fami
     returns = HalfReturns(CR3BP, EARTH_MOON, "regularised")
     times = first_returns(returns, np.array([place.point for place in places]).T.astype(np.clongdouble))
     for place, time in zip(places, times, strict=True):
-        assert returns.clock(place.point, float(time)) == pytest.approx(place.half_period, rel=1e-4)
+        clocks = returns.clocks(place.point, np.full(LANES, time))
+        assert clocks == pytest.approx(np.full(LANES, place.half_period), rel=1e-4)
 
 
 def test_a_range_beyond_the_family_is_refused(odd_family: Family) -> None:
