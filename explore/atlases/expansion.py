@@ -20,7 +20,7 @@ from orbitproof.explore.atlases.complex_flow import LANES, ComplexArray, HalfRet
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.numerics import NewtonRule
 
-CIRCLE = NewtonRule(tolerance=5e-14, accepted=1e-7, steps=8)
+CIRCLE = NewtonRule(tolerance=1e-15, accepted=1e-7, steps=8)
 """For all points of the circle at once, in units of its radius: the least exact of them ends the iteration."""
 DIFFERENCE = 1e-7
 TIME_STEPS, CORRECTIONS = 3, 3

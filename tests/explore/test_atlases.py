@@ -17,7 +17,7 @@ from orbitproof.explore.atlases.check import check_joint, check_piece, first_ret
 from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, coordinate_time
-from orbitproof.explore.atlases.expansion import Chart, Expansion, expand
+from orbitproof.explore.atlases.expansion import Chart, Expansion, coefficient_transform, expand
 from orbitproof.explore.families.continuation import Family
 from orbitproof.explore.families.conversion import family_record
 from orbitproof.explore.families.limits import Limits
@@ -163,6 +163,30 @@ def test_first_return_in_regularised_time_is_that_of_the_orbit(halo_family: Fami
     for place, time in zip(places, times, strict=True):
         clocks = returns.clocks(place.point, np.full(LANES, time))
         assert clocks == pytest.approx(np.full(LANES, place.half_period), rel=1e-4)
+
+
+@pytest.mark.parametrize("guess", [1e-3, 1.0, 50.0])
+def test_the_time_of_the_coordinates_is_found_from_any_guess(halo_family: Family, guess: float) -> None:
+    place = Curve(halo_family, False).at(0.7 * halo_family.arclengths[-1])
+    returns = HalfReturns(CR3BP, EARTH_MOON, "regularised")
+    time = coordinate_time(returns, place.point, place.half_period, guess)
+    clocks = returns.clocks(place.point, np.linspace(0.9, 1.0, LANES) * time)
+    assert clocks[-1] == pytest.approx(place.half_period, rel=1e-5)
+    assert clocks[0] < 0.95 * place.half_period
+
+
+@pytest.mark.parametrize("coordinates", ["physical", "regularised"])
+def test_an_expansion_predicts_the_curve_in_the_chart_of_another_point(halo_family: Family, coordinates: str) -> None:
+    wide = halo_expansion(halo_family, coordinates, 2e-3)
+    near = wide.point(0.4)
+    turn = np.linalg.qr(wide.chart.frame + 0.05 * np.arange(9).reshape(3, 3))[0] * [-1, 1, 1]
+    chart = Chart(near, turn * np.sign(turn[:, 0] @ wide.chart.frame[:, 0]), 4e-4, wide.chart.scale)
+    across, times = wide.predicted(chart)
+    result = expand(wide.returns, chart, wide.times[0], guess=(across, times))
+    transform = coefficient_transform(len(times))
+    assert np.allclose((across @ transform).real, result.coefficients, rtol=0, atol=1e-12)
+    assert np.allclose((times @ transform).real, result.times, rtol=0, atol=1e-10)
+    assert np.max(np.abs(result.coefficients[:, 1])) > 1e-5
 
 
 def test_a_range_beyond_the_family_is_refused(odd_family: Family) -> None:
