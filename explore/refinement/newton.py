@@ -1,8 +1,8 @@
 """Newton refinement of bifurcation points to high precision, up to the box for the verifier.
 
-The equations are those of `explore.refinement.resonance` (Appendix B of the paper). The precision doubles with
-every iteration and the derivative of g is needed to half of it only, so that the cost is about that
-of the last iteration.
+The equations are those of `explore.refinement.resonance` (Appendix B of the paper). Only the last evaluation has full
+precision: the precision of the others is what the point is good for, and the derivative of g is computed anew only
+where an old one would take more evaluations. The jets that give the box give it along the family as well.
 """
 
 from __future__ import annotations
@@ -53,9 +53,6 @@ CHECK_BITS = 12
 MARGIN_DIGITS = 6
 """Digits by which the centre is more accurate than asked for; radii of second order need them."""
 
-GEOMETRY_BITS = 100
-"""Working precision of the jets that give slopes, curvatures and radii."""
-
 NEIGHBOURHOOD = 1e-3
 """Largest distance from the guess, relative where a coordinate exceeds 1."""
 
@@ -63,6 +60,20 @@ SINGULAR = 1e-9
 """Margin (see `RefinedPoint`) below which an iterate P^i, i < k, counts as resonant itself."""
 
 MAXIMAL_ITERATIONS = 14
+
+FIRST_PRECISIONS = (80, 160, 320)
+"""Bits of working precision that are tried for the first step."""
+
+KNOWN_BITS = 90
+"""The box is made for a point that is known to so many bits or more."""
+
+ASSUMED_LOSS = 8
+"""Bits that a step is thought to leave of the square of the last, until two steps show it."""
+
+SLOPE_MARGIN = 8
+"""Bits of a slope beyond those that are needed."""
+
+TOO_MANY_LOST = "the orbit loses too many digits; it is too unstable or too close to a singularity"
 
 
 @dataclass(frozen=True)
@@ -75,7 +86,8 @@ class RefinedPoint:
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
         kernel_frame: shape (n, n), rows.
         radii: half-widths of P_0, P_1, P_2, powers of two.
-        residual: Newton correction at the centre, in the frame's coordinates, from a last evaluation.
+        residual: Newton correction that is left at the centre, in the frame's coordinates: the last one, times what
+            the steps before it say about the next.
         digits: accuracy asked for.
         iterations: (bits of working precision, size of the correction) of each Newton step.
         half_period: time from the centre to the end of the half orbit, nondimensional.
@@ -160,32 +172,17 @@ def refine(
     try:
         regularisation = shorter_coordinates(system, parameters, guess, crossings)
         problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity, regularisation, crossings)
-        solution = _solve(problem, guess, digits, report)
-        margins = _checked_iterates(problem, solution.frame, solution.at.iterates)
-        report("curvatures", 0.85)
-        about = system, problem.parameters, solution.point, solution.frame
-        context = working_context(GEOMETRY_BITS)
-        if problem.is_fold:
-            geometry = fold_geometry(*about, context, problem.regularisation, crossings)
-        else:
-            geometry = branch_geometry(*about, k, problem.tangential, context, problem.regularisation, crossings)
-        lost_bits = solution.first.lost_bits
-        if regularisation is not None:
-            # How the box has to shrink was found from the bits that are lost in the system's own coordinates.
-            own = replace(problem, regularisation=None)
-            lost_bits = _first_step(own, solution.point, solution.first.slope).lost_bits
-        width = half_width(geometry, digits, k, lost_bits, system.family_parameter is None)
-        if digits_for(width) > digits + MARGIN_DIGITS:
-            solution = _solve(
-                problem,
-                solution.point,
-                digits_for(width) - MARGIN_DIGITS // 2,
-                lambda message, fraction: report(message, 0.85 + 0.14 * fraction),
-            )
+        newton = _Newton(problem, guess, report)
+        newton.approach(2 / 3 * _enough(digits), _enough(digits))
+        margins = _checked_iterates(problem, newton.frame(), newton.at.iterates)
+        geometry = newton.geometry(_enough(digits) / 3)
+        width = half_width(geometry, digits, k, _lost_in_own_coordinates(newton), system.family_parameter is None)
+        digits_of_centre = max(digits, digits_for(width) - MARGIN_DIGITS // 2)
+        residual = newton.finish(digits_of_centre)
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
-    point, frame, at = solution.point, solution.frame, solution.at
-    accuracy = max(solution.residual, 10.0 ** -(max(digits, digits_for(width) - MARGIN_DIGITS // 2) + MARGIN_DIGITS))
+    point, frame, at = newton.point, newton.frame(), newton.at
+    accuracy = max(residual, 10.0 ** -(digits_of_centre + MARGIN_DIGITS))
     value = None
     if system.family_parameter is None:
         value = round_dyadic(_fraction(problem.level(point, at.context, 0).coefficients[0]), at.context.prec)
@@ -200,9 +197,9 @@ def refine(
         frame=_exact_rows(frame.columns),
         kernel_frame=_exact_rows(frame.rows),
         radii=box_radii(geometry, width, accuracy, len(system.kernel_coordinates)),
-        residual=solution.residual,
+        residual=residual,
         digits=digits,
-        iterations=solution.iterations,
+        iterations=tuple(newton.iterations),
         half_period=at.half.time,
         first_integral=value,
         geometry=geometry,
@@ -237,89 +234,173 @@ def _fraction(value: Any) -> Fraction:
 class _FirstStep:
     """The first Newton step, with `bits` of working precision of which `lost_bits` did not reach the correction."""
 
+    at: LinearisedResonance
     correction: list[Any]
     slope: list[Any]
     bits: int
     lost_bits: int
 
 
-def _first_step(problem: Resonance, point: Sequence[Fraction], known_slope: list[Any] | None = None) -> _FirstStep:
+def _first_step(problem: Resonance, point: Sequence[Fraction]) -> _FirstStep:
     """Newton's correction at the guess, and the precision that the flow loses, from two evaluations."""
-    for bits in (80, 160, 320):
+    for bits in FIRST_PRECISIONS:
         coarse, fine = (linearise(problem, point, b) for b in (bits, bits + 32))
-        slope = resonance_slope(problem, point, coarse, bits) if known_slope is None else known_slope
+        slope = resonance_slope(problem, point, coarse, bits)
         corrections = [newton_correction(problem, at, slope) for at in (coarse, fine)]
-        difference = _relative_size([a - b for a, b in zip(*corrections, strict=True)], point)
-        lost = bits + ceil(log2(max(difference, 2.0**-bits)))
+        lost = _lost_bits([a - b for a, b in zip(*corrections, strict=True)], point, bits)
         if lost < bits / 2:
-            return _FirstStep(corrections[1], slope, bits + 32, lost)
-    raise RefinementFailure("the orbit loses too many digits; it is too unstable or too close to a singularity")
+            return _FirstStep(fine, corrections[1], slope, bits + 32, lost)
+    raise RefinementFailure(TOO_MANY_LOST)
 
 
-@dataclass(frozen=True)
-class _Solution:
-    """Where Newton's method ended, with the evaluation that checked it."""
-
-    point: list[Fraction]
-    at: LinearisedResonance
-    frame: Frame
-    residual: float
-    iterations: tuple[tuple[int, float], ...]
-    first: _FirstStep
+def _lost_bits(error: Sequence[Any], point: Sequence[Fraction], bits: int) -> int:
+    return bits + ceil(log2(max(_relative_size(error, point), 2.0**-bits)))
 
 
-def _solve(
-    problem: Resonance, guess: Sequence[float | Fraction], digits: int, report: Callable[[str, float], None]
-) -> _Solution:
-    goal = ceil((digits + MARGIN_DIGITS) * log2(10))
-    enough = ceil((digits + MARGIN_DIGITS / 2) * log2(10))
-    point = [x if isinstance(x, Fraction) else Fraction(float(x)) for x in guess]
-    if problem.parity is not None:
-        if abs(point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
-            raise RefinementFailure("the guess does not have the symmetry that is to break")
-        point[problem.parity.odd[0]] = Fraction(0)
-    seed = list(point)
-    iterations: list[tuple[int, float]] = []
-    report("first Newton step", 0.0)
-    first = _first_step(problem, point)
-    guard = GUARD_BITS + first.lost_bits
-    target, slope, correction = first.bits - guard, first.slope, first.correction
-    slope_bits = FIRST_BITS
-    previous, expected = inf, inf
-    while True:
-        size = _relative_size(correction, point)
-        iterations.append((target + guard, size))
-        point = [_moved(u, c, target + guard) for u, c in zip(point, correction, strict=True)]
-        strays = any(abs(u - s) > NEIGHBOURHOOD * max(1, abs(s)) for u, s in zip(point, seed, strict=True))
-        if strays or not size < NEIGHBOURHOOD or (size > 1e-4 and size > previous):
-            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
-        # Quadratic convergence, with the constant seen in the last two steps.
-        size = max(size, 2.0**-target)
-        loss = max(0.0, log2(size) - log2(expected))
-        known = min(float(target), -2 * log2(size) - loss)
-        previous, expected = size, max(size**2, 2.0**-target)
-        if known >= enough + 4:
-            report("checking", 0.75)
-            # At the same precision the evaluation would repeat its own rounding errors and see none of them.
-            at = linearise(problem, point, goal + guard + CHECK_BITS)
-            frame = problem.frame(point, at.iterates, at.context, problem.tangential)
-            local = at.context.lu_solve(frame.columns, at.context.matrix(newton_correction(problem, at, slope)))
-            residual = float(max(abs(x) for x in local))
-            if residual < 2.0**-enough:
-                return _Solution(point, at, frame, residual, tuple(iterations), first)
-            # The flow loses more digits than the guard bits allow for: carry more and go on.
-            known = -log2(residual)
-            guard += max(0, ceil(goal - known)) + 10
-        if len(iterations) == MAXIMAL_ITERATIONS:
+class _Newton:
+    """Newton's method on its way to a bifurcation point.
+
+    Attributes:
+        point, at: after the last correction, and the evaluation that gave it, at the point before.
+        known: bits to which the point is known.
+        iterations: see `RefinedPoint`.
+        lost_bits: bits of working precision that the flow loses.
+    """
+
+    def __init__(self, problem: Resonance, guess: Sequence[float], report: Callable[[str, float], None]) -> None:
+        self.problem, self._report = problem, report
+        self.point = [Fraction(float(x)) for x in guess]
+        if problem.parity is not None:
+            if abs(self.point[problem.parity.odd[0]]) > NEIGHBOURHOOD:
+                raise RefinementFailure("the guess does not have the symmetry that is to break")
+            self.point[problem.parity.odd[0]] = Fraction(0)
+        self._seed = list(self.point)
+        self.iterations: list[tuple[int, float]] = []
+        self._last = self._expected = inf
+        self._loss = float(ASSUMED_LOSS)
+        self.report("first Newton step")
+        first = _first_step(problem, self.point)
+        self.lost_bits = first.lost_bits
+        self._guard = GUARD_BITS + first.lost_bits
+        self._slope, self._slope_bits = first.slope, float(FIRST_BITS)
+        self._slope_place = self._across = self._on_family = 0.0
+        self._move(first.at, first.correction, first.bits - self._guard, fresh=True)
+
+    def report(self, message: str) -> None:
+        """What is done now, with a fraction that nobody knows before."""
+        self._report(message, 1 - 0.7 ** len(self.iterations))
+
+    def approach(self, wanted: float, enough: float) -> None:
+        """Go on until the point is known to `wanted` bits, from where one step with a new slope leads to `enough`."""
+        wanted = max(wanted, KNOWN_BITS)
+        while self.known < wanted:
+            reach = self.known + min(self.known, self._slope_place)
+            if reach - self._loss > wanted and self._across > enough / 6:
+                reach = max(reach, enough + self._loss - self._across)
+            self._step(max(FIRST_BITS, ceil(reach)), self.known / 4)
+
+    def geometry(self, slope_bits: float) -> BranchGeometry:
+        """The branches at the point; their jets give a slope of so many bits as well."""
+        self.report("curvatures")
+        problem, frame = self.problem, self.frame()
+        about = problem.system, problem.parameters, self.point, frame
+        context = working_context(ceil(slope_bits) + SLOPE_MARGIN + self._guard)
+        if problem.is_fold:
+            return fold_geometry(*about, context, problem.regularisation, problem.crossings)
+        found = branch_geometry(
+            *about, problem.k, problem.tangential, context, problem.regularisation, problem.crossings
+        )
+        # Along the family the derivative of g is G_01 for p_1 of the length that it has in g. Across it the old slope
+        # does: there the equations pi_q P = 0 have their own derivatives, which are always new.
+        (_, share, *_) = context.lu_solve(frame.columns, context.matrix(self.at.right))
+        tangent = [frame.columns[j, 0] for j in problem.unknowns]
+        change = found.mixed * share - sum(a * t for a, t in zip(self._slope, tangent, strict=True))
+        length = sum(t * t for t in tangent)
+        self._slope = [a + change * t / length for a, t in zip(self._slope, tangent, strict=True)]
+        self._slope_bits, self._slope_place = slope_bits + SLOPE_MARGIN, -log2(self._last)
+        return found
+
+    def finish(self, digits: int) -> float:
+        """The point to so many digits; returns how far it is from Newton's limit, in the frame's coordinates."""
+        goal, enough = _goal(digits), _enough(digits)
+        self.approach((enough + self._loss) / 2 + SLOPE_MARGIN, enough)
+        while True:
+            # With other bits than the step before, whose rounding errors this one sees.
+            self._step(goal + CHECK_BITS, enough - self.known)
+            if self.known >= enough:
+                columns, correction = self.frame().columns, self.at.context.matrix(self._correction)
+                size = max(abs(x) for x in self.at.context.lu_solve(columns, correction))
+                return max(float(size) / self._last * 2.0**-self.known, 2.0 ** -(goal + CHECK_BITS))
+            # The flow may lose more digits than the guard bits allow for.
+            self._guard += ceil(enough - self.known)
+
+    def correction_in(self, problem: Resonance, bits: int) -> list[Any]:
+        """The correction at the point, followed in the coordinates of another problem."""
+        return newton_correction(problem, linearise(problem, self.point, bits), self._slope)
+
+    def frame(self) -> Frame:
+        """The frame for a box about the point."""
+        return self.problem.frame(self.point, self.at.iterates, self.at.context, self.problem.tangential)
+
+    def _step(self, target: int, slope_bits: float) -> None:
+        """A step with working precision for `target` bits, by a slope of so many bits: a new one if it has to be."""
+        if len(self.iterations) == MAXIMAL_ITERATIONS:
             raise RefinementFailure(f"Newton's method did not converge in {MAXIMAL_ITERATIONS} iterations")
-        target = min(goal, max(FIRST_BITS, int(2 * known)))
-        report(f"Newton step {len(iterations) + 1} with {target + guard} bits", min(0.7, 0.7 * known / goal))
-        at = linearise(problem, point, target + guard)
-        # A slope as wrong as the last point leaves an error of third order: mostly the last step needs no new one.
-        if known + min(-log2(size) - loss, slope_bits) < enough + 4:
-            slope_bits = max(FIRST_BITS, target // 2 + 8)
-            slope = resonance_slope(problem, point, at, slope_bits + guard)
-        correction = newton_correction(problem, at, slope)
+        bits = target + self._guard
+        self.report(f"Newton step {len(self.iterations) + 1} with {bits} bits")
+        at = linearise(self.problem, self.point, bits)
+        # The old slope has to be good enough for what is left across the family, too.
+        across = self._on_family + self._across - self._loss < self.known + slope_bits
+        fresh = across or slope_bits > min(self._slope_bits, self._slope_place - self._loss)
+        if fresh:
+            self._slope_bits = max(FIRST_BITS, slope_bits + SLOPE_MARGIN)
+            self._slope = resonance_slope(self.problem, self.point, at, ceil(self._slope_bits) + self._guard)
+        self._move(at, newton_correction(self.problem, at, self._slope), target, fresh)
+
+    def _move(self, at: LinearisedResonance, correction: list[Any], target: int, fresh: bool) -> None:
+        """Apply a correction from an evaluation that is right to `target` bits; `fresh`: by a slope at its point."""
+        size = _relative_size(correction, self.point)
+        self.iterations.append((target + self._guard, size))
+        self.at, self._correction = at, correction
+        self.point = [_moved(u, c, target + self._guard) for u, c in zip(self.point, correction, strict=True)]
+        strays = any(abs(u - s) > NEIGHBOURHOOD * max(1, abs(s)) for u, s in zip(self.point, self._seed, strict=True))
+        if strays or not size < NEIGHBOURHOOD or (size > 1e-4 and size > self._last):
+            raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
+        size = max(size, 2.0**-target)
+        near = -log2(size)
+        if self._last < inf:
+            self._loss = max(0.0, -near - log2(self._expected))
+        if fresh:
+            self._slope_place = self._across = near
+        # Quadratic convergence, or linear with an older slope, with the constant seen in the last two steps.
+        best = min(near, self._slope_place)
+        gain = min(best - self._loss, self._slope_bits)
+        self.known = min(float(target), near + gain, max(near, self._on_family) + self._across - self._loss)
+        self._on_family = min(float(target), 2 * near - self._loss)
+        self._last, self._expected = size, max(size * 2.0 ** -min(best, self._slope_bits), 2.0**-target)
+
+
+def _goal(digits: int) -> int:
+    return ceil((digits + MARGIN_DIGITS) * log2(10))
+
+
+def _enough(digits: int) -> int:
+    return ceil((digits + MARGIN_DIGITS / 2) * log2(10)) + 4
+
+
+def _lost_in_own_coordinates(newton: _Newton) -> int:
+    """How the box has to shrink was found from the bits that are lost in the system's own coordinates."""
+    if newton.problem.regularisation is None:
+        return newton.lost_bits
+    own = replace(newton.problem, regularisation=None)
+    for bits in FIRST_PRECISIONS:
+        coarse = newton.correction_in(own, bits)
+        # Where the point is known to more bits its correction is the error.
+        fine = [0] * len(coarse) if newton.known > bits + 8 else newton.correction_in(own, bits + 32)
+        lost = _lost_bits([a - b for a, b in zip(coarse, fine, strict=True)], newton.point, bits)
+        if lost < bits / 2:
+            return lost
+    raise RefinementFailure(TOO_MANY_LOST)
 
 
 def _relative_size(correction: Sequence[Any], point: Sequence[Fraction]) -> float:

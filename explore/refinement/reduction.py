@@ -35,7 +35,7 @@ class BranchGeometry:
     """Derivatives at the bifurcation point, in the frame's coordinates (float64 accuracy).
 
     Attributes:
-        mixed: G_01, the second derivative of G_k in p_0 and p_1.
+        mixed: G_01, the second derivative of G_k in p_0 and p_1, with the precision of the jets; 0 for folds.
         second: G_11; zero within rounding for a tangential bifurcation.
         third: G_111, or `None` for touch and go.
         branch_slope: p_0'(p_1) along the new branch.
@@ -46,7 +46,7 @@ class BranchGeometry:
         level_branch: along the new branch, h_b' for touch and go and h_b'' for a tangential bifurcation.
     """
 
-    mixed: float
+    mixed: Any
     second: float
     third: float | None
     branch_slope: float
@@ -116,7 +116,7 @@ def branch_geometry(
     if tangential:
         p0_curvature = -2 * g(0, 3) / mixed
         return BranchGeometry(
-            float(mixed),
+            mixed,
             float(second),
             6 * float(g(0, 3)),
             float(p0_slope),
@@ -132,7 +132,7 @@ def branch_geometry(
     curvatures = [2 * abs(float(p.coefficients[2])) for p in family]
     family_across = max([second_derivatives[2], *curvatures[1:]])
     return BranchGeometry(
-        float(mixed),
+        mixed,
         float(second),
         None,
         float(p0_slope),
