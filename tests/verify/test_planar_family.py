@@ -8,6 +8,7 @@ import random
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from math import comb, floor
 from pathlib import Path
 from typing import Any
 
@@ -235,6 +236,78 @@ def test_a_certificate_with_the_family_stands_and_forgeries_are_found(
         found = checked(forged(document, change), honest(results, document["statement"]["atlas"]["pieces"]))
         assert found.findings, change.__name__
         assert not found.stands
+
+
+@pytest.fixture(scope="module")
+def light() -> tuple[Atlas, list[dict[str, Any]]]:
+    """A surface of L2 from mass 0 on, with the planar family over all of it, and what the verifier found."""
+    results = json.loads((DATA / "surface-light-results.json").read_text())
+    return read_atlas(DATA / "surface-light.json"), results
+
+
+def test_around_l2_the_family_is_known_from_mass_0_on_and_for_no_more_masses_than_proved(
+    light: tuple[Atlas, list[dict[str, Any]]],
+) -> None:
+    atlas, results = light
+    (piece,) = atlas.libration_pieces()
+    document = json.loads(json.dumps(atlas_certificate(atlas, results)))
+    theorem = document["statement"]["theorem"]
+    covered = atlas.claim.covers
+    assert covered is not None
+    end = floor(covered.end**3 * 10**9) / 10**9
+    assert f"For all mu in (0, {end:.9f}] the planar orbit of X(h, 0) belongs to the planar Lyapunov family of L2" in (
+        theorem
+    )
+    assert "At h = 0 the equations are those of Hill's lunar problem." in theorem
+    assert checked(document, honest(results)).stands
+    assert piece.distance[0] == piece.distance[1]
+
+    def more_in_words(entry: dict[str, Any]) -> None:
+        entry["statement"]["theorem"] = theorem.replace(f"(0, {end:.9f}]", "(0, 0.500000000]")
+
+    def more_in_the_claim(entry: dict[str, Any]) -> None:
+        more_in_words(entry)
+        entry["statement"]["atlas"]["claim"]["covers"]["to"] = "7938e-4"
+
+    def more_in_the_piece(entry: dict[str, Any]) -> None:
+        entry["statement"]["atlas"]["pieces"][1]["distance"] = ["0x1p-2", "0x1p-2"]
+
+    def on_the_other_side(entry: dict[str, Any]) -> None:
+        entry["statement"]["atlas"]["pieces"][1]["distance"][0] = "0x0"
+
+    for change in (more_in_words, more_in_the_claim, more_in_the_piece, on_the_other_side):
+        found = checked(forged(document, change), honest(results, document["statement"]["atlas"]["pieces"]))
+        assert found.findings, change.__name__
+        assert not found.stands
+
+
+def test_a_range_of_masses_beyond_the_pieces_of_the_family_is_named_as_far_as_they_go(
+    light: tuple[Atlas, list[dict[str, Any]]],
+) -> None:
+    atlas, results = light
+    (piece,) = atlas.libration_pieces()
+    middle, half = piece.distance[0] / 2, piece.distance[1] / 2
+    # With b = d (1 + beta) = d/2 (1 + gamma), beta = (gamma - 1)/2: the same orbits on the half that begins at mass 0.
+    polynomial = tuple(
+        tuple(
+            sum(
+                (
+                    row[n] * comb(j, k) * Fraction(1, 2) ** k * Fraction(-1, 2) ** (j - k)
+                    for j, row in enumerate(piece.polynomial)
+                    if j >= k
+                ),
+                Fraction(0),
+            )
+            for n in range(len(piece.polynomial[0]))
+        )
+        for k in range(len(piece.polynomial))
+    )
+    less = replace(piece, distance=(middle, half), polynomial=polynomial)
+    conclusion = conclude_surface(replace(atlas, pieces=(*atlas.surface_pieces(), less)), results)
+    assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
+    mass = (2 * half) ** 3 * mass_of_distance(1, 2 * half)
+    assert f"For all mu in (0, {floor(mass * 10**9) / 10**9:.9f}]" in conclusion.statement
+    assert "where that is not said here" in conclusion.statement
 
 
 @pytest.mark.parametrize(("point", "low", "high"), [("L1", "0.01", "0.012"), ("L2", "0", "0.0002")])
