@@ -13,7 +13,7 @@ from .crossing import follow
 from .jets import CannotFollow, Jet, ball, combine, implicit, precision, substitute
 from .statement import Statement, read_statement
 
-WIDTHS, NEWTON_STEPS = (96, 160, 72, 400), 8
+WIDTHS, NEWTON_STEPS = (96, 160, 200, 72, 400), 8
 
 
 @dataclass(frozen=True)
