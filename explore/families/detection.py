@@ -32,6 +32,9 @@ from orbitproof.shared.formats import FOLD
 
 BREAKS = "the symmetry breaks"
 
+_LOST_RANK = 1e-2
+"""Smallest singular value beside that of the orbits on both sides; it falls in proportion to the distance."""
+
 _DIFFERENCE = 1e-5
 """In scaled arclength: rounding and truncation leave ten digits of a derivative."""
 
@@ -220,7 +223,8 @@ def symmetry_breakings(family: Family) -> list[LocatedResonance]:
 def folds(family: Family) -> list[LocatedResonance]:
     """Extrema of the bifurcation parameter, family parameter or first integral, along a family.
 
-    Ends of the family in Fix(S) are left out: there symmetry breaks, and the parameter has an extremum for that reason.
+    Extrema for another reason are left out, at which two curves of symmetric orbits meet: ends of the family in Fix(S),
+    where symmetry breaks, and places where a family goes back over its own orbits, at a period doubling.
     """
     problem, values = family.problem, list[float]()
     for orbit, tangent in zip(family.orbits, family.tangents, strict=True):
@@ -239,7 +243,30 @@ def folds(family: Family) -> list[LocatedResonance]:
             return float(np.interp(arclength, places, [values[i] for i in kept]))
 
     zeros = find_zeros(function, places, [values[i] for i in kept]).zeros if len(kept) > 1 else ()
-    return [LocatedResonance(1, FOLD, None, family.orbit_at(place), "first", True, 1.0) for place in zeros]
+    found = [family.orbit_at(place) for place in zeros]
+    return [
+        LocatedResonance(1, FOLD, None, orbit, "first", True, 1.0) for orbit in found if _is_one_curve(family, orbit)
+    ]
+
+
+def _is_one_curve(family: Family, orbit: SymmetricOrbit) -> bool:
+    """Whether the derivative of the shooting equations keeps its rank at an orbit between those of the family.
+
+    At a fold it does, the family parameter or level included; where two curves meet, it does not.
+    """
+    problem = family.problem
+
+    def least(unknowns: Vector) -> float:
+        _, jacobian, _ = problem.evaluate(unknowns)
+        scales = problem.scales[list(problem.free_unknowns)]
+        return float(np.linalg.svd(jacobian * scales, compute_uv=False)[-1])
+
+    place = int(np.searchsorted(family.arclengths, orbit.arclength))
+    beside = family.orbits[max(place - 1, 0) : place + 1]
+    try:
+        return least(orbit.unknowns) > _LOST_RANK * max(least(other.unknowns) for other in beside)
+    except FlowFailure:
+        return True
 
 
 def _level_slope(problem: ShootingProblem, unknowns: Vector, tangent: Vector) -> float:
