@@ -79,4 +79,14 @@ PRESETS: Mapping[str, Preset] = {
         "the L1 halo loops and the L2 halo families of the Earth-Moon and the Sun-Jupiter system, as far as the paper "
         "follows them",
     ),
+    "axial-births": Preset(
+        "cr3bp-axial",
+        ("earth-moon", "sun-jupiter"),
+        ("L1-axial", "L2-axial"),
+        (0.1, 0.1),
+        (1,),
+        "one",
+        "the births of the axial families on the planar families of L1 and L2, of the Earth-Moon and the Sun-Jupiter "
+        "system; those of the halo families are among the tables",
+    ),
 }

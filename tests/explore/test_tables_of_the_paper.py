@@ -370,6 +370,17 @@ def test_preset_finds_every_row_of_both_tables_and_the_new_ones(tmp_path: Path, 
 
 
 @pytest.mark.slow
+def test_a_preset_finds_the_births_of_the_axial_families(tmp_path: Path) -> None:
+    path = tmp_path / "births.json"
+    assert main(["candidates", "--preset", "axial-births", "--jobs", "2", "--quiet", "-o", str(path)]) == 0
+    known = {item.id: item for item in read_candidates(Path(__file__).parents[1] / "data" / "axial-births.json")}
+    found = {item.id: item for item in read_candidates(path)}
+    assert set(found) == set(known)
+    for name, item in found.items():
+        assert max(abs(a - b) for a, b in zip(item.centre, known[name].centre, strict=True)) < 1e-30
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("parameters", [EARTH_MOON, SUN_JUPITER], ids=["earth-moon", "sun-jupiter"])
 def test_families_pass_the_smaller_primary_below_a_thousandth(parameters: dict[str, Any]) -> None:
     speed = 20.5 if parameters is EARTH_MOON else 8.0

@@ -1,0 +1,34 @@
+"""A piece of the vertical family of L2: half orbits that meet the section twice, proved as a curve."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from orbitproof.shared.formats import read_atlas
+from orbitproof.verify.curve.piece import prove_piece
+from orbitproof.verify.curve.theorem import conclude
+
+ATLAS = Path(__file__).parents[1] / "data" / "atlas-vertical.json"
+WHOLE = (Fraction(-1), Fraction(1))
+
+
+@pytest.mark.slow
+def test_an_arc_of_the_vertical_family_is_one_curve_and_none_with_another_number_of_crossings() -> None:
+    atlas = read_atlas(ATLAS)
+    (piece,) = atlas.curve_pieces()
+    assert atlas.claim.crossings == 2
+    found = prove_piece(atlas.system, atlas.parameters, piece, WHOLE, crossings=2)
+    results = [json.loads(json.dumps(found.to_json()))]
+    conclusion = conclude(atlas, results)
+    assert conclusion.is_proved
+    assert "z takes all values from 0.1 to 0.12" in conclusion.statement
+    assert "the half orbits from Fix(R) to Fix(R) meet the section 2 times" in conclusion.statement
+    once = prove_piece(atlas.system, atlas.parameters, piece, WHOLE)
+    assert not once.is_proved
+    beside = replace(piece, centre=(piece.centre[0] + Fraction(1, 10**6), *piece.centre[1:]))
+    assert not prove_piece(atlas.system, atlas.parameters, beside, WHOLE, crossings=2).is_proved
