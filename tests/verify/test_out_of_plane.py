@@ -147,6 +147,12 @@ def test_the_halo_orbits_are_born_at_exactly_one_point() -> None:
     assert birth["kind"] == "birth out of the plane"
     assert birth["level"]["decimal"].startswith("[-0.0135242268")
     assert abs(float(parse_exact(birth["level"]["mid"])) - BIRTH) < 1e-11
+    x_l = float(derived_parameter(atlas().system, "x_l", atlas().parameters, 80).middle)
+    eps, vy = (float(parse_exact(birth["point"][name]["mid"])) for name in ("eps", "vy"))
+    assert CR3BP.first_integral is not None
+    (constant,) = CR3BP.first_integral([x_l + eps, 0, 0, 0, eps * vy, 0], [float(atlas().parameters["mu"])])
+    assert abs(float(parse_exact(birth["jacobi_constant"]["mid"])) - constant) < 1e-12
+    assert "Jacobi constant in [3.174" in document["statement"]
     (stable,) = across["stable"]
     assert stable["from"]["what"] == "birth out of the plane"
     assert stable["to"]["what"] == "the end of the curve"

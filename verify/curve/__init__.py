@@ -6,7 +6,7 @@ from orbitproof.verify.curve.conditions import hypotheses_of as curve_hypotheses
 from orbitproof.verify.curve.equation import BEYOND, HalfReturn, divided_by_wide, tube_points
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration_point import parameter_series
-from orbitproof.verify.curve.lyapunov_family import point_name
+from orbitproof.verify.curve.lyapunov_family import jacobi_constant, point_name
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import (
     Account,
@@ -41,6 +41,7 @@ __all__ = [
     "curve_hypotheses",
     "divided_by_wide",
     "interval_to_json",
+    "jacobi_constant",
     "parameter_series",
     "point_name",
     "prove_piece",

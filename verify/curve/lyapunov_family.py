@@ -10,7 +10,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
 from orbitproof.verify.curve.libration_point import derived_parameter
-from orbitproof.verify.evidence import IntegrationFailure, decimal_interval, excludes_zero
+from orbitproof.verify.evidence import IntegrationFailure, decimal_interval, enclose, excludes_zero
 
 PLANAR = "S"
 """The symmetry of the CR3BP that fixes the planar orbits, z -> -z."""
@@ -44,6 +44,25 @@ def in_units_of_orbit(
         return None
     eps = point["x"] - x_l
     return {"eps": eps, "vy": point["vy"] / eps} if excludes_zero(eps) else None
+
+
+def jacobi_constant(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb]
+) -> arb | None:
+    """The Jacobi constant of the orbit of the CR3BP that a point (eps, vy) stands for; `None` for other systems."""
+    integral = CR3BP.first_integral_program
+    if point_name(system) is None or integral is None:
+        return None
+    try:
+        x_l = derived_parameter(system, "x_l", parameters, ctx.prec).ball
+    except IntegrationFailure:
+        return None
+    zero = arb(0)
+    state = [x_l + point["eps"], zero, zero, zero, point["eps"] * point["vy"], zero]
+    (value,) = integral.evaluate(
+        [*state, enclose(parameters["mu"])], enclose, lambda base, power: base ** enclose(power)
+    )
+    return arb(value)
 
 
 _SIDES = {

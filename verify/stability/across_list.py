@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from flint import arb
+
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.claim import parities
-from orbitproof.verify.curve import Bifurcation, Chain
-from orbitproof.verify.evidence import excludes_zero
+from orbitproof.verify.curve import Bifurcation, Chain, jacobi_constant
+from orbitproof.verify.evidence import ball_to_json, excludes_zero
 from orbitproof.verify.stability.complete_list import Finder, orders, resonant_value
 from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
 from orbitproof.verify.stability.matching import with_certificates
@@ -39,16 +41,21 @@ class ListAcross:
     Attributes:
         found: the list.
         stable, unknown: intervals between which they are stable, and of which nothing is known.
+        jacobi_constants: at the points of the list, `None` where there is none.
     """
 
     found: CompleteList
     stable: tuple[StableInterval, ...]
     unknown: tuple[StableInterval, ...]
+    jacobi_constants: tuple[arb | None, ...]
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object."""
         return {
-            "points": [point.to_json() for point in self.found.points],
+            "points": [
+                point.to_json() | ({} if value is None else {"jacobi_constant": ball_to_json(value)})
+                for point, value in zip(self.found.points, self.jacobi_constants, strict=True)
+            ],
             "stable": [entry.to_json() for entry in self.stable],
             "undecided": [entry.to_json() for entry in self.unknown],
             "gaps": [gap.to_json() for gap in self.found.gaps],
@@ -98,4 +105,5 @@ def list_across(
         points[number] = point
     found = CompleteList(plane.order, tuple(points), tuple(gaps), tuple(segments))
     stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
-    return ListAcross(found, tuple(stable), tuple(unknown))
+    constants = tuple(jacobi_constant(atlas.system, atlas.parameters, point.point) for point in points)
+    return ListAcross(found, tuple(stable), tuple(unknown), constants)

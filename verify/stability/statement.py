@@ -80,7 +80,9 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
         f"{but} (lambda + 1/lambda)/2 is cos(2 pi j/k), k at most {found.order}, "
         + ("exactly here:" if found.points else "nowhere.")
     ]
-    lines += [f"- {_point(atlas, point)}" for point in found.points]
+    for point, value in zip(found.points, across.jacobi_constants, strict=True):
+        known = "" if value is None else f"; Jacobi constant in {interval_text(value, _DIGITS)}"
+        lines.append(f"- {_point(atlas, point)}{known}")
     if any(point.kind in (ACROSS_SYMMETRIC, ACROSS_AXIAL) for point in found.points):
         lines.append(
             "Where a curve begins, the orbits near this one that are symmetric in that way, start on the fixed points "
