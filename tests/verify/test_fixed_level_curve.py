@@ -137,6 +137,14 @@ def test_a_certificate_of_another_level_is_not_placed() -> None:
         assert "another level" in placed.reason
 
 
+def test_a_certificate_of_another_section_is_not_placed() -> None:
+    other = replace(atlas(), system=replace(atlas().system, section="u3"))
+    (placed,) = conclude(other, results(), [certificate()]).bifurcations
+    assert placed.place is None
+    assert placed.is_foreign
+    assert "another section" in placed.reason
+
+
 def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
     """Half a period later u is at its maximum, where u2 < 0: with the level as parameter that is the other point."""
     system, point = atlas().system, certificate().point

@@ -228,6 +228,8 @@ def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
         return f"it is about another system, {system.name}"
     if system.fixed_level != wanted.fixed_level:
         return "it is about another level"
+    if (system.section, system.reversing_symmetry) != (wanted.section, wanted.reversing_symmetry):
+        return "it is about another section or another reversing symmetry"
     for name, value in atlas.parameters.items():
         if parameters.get(name) != value:
             return f"it is about another value of {name}"
