@@ -65,6 +65,8 @@ _PARTS = [(arb(2 * part - 31) + arb(0, 1)) / 32 for part in range(32)]
 """Balls that cover |tau| <= 1."""
 _FRAME = 2**16
 """Denominator of the frame at the other point."""
+_NOISE = 1 / (2 * _FRAME)
+"""What the frame rounds to zero."""
 
 
 @dataclass(frozen=True)
@@ -316,7 +318,10 @@ class OtherPoint:
         direction = np.array([float((known_part(slope(element, SHARE), 0) or [Fraction(0)])[0]) for element in point])
         if not (np.all(np.isfinite(direction)) and np.any(direction)):
             raise IntegrationFailure("stability", "the other point of the orbit does not move", "give a narrower piece")
-        start = np.column_stack([direction / np.linalg.norm(direction), np.eye(len(point))])
+        unit = direction / np.linalg.norm(direction)
+        # A rounding error has no certain sign, on which the signs of the columns would depend.
+        unit = np.where(np.abs(unit) < _NOISE, 0.0, unit)
+        start = np.column_stack([unit, np.eye(len(point))])
         columns = np.linalg.qr(start)[0]
         return cls(
             tuple(point),
