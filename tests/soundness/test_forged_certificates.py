@@ -183,6 +183,20 @@ def test_deviations_that_are_too_small_are_found_by_integrating(curve: Document,
     assert len(found.findings) == len(results)
 
 
+def test_what_only_polynomials_of_higher_degree_enclose_more_widely_is_confirmed() -> None:
+    atlas, results = of_parabola()
+    document = atlas_certificate(atlas, results)
+    widths: list[int] = []
+
+    def wide(argument: Document, report: Any) -> Document:
+        found = dict(honest(results)(argument, report))
+        widths.append(argument["integrator"]["width"])
+        return found if widths[-1] == 40 else {**found, "deviation": ["0x1"]}
+
+    assert checked(document, wide).stands
+    assert Counter(widths) == {48: len(results), 40: len(results)}
+
+
 def test_half_periods_that_are_too_narrow_are_found_by_integrating() -> None:
     atlas, results = of_parabola()
     narrow = [{**result, "time": ball_to_json(arb(3, 2**-9))} for result in results]
