@@ -186,6 +186,30 @@ def _finished(figure: Any, title: str, mass: float) -> Any:
     return figure
 
 
+_HEAD = (
+    '<head><meta name="viewport" content="width=device-width, initial-scale=1" />'
+    "<style>body {margin: 0; overflow: hidden}</style>"
+)
+_FIT = """
+const page = document.getElementById("{plot_id}");
+const fit = () => {
+  const away = 1.25 * Math.max(1, page.clientHeight / page.clientWidth);
+  Plotly.relayout(page, {"scene.camera.eye": {x: away, y: away, z: away}});
+};
+fit();
+window.addEventListener("resize", fit);
+"""
+"""In a window that is higher than wide the picture would be cut off at its sides: it is seen from farther away."""
+
+
 def html_of(figure: Any) -> str:
-    """The figure as one HTML page that needs nothing else."""
-    return str(figure.to_html(include_plotlyjs=True, full_html=True, div_id="figure", default_height="94vh"))
+    """The figure as one HTML page that needs nothing else, for wide and narrow windows."""
+    page = figure.to_html(
+        include_plotlyjs=True,
+        full_html=True,
+        div_id="figure",
+        default_height="100vh",
+        config={"responsive": True},
+        post_script=_FIT,
+    )
+    return str(page).replace("<head>", _HEAD, 1)

@@ -93,6 +93,8 @@ def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[
     assert hollow.count("numerical, not proved") >= 20
     assert "stability index" in hollow
     assert "<script src=" not in hollow
+    assert hollow.count('name="viewport"') == 1
+    assert 'getElementById("figure")' in hollow
     assert (
         main(["interactive", *words, "--certificates", str(data / "figures-certificates.json"), "-o", str(page)]) == 0
     )
