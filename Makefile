@@ -91,7 +91,7 @@ demo: $(VENV)/demo.stamp
 	exit $$failed
 
 # Atlas and proof of each branch. What exists is kept, what was interrupted goes on.
-# BIFURCATIONS=certificates.json also says which certified bifurcations lie on them. Curves come with their complete list.
+# BIFURCATIONS=certificates.json also says which certified bifurcations lie on them.
 CURVES := falkner-skan l1-circle-earth-moon l1-circle-sun-jupiter l2-arc-earth-moon l2-arc-sun-jupiter
 MASSES := earth-moon sun-jupiter
 SURFACES := L1 L2 L3
@@ -101,19 +101,19 @@ branches: $(VENV)/demo.stamp
 	step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	cover() { file=$(BRANCHES)/$$1.json; shift; [ -e $$file ] || step $(BIN)/orbitproof explore "$$@" -o $$file; }; \
 	prove() { \
-	  echo; step env $(VERIFY) atlas $(BRANCHES)/$$1.json -o $(BRANCHES)/$$1-certificate.json --complete 12 --jobs $(JOBS) \
-	    $(if $(BIFURCATIONS),--bifurcations $(BIFURCATIONS) --only "$$2"); \
+	  echo; step env $(VERIFY) atlas $(BRANCHES)/$$1.json -o $(BRANCHES)/$$1-certificate.json --jobs $(JOBS) \
+	    $(if $(BIFURCATIONS),--bifurcations $(BIFURCATIONS) --only "$$2") $$3; \
 	}; \
 	for name in $(CURVES); do \
 	  cover $$name atlas --preset $$name; \
 	  case $$name in \
-	    falkner-skan) only=falkner-skan-*;; \
-	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*;; \
+	    falkner-skan) only=falkner-skan-*; list="--complete 12";; \
+	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*; list=;; \
 	  esac; \
-	  prove $$name "$$only"; \
+	  prove $$name "$$only" "$$list"; \
 	done; \
 	for mass in $(MASSES); do \
-	  cover lyapunov-$$mass atlas-libration --point L1 --mass $$mass; prove lyapunov-$$mass "$$mass-L1-*k1-1"; \
+	  cover lyapunov-$$mass atlas-libration --point L1 --mass $$mass; prove lyapunov-$$mass "$$mass-L1-*k1-1" "--complete 12"; \
 	done; \
 	for point in $(SURFACES); do \
 	  case $$point in L1) planar=--lyapunov;; *) planar=;; esac; cover mass-$$point atlas-mass --point $$point $$planar; \
