@@ -197,6 +197,18 @@ def test_what_only_polynomials_of_higher_degree_enclose_more_widely_is_confirmed
     assert Counter(widths) == {48: len(results), 40: len(results)}
 
 
+def test_a_contradiction_is_not_mended_by_a_second_integration_that_agrees() -> None:
+    atlas, results = of_parabola()
+
+    def first_apart(argument: Document, report: Any) -> Document:
+        found = dict(honest(results)(argument, report))
+        return found if argument["integrator"]["width"] == 40 else {**found, "time": ball_to_json(arb(300))}
+
+    found = checked(atlas_certificate(atlas, results), first_apart)
+    assert not found.stands
+    assert "disjoint" in found.findings[0].message
+
+
 def test_half_periods_that_are_too_narrow_are_found_by_integrating() -> None:
     atlas, results = of_parabola()
     narrow = [{**result, "time": ball_to_json(arb(3, 2**-9))} for result in results]

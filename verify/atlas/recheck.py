@@ -35,6 +35,7 @@ from orbitproof.verify.certificate import (
     named_as,
     other_hypotheses,
     other_software,
+    overlap,
     statement_differences,
     systems_with,
 )
@@ -197,19 +198,22 @@ def _integration(
     atlas = atlas_of(document)
     results: dict[str, Result] = {}
     findings: dict[str, list[Finding]] = {}
+    contradictions: list[Finding] = []
     for more in (_MORE, _MORE_OF_SAME_WIDTH):
         tasks, before = _tasks(document, atlas, means.timeout, more)
         examination.precision = min((task.argument["integrator"]["precision"] for task in tasks), default=0)
 
         def finished(answer: Answer, before: Mapping[str, Result] = before) -> str:
             name, fresh = answer.task.name, result_of(answer)
+            contradictions.extend(_contradictions(before[name], fresh))
             results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh))
             return f"{fresh['verdict']} again"
 
         if remaining := [task for task in tasks if findings.get(task.name, True)]:
             means.prove(remaining, finished)
+    yield from dict.fromkeys(contradictions)
     yield from (finding for found in findings.values() for finding in found)
-    if any(findings.values()) or document["verdict"] != "proved":
+    if contradictions or any(findings.values()) or document["verdict"] != "proved":
         return
     conclusion = means.conclude(atlas, list(results.values()), [])
     if conclusion["verdict"] != "proved":
@@ -262,6 +266,19 @@ def _stated(document: Document) -> dict[str, Any]:
     }
 
 
+def _contradictions(stored: Result, fresh: Result) -> Iterator[Finding]:
+    """Where a new proof of an interval and the stored one cannot both be true; no further integration mends that."""
+    if fresh["verdict"] != "proved":
+        return
+    place = f"piece {stored['piece']}, s in [{', '.join(stored['interval'])}]"
+    yield from overlap(ball_from_json(stored["time"]), ball_from_json(fresh["time"]), f"{place}, half period")
+    for part in stored.get("parts", ()):
+        for entry in (entry for entry in fresh["parts"] if covers([interval_of(part)], interval_of(entry))):
+            if part["side"] != entry["side"]:
+                where = f"{place}, part [{', '.join(part['interval'])}], side"
+                yield Finding(where, f"stored is {part['side']!r}, found {entry['side']!r}")
+
+
 def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
     """What a new proof of an interval does not confirm."""
     place = f"piece {stored['piece']}, s in [{', '.join(stored['interval'])}]"
@@ -293,8 +310,6 @@ def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
 
 
 def _part_findings(stored: Document, fresh: Document, place: str) -> Iterator[Finding]:
-    if stored["side"] != fresh["side"]:
-        yield Finding(f"{place}, side", f"stored is {stored['side']!r}, found {fresh['side']!r}")
     balls: list[tuple[str, Any, Any]] = [
         (f"p_{i}", old, new) for i, (old, new) in enumerate(zip(stored["point"], fresh["point"], strict=True))
     ]

@@ -22,6 +22,7 @@ from orbitproof.verify.certificate.levels import (
     differences,
     other_hypotheses,
     other_software,
+    overlap,
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from orbitproof.verify.certificate.rechecking import (
@@ -62,6 +63,7 @@ __all__ = [
     "named_as",
     "other_hypotheses",
     "other_software",
+    "overlap",
     "read_certificates",
     "recheck",
     "recheck_all",
