@@ -166,7 +166,7 @@ def piece_table(entry: CheckedAtlas) -> Table:
     """The proved intervals of a curve, each with the margin of its tube, or of a surface."""
     if entry.atlas.is_surface:
         rows = tuple(
-            ((str(result["piece"]),), (_interval(result["interval"]),), (str(len(result["parts"])),),
+            ((str(result["piece"]),), (_interval(result["interval"]),), (str(len(result.get("parts", ()))),),
              (_shown(ball_from_json(result["time"])),))
             for result in entry.document["results"] if result["verdict"] == "proved"
         )  # fmt: skip
