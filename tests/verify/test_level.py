@@ -22,6 +22,7 @@ from orbitproof.shared.formats.candidates import (
     read_candidates,
     write_candidates,
 )
+from orbitproof.shared.formats.systems import load_system
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.bifurcation.level_forms import in_box, level_form
@@ -35,6 +36,7 @@ from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_first_integral, enclose_iterates
 
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
 ROWS = ["em1", "em2", "em3"]
 
 
@@ -111,6 +113,15 @@ def test_initial_values_have_the_given_level_and_sign(sign: int) -> None:
         assert point["vy"].contains(enclose(w))
         assert point["vy"].rad() < 1e-60
         assert list(point) == ["x", "z", "vy"]
+
+
+def test_the_level_coordinate_is_enclosed_where_another_coordinate_is_known_to_be_near_zero() -> None:
+    hill = load_system(EXAMPLES / "hill.py")
+    candidate = replace(form_of("em1"), system=hill, parameters={})
+    around = {"Jacobi constant": arb("4.4 +/- 1e-40"), "x": arb("0.4"), "z": arb("0 +/- 1e-40")}
+    at_zero = point_on_fixed_set(candidate, around | {"z": arb(0)})["vy"]
+    assert point_on_fixed_set(candidate, around)["vy"].contains(at_zero)
+    assert at_zero.is_finite()
 
 
 def _jacobi(x: F, z: F, w: F, mu: F) -> list[arb]:

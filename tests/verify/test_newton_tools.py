@@ -25,6 +25,7 @@ from orbitproof.verify.evidence.comparisons import (
     is_outside,
     is_positive,
     meet,
+    power,
     sign,
     symmetric,
     up_to,
@@ -40,6 +41,18 @@ fractions = st.fractions(min_value=-8, max_value=8, max_denominator=64)
 def contains(ball: arb, value: F) -> bool:
     lower, upper = bounds(ball)
     return lower <= value <= upper
+
+
+@given(fractions, fractions, st.integers(min_value=-3, max_value=6))
+def test_powers_of_the_points_of_a_ball_are_in_its_power(point: F, other: F, n: int) -> None:
+    result = power(hull(enclose(point), enclose(other)), F(n))
+    assert contains(result, point**n) if n > 0 or point * other > 0 else not result.is_finite() or n == 0
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 8])
+def test_powers_of_a_ball_about_zero_are_finite(n: int) -> None:
+    lower, upper = bounds(power(arb(0, 0.25), F(n)))
+    assert -(F(1, 4) ** n) * F(101, 100) < lower <= -(F(1, 4) ** n) < F(1, 4) ** n <= upper < F(1, 4) ** n * F(101, 100)
 
 
 def derivative_at(polynomial: Polynomial, index: Sequence[int], point: Sequence[F]) -> F:

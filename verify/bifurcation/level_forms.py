@@ -100,6 +100,7 @@ def check_own_box(checklist: Checklist, candidate: Candidate, form: Candidate, p
     ) as evidence:
         for j, (ball, radius) in enumerate(zip(coordinates_in_box(candidate, point), candidate.radii, strict=True)):
             evidence.record(f"p_{j}", ball)
+            evidence.require(ball.is_finite(), f"p_{j} is not enclosed", needs_precision=True)
             outside = is_outside(ball, radius)
             where = "is not shown to be inside it"
             if outside:

@@ -16,7 +16,7 @@ from flint import arb
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import Program, ReversibleSystem, record
 from orbitproof.verify.claim.first_integral import derivative_terms
-from orbitproof.verify.evidence import Checklist, enclose
+from orbitproof.verify.evidence import Checklist, enclose, power
 
 
 def quadratic_coefficient(system: ReversibleSystem) -> Fraction | None:
@@ -67,10 +67,6 @@ def point_on_fixed_set(candidate: Candidate, where: Mapping[str, arb]) -> dict[s
     program = level_program(system, sign)
     arguments = [where.get(name, arb(0)) for name in system.state]
     arguments += [enclose(candidate.parameters[name]) for name in system.parameters]
-    (value,) = program.evaluate([*arguments, where[candidate.coordinates[0]]], enclose, _power)
+    (value,) = program.evaluate([*arguments, where[candidate.coordinates[0]]], enclose, power)
     named = {**where, str(system.level_coordinate): value}
     return {name: named[name] for name in system.centre_coordinates}
-
-
-def _power(base: arb, exponent: Fraction) -> arb:
-    return base ** enclose(exponent)

@@ -16,7 +16,7 @@ from flint import arb
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import DerivedParameter, Program, ReversibleSystem, record
 from orbitproof.verify.algebra import Arithmetic, Series
-from orbitproof.verify.evidence import GUARD_BITS, IntegrationFailure, enclose, guarded, hull, sign
+from orbitproof.verify.evidence import GUARD_BITS, IntegrationFailure, enclose, guarded, hull, power, sign
 
 _HALVINGS = 200
 
@@ -75,7 +75,7 @@ class _Search:
         self.ends = tuple(None if end is None else Fraction(end) for end in definition.interval(given))
 
     def value(self, where: arb) -> arb:
-        (result,) = self.program.evaluate([where, *self.given], enclose, _power)
+        (result,) = self.program.evaluate([where, *self.given], enclose, power)
         return arb(result)
 
     def sign(self, where: Fraction) -> int:
@@ -123,7 +123,3 @@ class _Search:
             "give more precision, or parameters that are further from the ends of their range",
             needs_precision=True,
         )
-
-
-def _power(base: arb, exponent: Fraction) -> arb:
-    return base ** enclose(exponent)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 
-from flint import arb, fmpq
+from flint import arb, arb_poly, fmpq
 
 
 class EmptyIntersectionError(ArithmeticError):
@@ -25,6 +25,14 @@ def enclose(value: Fraction) -> arb:
 def symmetric(radius: Fraction) -> arb:
     """A ball that contains [-radius, radius], for radius >= 0."""
     return arb(0, enclose(radius).upper())
+
+
+def power(base: arb, exponent: Fraction) -> arb:
+    """A ball that contains the powers of the points of a ball."""
+    # FLINT takes them as exp(exponent log base) where the midpoint is 0, which is not finite; here they are products.
+    if base.mid() == 0 and exponent.denominator == 1 and exponent > 0:
+        return (arb_poly([base]) ** exponent.numerator)[0]
+    return base ** enclose(exponent)
 
 
 def is_below(left: arb, right: arb) -> bool:
