@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
+from numpy.polynomial.polynomial import polyval
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.algebra import Grading, Series, WideArithmetic, recentred
+from orbitproof.verify.algebra import Floats, Grading, Series, WideArithmetic, recentred
 from orbitproof.verify.curve import (
     BEYOND,
     HalfReturn,
@@ -315,10 +316,11 @@ class OtherPoint:
     @classmethod
     def of(cls, point: Sequence[Series]) -> OtherPoint:
         """With a frame of rounded numbers, so that other settings of the integrator give the same one."""
-        direction = np.array([float((known_part(slope(element, SHARE), 0) or [Fraction(0)])[0]) for element in point])
-        if not (np.all(np.isfinite(direction)) and np.any(direction)):
-            raise IntegrationFailure("stability", "the other point of the orbit does not move", "give a narrower piece")
-        unit = direction / np.linalg.norm(direction)
+        slopes = [[float(value) for value in known_part(slope(element, SHARE), 0)] or [0.0] for element in point]
+        ends = [np.array([polyval(end, row) for row in slopes]) for end in (-1.0, 1.0)]
+        # Where the curve of these points turns back, its directions at the ends are opposite, and it is transversal to
+        # what lies between them.
+        unit = _unit(_unit(ends[0]) + _unit(ends[1]))
         # A rounding error has no certain sign, on which the signs of the columns would depend.
         unit = np.where(np.abs(unit) < _NOISE, 0.0, unit)
         start = np.column_stack([unit, np.eye(len(point))])
@@ -350,6 +352,14 @@ class OtherPoint:
             local = [_combined(row, [restricted(element, SHARE) for element in vector]) for row in rows]
             result.append([value - turn * local[0] for value, turn in zip(local[1:], turns, strict=True)])
         return result
+
+
+def _unit(vector: Floats) -> Floats:
+    """The unit vector. Raises `IntegrationFailure` if there is none."""
+    norm = np.linalg.norm(vector)
+    if not 0 < norm < np.inf:
+        raise IntegrationFailure("stability", "the other point of the orbit does not move", "give a narrower piece")
+    return vector / norm
 
 
 def _stability_matrix(out: Sequence[Sequence[Series]], back: Sequence[Sequence[Series]]) -> list[list[Series]]:
