@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.figures.model import Array, Curve, Stretch
-from orbitproof.figures.pictures.family import crowds
+from orbitproof.figures.pictures.family import crowds, free_corner
 from orbitproof.figures.style import (
     CURVE,
     INK,
@@ -123,12 +123,13 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
             handles.setdefault(str(line.get_label()), line)
     for mark in curve.marks:
         draw_point(axes, curve.place_of(mark)[1][:2], mark.k, True, mark.id, mark.kind)
-    if curve.atlas.claim.kind == "symmetric-loop":
-        _magnify(axes, curve)
     if names[:2] == ("x", "z"):
         handles |= _draw_primaries(axes, curve)
         axes.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
         axes.set_aspect("equal", adjustable="datalim")
+        axes.apply_aspect()
+    if curve.atlas.claim.kind == "symmetric-loop":
+        _magnify(axes, curve)
     if axis.is_logarithmic:
         axes.set_xscale("log")
     axes.set_xlabel(label_of(names[0]))
@@ -149,24 +150,43 @@ def _magnify(axes: Axes, curve: Curve) -> None:
     crowd = max(runs, key=len, default=[])
     if len(crowd) < _CROWD:
         return
-    _inset(axes, curve, places, crowd, 0.58)
+    drawn = np.concatenate([line.get_xydata() for line in axes.get_lines() if line.get_transform() == axes.transData])
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    taken = (drawn - (left, low)) / (right - left, high - low)
+    hides = _inset(axes, curve, places, crowd, taken)
     # Marks that still hide one another there get an inset of their own.
     groups = crowds(places[crowd] / np.ptp(places[crowd], axis=0))
     hidden = [crowd[member] for member in max(groups, key=len)]
     if len(hidden) > 1:
-        _inset(axes, curve, places, hidden, 0.2)
+        _inset(axes, curve, places, hidden, np.concatenate([taken, hides]))
 
 
-def _inset(axes: Axes, curve: Curve, places: Array, members: Sequence[int], height: float) -> None:
-    """An inset inside the loop, at a height in parts of the axes, around some of the marks."""
-    inset = axes.inset_axes((0.34, height, 0.36, 0.28))
+def _inset(axes: Axes, curve: Curve, places: Array, members: Sequence[int], taken: Array) -> Array:
+    """An inset around some of the marks, where it hides the fewest of the points that are taken.
+
+    Places in parts of the axes, shape (N, 2); returns such points all over the inset.
+    """
+    found = [(*free_corner(axes, taken, size, _MIDDLE), size) for size in _SIZES]
+    corner, _, size = min(found, key=lambda each: each[1])
+    inset = axes.inset_axes((*corner, *size))
     for number, stretch in enumerate(curve.stretches):
         colour = (CURVE, _LIGHT)[number % 2] if stretch.is_proved else _UNPROVED
         inset.plot(stretch.points[:, 0], stretch.points[:, 1], color=colour, linewidth=1.6)
     for index in members:
         mark = curve.marks[index]
         draw_point(inset, places[index], mark.k, True, mark.id, mark.kind)
-    show_around(axes, inset, places[members], margin=0.12 if len(members) >= _CROWD else 0.4, ticks=(3, 4))
+    show_around(
+        axes,
+        inset,
+        places[members],
+        margin=0.12 if len(members) >= _CROWD else 0.4,
+        ticks=(3 if size[0] > 0.3 else 2, 4),
+    )
+    return corner + size * np.stack(np.meshgrid(np.linspace(0, 1, 40), np.linspace(0, 1, 40)), axis=-1).reshape(-1, 2)
+
+
+_SIZES = tuple(map(np.array, ((0.36, 0.28), (0.28, 0.28), (0.24, 0.22))))
+_MIDDLE = np.array([0.5, 0.5])
 
 
 _CLOSE = 0.2

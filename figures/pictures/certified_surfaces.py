@@ -17,6 +17,7 @@ from orbitproof.verify.atlas import AtlasCertificate
 
 _WIDTH = 7.2
 _SAMPLES = 200
+_LIGHT = "#9dbdd3"
 _UNPROVED = "#b2182b"
 _DASHES = ("solid", (0, (5, 2)), (0, (1.5, 1.2)))
 _NAMES = {"h": r"$h=\mu^{1/3}$", "mu": r"$\mu$"}
@@ -99,15 +100,15 @@ def draw_surface(surface: Surface) -> Figure:
     points = figure.add_subplot(grid[1, 0], sharex=reach)
     signs = system.symmetries[surface.atlas.claim.symmetry or ""]
     even = [i for i, name in enumerate(system.centre_coordinates) if signs[system.state.index(name)] > 0]
-    for sheet in surface.sheets:
+    for number, sheet in enumerate(surface.sheets):
         low, high = float(sheet.parameter.min()), float(sheet.parameter.max())
         look = (
-            {"facecolor": CURVE, "edgecolor": "white"}
+            {"facecolor": (CURVE, _LIGHT)[number % 2], "linewidth": 0.0}
             if sheet.is_proved
-            else {"facecolor": "white", "edgecolor": _UNPROVED}
+            else {"facecolor": "white", "edgecolor": _UNPROVED, "linewidth": 0.9}
         )
-        reach.bar(low, sheet.reach, width=high - low, align="edge", zorder=2, linewidth=0.9, **look)
-        reach.vlines(sheet.borders, 0.0, sheet.reach, color="white", linewidth=0.3, zorder=3)
+        reach.bar(low, sheet.reach, width=high - low, align="edge", zorder=2, **look)
+        reach.vlines(sheet.borders, 0.0, sheet.reach, color=INK, linewidth=0.3, zorder=3)
         for style, index in zip(_DASHES, even, strict=False):
             colour = INK if sheet.is_proved else _UNPROVED
             points.plot(sheet.parameter, sheet.points[:, index], color=colour, linestyle=style, linewidth=1.1)

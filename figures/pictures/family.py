@@ -192,7 +192,7 @@ def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement])
     taken = (np.concatenate([curves, np.repeat(places, 40, axis=0)]) - origin) / size
     for members in hidden[:_INSETS]:
         centre = (places[members].mean(axis=0) - origin) / size
-        corner = min(_CORNERS, key=lambda c: (_inside(taken, c), float(np.linalg.norm(c + 0.5 * _INSET - centre))))
+        corner, _ = free_corner(axes, taken, _INSET, centre)
         inset = axes.inset_axes((*corner, *_INSET))
         taken = np.concatenate([taken, corner + _GRID * _INSET])
         inset.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
@@ -208,7 +208,6 @@ def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement])
 _INSET = np.array([0.25, 0.24])
 _INSETS = 2
 _GRID = np.stack(np.meshgrid(np.linspace(0, 1, 40), np.linspace(0, 1, 40)), axis=-1).reshape(-1, 2)
-_CORNERS = [(x, y) for x in np.linspace(0.12, 0.73, 10) for y in np.linspace(0.1, 0.74, 9)]
 _HIDDEN = 0.03
 """Markers closer than this part of the axes hide one another."""
 
@@ -222,10 +221,29 @@ def crowds(places: Array) -> list[list[int]]:
     return groups
 
 
-def _inside(points: Array, corner: tuple[float, float]) -> int:
-    """How many points an inset at a corner would hide, its tick labels included."""
-    low, high = np.array(corner) - (0.14, 0.1), np.array(corner) + _INSET + (0.02, 0.03)
-    return int(np.count_nonzero(np.all((points > low) & (points < high), axis=1)))
+def free_corner(axes: Axes, taken: Array, size: Array, near: Array) -> tuple[Array, int]:
+    """The lower left corner of an inset that hides the fewest points, then is nearest to a place; and how many it does.
+
+    All in parts of the axes: the points to be seen, shape (N, 2), the inset's size, the place, the corner.
+    """
+    width, height = axes.get_figure().get_size_inches() * axes.get_position().size
+    labels, rim = np.array([_LABEL_WIDTH / width, _LABEL_HEIGHT / height]), np.array([0.02, 0.03])
+    corners = [
+        np.array([x, y])
+        for x in np.linspace(labels[0], 0.98 - size[0], 20)
+        for y in np.linspace(labels[1], 0.98 - size[1], 18)
+    ]
+
+    def hidden(corner: Array) -> int:
+        inside = (taken > corner - labels) & (taken < corner + size + rim)
+        return int(np.count_nonzero(np.all(inside, axis=1)))
+
+    best = min(corners, key=lambda corner: (hidden(corner), float(np.linalg.norm(corner + 0.5 * size - near))))
+    return best, hidden(best)
+
+
+_LABEL_WIDTH, _LABEL_HEIGHT = 0.28, 0.2
+"""Of an inset's tick labels, in inches."""
 
 
 def _with_extent(points: Array, size: Array) -> Array:

@@ -93,7 +93,7 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
         number: Runs = (Place(theorem_label(name), str(numbers[name])),)
         rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (side,)))
     if rows:
-        header = ("theorem", "about", "certificate", "bifurcation parameter, or period", "new orbits")
+        header = ("theorem", "about", "certificate", "bifurcation parameter, period, or extent", "new orbits")
         table = Table(header, tuple(rows), "The theorems", (0.1, 0.19, 0.24, 0.31, 0.08))
         blocks.append(table.without_empty_columns())
     return Section("summary", "Summary", tuple(blocks))

@@ -82,7 +82,7 @@ class Table:
 
     def without_empty_columns(self) -> Table:
         """The table with the columns in which a row has something, as wide as all of them were; the first stays."""
-        kept = [i for i in range(len(self.header)) if not i or any(row[i] for row in self.rows)]
+        kept = [i for i in range(len(self.header)) if not i or any(map(any, (row[i] for row in self.rows)))]
         scale = sum(self.widths) / sum(self.widths[i] for i in kept)
         return Table(
             tuple(self.header[i] for i in kept),

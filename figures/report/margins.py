@@ -1,4 +1,7 @@
-"""How far enclosures are from where they would not do: inside a box, or away from 0. Exact, then rounded to be safe."""
+"""How far enclosures are from where they would not do: inside a box or tube, beyond a claimed end, away from 0.
+
+Exact, then rounded to be safe.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,12 @@ from math import floor
 
 from flint import arb
 
+from orbitproof.shared.formats import Atlas
 from orbitproof.verify.evidence import bounds
 
 _IN_THE_BOX = re.compile(r"p_(?P<index>[0-9])(\^H|\(P_[0-9]\)|$| of the candidate's box$)")
+_GLUED = re.compile(r"p_(?P<index>[0-9]+) of .+ in (?P<piece>\S+)")
+_BREAKING = re.compile(r"vy of the symmetry breaking in (?P<piece>\S+)")
 _NOT_ZERO = re.compile(r"b|g_0|G_[01]+|G_01 \+ .*|d q_2\(P\^[0-9]+\) / d p_2|dH/dp_0|h_.*|g''.*")
 
 
@@ -28,6 +34,24 @@ def margin_of(hypothesis: str, name: str, ball: arb, radii: Mapping[str, Sequenc
         index, sizes = int(found["index"]), radii.get(hypothesis, radii[""])
         return _part(ball, sizes[index], f"R_{index}") if index < len(sizes) else ""
     return _away(ball) if _NOT_ZERO.fullmatch(name) else ""
+
+
+def margin_on_atlas(atlas: Atlas, hypothesis: str, name: str, ball: arb) -> str:
+    """The same for a hypothesis on the pieces of an atlas."""
+    if not ball.is_finite():
+        return ""
+    glued, breaking, covers = _GLUED.fullmatch(name), _BREAKING.fullmatch(name), atlas.claim.covers
+    if glued is not None and hypothesis == "glued" and atlas.is_surface:
+        index, radii = int(glued["index"]), {piece.id: piece.radii for piece in atlas.surface_pieces()}
+        return _part(ball, radii[glued["piece"]][index], f"R_{index}")
+    if breaking is not None and hypothesis == "planar-family":
+        tubes = {piece.id: piece.tube for piece in atlas.libration_pieces()}
+        return _part(ball, tubes[breaking["piece"]], "of the tube")
+    if covers is not None and hypothesis == "covers" and name in ("beginning", "end"):
+        low, high = bounds(ball)
+        beyond = covers.start - high if name == "beginning" else low - covers.end
+        return f"at least {_scientific(beyond, up=False)} beyond" if beyond > 0 else ""
+    return _away(ball) if hypothesis == "two-points" else ""
 
 
 def _part(ball: arb, radius: Fraction, name: str) -> str:

@@ -11,13 +11,13 @@ from flint import arb
 
 from orbitproof.figures.report.document import Block, Code, Formulas, Items, Math, Paragraph, Place, Run, Runs, Table
 from orbitproof.figures.report.formulas import to_latex, typeset
-from orbitproof.figures.report.margins import margin_of, part_of
+from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.verify.certificate import theorem_in_full
 from orbitproof.verify.claim import setting
-from orbitproof.verify.evidence import ball_from_json, decimal_interval, interval_text
+from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 
 _DIGITS = 34
 _SHORT = 12
@@ -135,21 +135,19 @@ def hypothesis_table(entry: Checked) -> Table:
         hypotheses = [
             (item.name, item.statement, item.section, item.enclosures) for item in entry.certificate.hypotheses
         ]
-        radii = {"": entry.claim.radii, "candidate-box": entry.candidate.radii}
     else:
         hypotheses = [
             (item["name"], item["statement"], item["section"],
              {name: ball_from_json(ball) for name, ball in item["enclosures"].items()})
             for item in entry.document["conclusion"]["hypotheses"]
         ]  # fmt: skip
-        radii = {"": ()}
     rows: list[tuple[Runs, ...]] = []
     for name, statement, section, enclosures in hypotheses:
         lead: tuple[Runs, ...] = ((name,), (f"{statement} (section {section})",))
         if not enclosures:
-            rows.append((*lead, ("exact" if isinstance(entry, CheckedRow) else "",), ()))
+            rows.append((*lead, ("exact",) if isinstance(entry, CheckedRow) else (), ()))
         for key, ball in enclosures.items():
-            rows.append((*lead, (f"{key}: {_shown(ball)}",), (margin_of(name, key, ball, radii),)))
+            rows.append((*lead, (f"{key}: {_shown(ball)}",), _margin(entry, name, key, ball)))
             lead = ((), ())
     kind = kind_of(entry)
     return Table(
@@ -158,30 +156,37 @@ def hypothesis_table(entry: Checked) -> Table:
     ).without_empty_columns()  # fmt: skip
 
 
+def _margin(entry: Checked, hypothesis: str, name: str, ball: arb) -> Runs:
+    if isinstance(entry, CheckedAtlas):
+        margin = margin_on_atlas(entry.atlas, hypothesis, name, ball)
+    else:
+        radii = {"": entry.claim.radii, "candidate-box": entry.candidate.radii}
+        margin = margin_of(hypothesis, name, ball, radii)
+    return (margin,) if margin else ()
+
+
 def _shown(ball: arb) -> str:
     return decimal_interval(ball, _SHORT)
 
 
 def piece_table(entry: CheckedAtlas) -> Table:
-    """The proved intervals of a curve, each with the margin of its tube, or of a surface."""
-    if entry.atlas.is_surface:
-        rows = tuple(
-            ((str(result["piece"]),), (_interval(result["interval"]),), (str(len(result.get("parts", ()))),),
-             (_shown(ball_from_json(result["time"])),))
-            for result in entry.document["results"] if result["verdict"] == "proved"
-        )  # fmt: skip
-        return Table(("piece", "s", "parts", "half periods"), rows, f"Proved intervals, {name_of(entry)}",
-                     (0.12, 0.36, 0.12, 0.32))  # fmt: skip
-    tubes = {piece.id: piece.tube for piece in entry.atlas.curve_pieces()}
-    rows = tuple(
-        ((str(result["piece"]),), (_interval(result["interval"]),), (_shown(ball_from_json(result["time"])),),
-         (_tube_margin(result["deviation"], tubes[result["piece"]]),))
-        for result in entry.document["results"] if result["verdict"] == "proved"
-    )  # fmt: skip
+    """The proved intervals of a curve or surface: in how many parts, and for curves the margin of the tube."""
+    atlas = entry.atlas
+    tubes: dict[str, Sequence[Fraction]] = {piece.id: (piece.tube,) for piece in atlas.libration_pieces()}
+    if not atlas.is_surface:
+        tubes |= {piece.id: piece.tube for piece in atlas.curve_pieces()}
+    rows: list[tuple[Runs, ...]] = []
+    for result in entry.document["results"]:
+        if result["verdict"] == "proved":
+            piece, tube = str(result["piece"]), tubes.get(result["piece"])
+            parts: Runs = (str(len(result["parts"])),) if "parts" in result else ()
+            margin: Runs = () if tube is None else (_tube_margin(result["deviation"], tube),)
+            times = (_shown(ball_from_json(result["time"])),)
+            rows.append(((piece,), (_interval(result["interval"]),), parts, times, margin))
     return Table(
-        ("piece", "s", "half periods", "deviation from the polynomial"), rows,
-        f"Proved intervals, {name_of(entry)}", (0.1, 0.3, 0.28, 0.25),
-    )  # fmt: skip
+        ("piece", "s", "parts", "half periods", "deviation from the polynomial"), tuple(rows),
+        f"Proved intervals, {name_of(entry)}", (0.12, 0.22, 0.08, 0.25, 0.25),
+    ).without_empty_columns()  # fmt: skip
 
 
 def _interval(ends: Sequence[str]) -> str:
@@ -217,7 +222,21 @@ def _box_rows(claim: Candidate, which: str) -> Iterator[tuple[Runs, ...]]:
 
 
 def parameter_text(entry: Checked) -> str:
-    """The parameter at a bifurcation, or the period of an orbit, for the summary."""
-    if not isinstance(entry, CheckedRow) or entry.certificate.parameter is None:
+    """The parameter at a bifurcation, the period of an orbit, or what is on a curve or surface, for the summary."""
+    if isinstance(entry, CheckedAtlas):
+        return _extent(entry)
+    if entry.certificate.parameter is None:
         return ""
     return f"{entry.certificate.parameter_name} in {interval_text(entry.certificate.parameter, 20)}"
+
+
+def _extent(entry: CheckedAtlas) -> str:
+    conclusion, covers = entry.document["conclusion"], entry.atlas.claim.covers
+    parts = []
+    if covers is not None:
+        parts.append(f"{covers.coordinate} from {exact_text(covers.start)} to {exact_text(covers.end)}")
+    if on_it := sum(bool(found["on_curve"]) for found in conclusion["bifurcations"]):
+        parts.append(f"{on_it} certified bifurcations on it" if on_it > 1 else "one certified bifurcation on it")
+    if "complete" in conclusion:
+        parts.append(f"list of resonances to k = {conclusion['complete']['order']}")
+    return "; ".join(parts)

@@ -366,7 +366,7 @@ def test_a_margin_in_the_box_is_rounded_up_and_one_from_zero_down() -> None:
 
 
 def test_a_table_leaves_out_columns_in_which_nothing_stands() -> None:
-    table = Table(("name", "kind", "margin"), ((("a",), (), ("2 %",)), (("b",), (), ())), "Rows", (0.2, 0.3, 0.4))
+    table = Table(("name", "kind", "margin"), ((("a",), ("",), ("2 %",)), (("b",), (), ())), "Rows", (0.2, 0.3, 0.4))
     short = table.without_empty_columns()
     assert short.header == ("name", "margin")
     assert short.rows == ((("a",), ("2 %",)), (("b",), ()))

@@ -1,0 +1,206 @@
+"""Whatever can be proved goes through every format of a report, and tables and pictures hide nothing of it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb
+from matplotlib.figure import Figure
+from support import atlas_work, chain_cases
+from support.claims import known
+from support.forgeries import DATA, atlas_certificate, read
+
+from orbitproof.figures.model import Curve
+from orbitproof.figures.model.certified_branch import CertifiedPoint
+from orbitproof.figures.pictures import draw_curves, draw_surface, surface_of
+from orbitproof.figures.report.command import main
+from orbitproof.figures.report.margins import margin_on_atlas
+from orbitproof.figures.report.statements import hypothesis_table, piece_table
+from orbitproof.figures.report.theorems import CheckedAtlas, check_files
+from orbitproof.shared.formats import Atlas, read_candidates
+from orbitproof.shared.systems import BRANCH_SYSTEMS
+from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.atlas.__main__ import main as verify_atlas
+from orbitproof.verify.certificate import Limits, write_certificates
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.evidence import bounds
+
+LIMITS = Limits(max_precision=256)
+
+Document = dict[str, Any]
+
+
+def results_for(atlas: Atlas, deviation: str = "0x1p-30") -> list[Document]:
+    """What a prover of exact cases gives for any piece."""
+    asked = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
+    results = []
+    for piece in atlas.pieces:
+        entry = piece.to_json()
+        tube = entry["tube"] if isinstance(entry["tube"], list) else [entry["tube"]]
+        argument = {**asked, "piece": {**entry, "tube": tube}}
+        bounds = {"deviation": [deviation] * len(tube)}
+        results.append({**atlas_work.proving(argument, lambda fraction, label: None), **bounds})
+    return results
+
+
+def of_atlas(name: str) -> Document:
+    atlas = read(name)
+    return atlas_certificate(atlas, results_for(atlas, "0x1p-60"))
+
+
+def planar_surface() -> Document:
+    names = ("surface-results.json", "surface-planar-results.json")
+    results = [result for name in names for result in json.loads((DATA / name).read_text())]
+    return atlas_certificate(read("surface-planar.json"), results)
+
+
+def loop() -> Document:
+    atlas, _ = chain_cases.symmetric_loop()
+    return atlas_certificate(atlas, results_for(atlas))
+
+
+ATLASES: dict[str, Callable[[], Document]] = {
+    "surface": planar_surface,
+    "loop": loop,
+    "libration family": lambda: of_atlas("atlas-lyapunov.json"),
+    "curve on a fixed level": lambda: of_atlas("atlas-fixed-level.json"),
+    "arc of orbits that cross twice": lambda: of_atlas("atlas-crossings.json"),
+}
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A file for each kind of atlas."""
+    folder = tmp_path_factory.mktemp("atlases")
+    paths = {kind: folder / f"{kind.replace(' ', '-')}.json" for kind in ATLASES}
+    for kind, make in ATLASES.items():
+        document = json.loads(json.dumps(make()))
+        assert document["verdict"] == "proved", (kind, document["reason"])
+        paths[kind].write_text(json.dumps(document))
+    return paths
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file with a symmetry breaking, a touch-and-go bifurcation, a fold and an orbit."""
+    fold = next(item for item in read_candidates(DATA / "known-folds.json") if item.id.startswith("michelson"))
+    orbit = read_candidates(DATA / "orbit-candidates.json")[0]
+    proofs = [certify(candidate, LIMITS) for candidate in (known("em1"), known("fs3"), fold, orbit)]
+    assert all(proof.proved for proof in proofs)
+    path = tmp_path_factory.mktemp("rows") / "rows.json"
+    write_certificates(path, proofs)
+    return path
+
+
+def reports(paths: list[Path], folder: Path) -> dict[str, str]:
+    """What is written about certificates, by format."""
+    targets = {suffix: folder / f"report.{suffix}" for suffix in ("html", "tex", "md")}
+    outputs = [word for target in targets.values() for word in ("-o", str(target))]
+    assert main([*map(str, paths), *outputs, "--quiet"]) == 0
+    return {suffix: target.read_text("utf-8") for suffix, target in targets.items()}
+
+
+@pytest.mark.parametrize("kind", ATLASES)
+def test_every_kind_of_atlas_is_told_in_every_format(kind: str, written: dict[str, Path], tmp_path: Path) -> None:
+    (entry,) = check_files([written[kind]])
+    assert isinstance(entry, CheckedAtlas)
+    for text in reports([written[kind]], tmp_path).values():
+        assert text.count(entry.atlas.id) > 2
+        for piece in entry.atlas.pieces:
+            assert piece.id in text
+    drawn = tmp_path / "report-pictures"
+    known = entry.atlas.system.name in BRANCH_SYSTEMS
+    assert {path.suffix for path in drawn.glob("*")} == ({".pdf", ".png"} if known else set())
+
+
+def test_every_kind_of_row_is_told_in_every_format(rows: Path, tmp_path: Path) -> None:
+    for text in reports([rows], tmp_path).values():
+        for words in ("Symmetry breaking", "Touch-and-go", "Fold", "periodic orbit"):
+            assert words in text
+
+
+def test_a_curve_with_its_complete_list_is_told_in_every_format(tmp_path: Path) -> None:
+    certificate = tmp_path / "curve.json"
+    source = str(DATA / "atlas-falkner-skan.json")
+    assert verify_atlas([source, "-o", str(certificate), "--quiet", "--complete", "12"], atlas_work.stored) == 0
+    for text in reports([certificate], tmp_path).values():
+        assert "list of resonances to k = 12" in text
+
+
+def test_planar_pieces_below_a_surface_have_tubes_and_no_parts(written: dict[str, Path]) -> None:
+    (entry,) = check_files([written["surface"]])
+    assert isinstance(entry, CheckedAtlas)
+    table = piece_table(entry)
+    cells = {str(row[0][0]): dict(zip(table.header, row, strict=True)) for row in table.rows}
+    for piece in entry.atlas.surface_pieces():
+        assert cells[piece.id]["parts"] != ()
+        assert cells[piece.id]["deviation from the polynomial"] == ()
+    for piece in entry.atlas.libration_pieces():
+        assert cells[piece.id]["parts"] == ()
+        assert "of the tube" in str(cells[piece.id]["deviation from the polynomial"])
+
+
+@pytest.mark.parametrize("kind", ["surface", "loop"])
+def test_hypotheses_on_pieces_have_margins(kind: str, written: dict[str, Path]) -> None:
+    (entry,) = check_files([written[kind]])
+    header, rows = hypothesis_table(entry).header, hypothesis_table(entry).rows
+    margins = [str(row[header.index("margin")]) for row in rows]
+    assert any("of the tube" in margin for margin in margins) == (kind == "surface")
+    assert any("widths from 0" in margin for margin in margins) == (kind == "loop")
+
+
+def test_margins_on_an_atlas_are_rounded_to_be_safe() -> None:
+    atlas = read("surface-planar.json")
+    (piece, *_), (planar, *_) = atlas.surface_pieces(), atlas.libration_pieces()
+    ball = arb(0, float(piece.radii[0]) / 3)
+    margin = margin_on_atlas(atlas, "glued", f"p_0 of before in {piece.id}", ball)
+    assert Fraction(margin.split()[2]) >= bounds(ball)[1] / piece.radii[0]
+    assert margin.endswith("R_0")
+    ball = arb(0, float(planar.tube) / 7)
+    margin = margin_on_atlas(atlas, "planar-family", f"vy of the symmetry breaking in {planar.id}", ball)
+    assert Fraction(margin.split()[2]) >= bounds(ball)[1] / planar.tube
+    curve, _ = chain_cases.parabola()
+    covers = curve.claim.covers
+    assert covers is not None
+    margin = margin_on_atlas(curve, "covers", "beginning", arb(float(covers.start) - 0.5, 0.17))
+    assert Fraction(margin.split()[2]) <= Fraction(33, 100)
+    assert margin_on_atlas(curve, "covers", "end", arb(float(covers.end), 0.1)) == ""
+    assert margin_on_atlas(curve, "covers", "end", arb("nan")) == ""
+
+
+def test_neighbouring_pieces_of_a_surface_leave_no_gap_in_its_picture(written: dict[str, Path]) -> None:
+    document = json.loads(written["surface"].read_text())
+    surface = surface_of(AtlasCertificate(read("surface-planar.json"), document))
+    reach = draw_surface(surface).axes[0]
+    assert len(reach.patches) == len(surface.sheets)
+    for bar in reach.patches:
+        assert bar.get_linewidth() == 0.0
+
+
+def insets_and_curves(figure: Figure) -> tuple[list[Any], np.ndarray[Any, Any]]:
+    """Where insets lie with their labels, and what else is drawn in the first panel, in pixels."""
+    figure.canvas.draw()
+    axes = figure.axes[0]
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    curves = [line for line in axes.get_lines() if len(line.get_xydata()) > 2]
+    lines = [line.get_transform().transform(line.get_xydata()) for line in curves]
+    return [inset.get_tightbbox(renderer) for inset in axes.child_axes], np.concatenate(lines)
+
+
+def test_insets_hide_no_part_of_a_loop() -> None:
+    document = loop()
+    whole = Curve.of(AtlasCertificate(chain_cases.symmetric_loop()[0], document))
+    marks = [CertifiedPoint(f"point {n}", "period_tupling", 2, "p000", n / 10, False) for n in (1, 2, 3, 4)]
+    near = replace(marks[0], id="near", s=0.102)
+    curve = replace(whole, marks=(marks[0], near, *marks[1:]))
+    boxes, drawn = insets_and_curves(draw_curves([curve]))
+    assert len(boxes) == 2
+    for box in boxes:
+        assert not any(box.contains(*point) for point in drawn)
