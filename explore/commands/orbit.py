@@ -151,6 +151,7 @@ def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
                 OrbitTask(
                     options.id or item.title.replace(" ", "-"), system, item.family.problem.parameters, equation,
                     tuple(map(float, item.family.orbits[0].centre("first"))), options.digits, {},
+                    item.family.orbits[0].crossings,
                 )
                 for item in found
             ]  # fmt: skip
@@ -352,6 +353,7 @@ def _is_refined(task: OrbitTask, candidate: Candidate) -> bool:
         candidate.system == task.system
         and dict(candidate.parameters) == dict(task.parameters)
         and (task.equation is None or candidate.equation == task.equation)
+        and candidate.crossings == task.crossings
         and candidate.provenance.get("digits") == task.digits
         and all(abs(float(c) - g) < 1e-2 for c, g in zip(candidate.centre, task.guess, strict=True))
     )

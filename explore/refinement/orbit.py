@@ -40,6 +40,7 @@ class OrbitTask:
         equation: `None` for the coordinate that changes most along the family, at its value in the guess.
         guess: float64 point, in the order of `ReversibleSystem.centre_coordinates`.
         digits: decimal digits of the centre.
+        crossings: of the section in a half orbit, m; P^m stands for P.
     """
 
     id: str
@@ -49,6 +50,7 @@ class OrbitTask:
     guess: tuple[float, ...]
     digits: int
     provenance: Mapping[str, Any]
+    crossings: int = 1
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ def refine_orbit(task: OrbitTask, progress: Progress | None = None) -> Candidate
     if not all(map(isfinite, task.guess)):
         raise RefinementFailure("the guess is not finite")
     try:
-        regularisation = shorter_coordinates(task.system, task.parameters, task.guess)
+        regularisation = shorter_coordinates(task.system, task.parameters, task.guess, task.crossings)
         if task.equation is None:
             task = replace(task, equation=_along_family(task, regularisation))
         return _refined(task, regularisation, report)
@@ -147,7 +149,9 @@ def _linearised(
     values = [context.mpf(u.numerator) / u.denominator for u in point]
     start, parameter = start_jets(system, values, directions, basis)
     crossing = next(
-        section_crossings(system, task.parameters, start, parameter, context, regularisation=regularisation)
+        section_crossings(
+            system, task.parameters, start, parameter, context, regularisation=regularisation, every=task.crossings
+        )
     )
     image = section_jets(system, crossing, parameter)
     equation = task.equation
@@ -189,6 +193,7 @@ def _candidate(task: OrbitTask, point: Sequence[Fraction], bits: int, spread: fl
         frame=_unit(size),
         kernel_frame=_unit(size - 1),
         radii=(Fraction(1, 2**exponent),) * size,
+        crossings=task.crossings,
         equation=equation,
         provenance={"digits": task.digits, "newton_steps": steps, **task.provenance},
     )

@@ -95,8 +95,8 @@ def _stability_at(task: OrbitTask, equation: Equation, value: Fraction, near: fl
     orbit = refine_orbit(_at(task, equation, value))
     context = working_context(int((task.digits + 10) * 3.33))
     try:
-        regularisation = shorter_coordinates(task.system, task.parameters, task.guess)
-        half = half_return(task.system, task.parameters, orbit.centre, context, regularisation)
+        regularisation = shorter_coordinates(task.system, task.parameters, task.guess, task.crossings)
+        half = half_return(task.system, task.parameters, orbit.centre, context, regularisation, task.crossings)
     except IntegrationFailure as failure:
         raise RefinementFailure(str(failure)) from None
     values = stability_parameters(half.derivative, context)

@@ -9,6 +9,7 @@ import numpy as np
 
 from orbitproof.explore.catalogue import ROW, Catalogue
 from orbitproof.explore.families import Family, family_of
+from orbitproof.explore.flow import flow_batch
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, SymmetricOrbit
 from orbitproof.explore.records import FamilyRecord
@@ -61,6 +62,7 @@ def tasks_of_family(family: Family, equation: Equation, id: str, digits: int) ->
             guess=tuple(map(float, orbit.centre("first"))),
             digits=digits,
             provenance={},
+            crossings=orbit.crossings,
         )
         for number, orbit in enumerate(found, start=1)
     ]
@@ -75,11 +77,14 @@ def tasks_of_extrema(record: FamilyRecord, id: str, digits: int) -> list[OrbitTa
             system=record.system,
             parameters=record.parameters,
             equation=None,
-            guess=tuple(map(float, family.orbit_at(extremum.arclength).centre("first"))),
+            guess=tuple(map(float, orbit.centre("first"))),
             digits=digits,
             provenance={"stability_parameter": extremum.stability_parameter},
+            crossings=orbit.crossings,
         )
-        for number, extremum in enumerate(record.extrema, start=1)
+        for number, (extremum, orbit) in enumerate(
+            ((each, family.orbit_at(each.arclength)) for each in record.extrema), start=1
+        )
     ]
 
 
@@ -88,8 +93,15 @@ def tasks_of_catalogue(
 ) -> tuple[list[OrbitTask], list[str]]:
     """Orbits near rows of a catalogue, counted from 1, to be refined; and which rows do not start on Fix(R)."""
     tasks, failures = [], []
+    chosen = np.array(rows) - 1
+    half = flow_batch(
+        CR3BP,
+        catalogue.states[chosen],
+        0.5 * catalogue.periods[chosen],
+        np.full((len(rows), 1), float(catalogue.mass_ratio)),
+    )
     odd = [index for index, sign in enumerate(CR3BP.reversing_symmetry) if sign == -1]
-    for row in rows:
+    for row, crossings in zip(rows, half.crossings, strict=True):
         state = catalogue.states[row - 1]
         if np.max(np.abs(state[odd])) > _OFF_SYMMETRY:
             failures.append(f"row {row} does not start in the plane of symmetry")
@@ -103,6 +115,7 @@ def tasks_of_catalogue(
                 guess=tuple(float(state[index]) for index in CR3BP.fixed_coordinates),
                 digits=digits,
                 provenance={"catalogue": catalogue.title, "row": row},
+                crossings=int(crossings),
             )
         )
     return tasks, failures

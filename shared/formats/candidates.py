@@ -196,8 +196,6 @@ def _check_equation(candidate: Candidate, equation: Equation, refuse: Callable[[
         refuse(_EQUATION_VALUE, "a half period is positive", "give a positive number")
     if candidate.symmetry is not None or candidate.level_sign is not None:
         refuse("equation", "the orbit is given in the coordinates of Fix(R)", "leave symmetry and parameter out")
-    if candidate.crossings != 1:
-        refuse("crossings", "the half orbit of a claim about one orbit meets the section once", "leave it out")
     if system.normalised:
         refuse("equation", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
 

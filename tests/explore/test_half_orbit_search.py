@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from orbitproof import explore
+from orbitproof.explore.families import Family
 from orbitproof.explore.refinement.newton import RefinementFailure, refine
-from orbitproof.shared.formats import load_system, read_candidates
+from orbitproof.explore.refinement.orbit import refine_orbit
+from orbitproof.explore.search import tasks_of_family
+from orbitproof.shared.formats import COORDINATE, Equation, load_system, read_candidates
 from orbitproof.shared.systems import ReversibleSystem
 
 ROOT = Path(__file__).parents[2]
@@ -21,15 +26,20 @@ def michelson() -> ReversibleSystem:
     return load_system(ROOT / "docs" / "examples" / "michelson.py")
 
 
-def test_the_search_says_where_the_number_of_crossings_changes(michelson: ReversibleSystem) -> None:
-    traced = explore.trace_from(michelson, {"c": 0.6, "y": -0.076}, bounds={"c": (0.58, 0.75)}, quiet=True)
-    family = traced._traced.family
-    assert {orbit.crossings for orbit in family.orbits} == {1, 2}
-    (line,) = family.tangencies
+@pytest.fixture(scope="module")
+def traced(michelson: ReversibleSystem) -> Family:
+    """A family on which the number of crossings changes."""
+    found = explore.trace_from(michelson, {"c": 0.6, "y": -0.076}, bounds={"c": (0.58, 0.75)}, quiet=True)
+    return found._traced.family
+
+
+def test_the_search_says_where_the_number_of_crossings_changes(traced: Family) -> None:
+    assert {orbit.crossings for orbit in traced.orbits} == {1, 2}
+    (line,) = traced.tangencies
     assert "becomes tangent to the section" in line
     # The first point passes y = 0 there, on either side of which orbits leave the section in another direction.
-    for left, right in zip(family.arclengths, family.arclengths[1:], strict=False):
-        orbit = family.orbit_at(left + 0.9 * (right - left))
+    for left, right in pairwise(orbit.arclength for orbit in traced.orbits):
+        orbit = traced.orbit_at(left + 0.9 * (right - left))
         assert orbit.crossings == (1 if orbit.unknowns[1] > 0 else 2)
 
 
@@ -45,3 +55,17 @@ def test_a_point_is_refined_with_its_number_of_crossings_and_not_with_another(
     assert max(gaps) < Fraction(1, 10**30)
     with pytest.raises(RefinementFailure):
         refine(michelson, {}, known.kind, known.k, guess, digits=30)
+
+
+def test_an_orbit_of_a_family_is_refined_with_its_number_of_crossings_and_not_with_another(traced: Family) -> None:
+    counts = []
+    for speed in ("0.59", "0.7"):
+        for task in tasks_of_family(traced, Equation(COORDINATE, Fraction(speed), "c"), "orbit", 30):
+            candidate = refine_orbit(task)
+            assert candidate.crossings == task.crossings
+            assert abs(float(candidate.centre[1]) - task.guess[1]) < 1e-6
+            counts.append(task.crossings)
+            if task.crossings == 2:
+                with pytest.raises(RefinementFailure):
+                    refine_orbit(replace(task, crossings=1))
+    assert set(counts) == {1, 2}

@@ -31,6 +31,7 @@ from orbitproof.verify.evidence import (
     symmetric,
 )
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, is_regular
+from orbitproof.verify.poincare import check_half_orbit
 
 _NEWTON_STEPS = 8
 
@@ -114,8 +115,7 @@ def check_enclosures(
                 all(t.box[index].overlaps(t.centre[index]) is True for t in tables for index in indices),
                 "an enclosure at the centre is disjoint from that over the box; a bound is wrong",
             )
-    if crossings > 1:
-        _check_half_orbit(checklist, iterates[: crossings - 1])
+    check_half_orbit(checklist, iterates[: crossings - 1])
     return Problem(
         k=k,
         radii=radii,
@@ -125,18 +125,6 @@ def check_enclosures(
         ),
         first_integral=None if first_integral is None else BoxFunction(first_integral),
     )
-
-
-def _check_half_orbit(checklist: Checklist, before: Sequence[Sequence[DerivativeTable]]) -> None:
-    """No point of the box is mapped into Fix(R) `before` its half orbit is said to end (section 8.8)."""
-    statement = f"no point of the box has P^i in Fix(R) for an i <= {len(before)}: some q_j of P^i has no zero there"
-    with checklist.hypothesis("half-orbit", "8.8", statement, "claim fewer crossings, or a smaller box") as evidence:
-        for i, components in enumerate(before, start=1):
-            values = [table.box[(0,) * len(next(iter(table.box)))] for table in components]
-            apart = [j for j, value in enumerate(values) if excludes_zero(value)]
-            for j in apart[:1] or range(len(values)):
-                evidence.record(f"q_{j + 1}(P^{i})", values[j])
-            evidence.require(bool(apart), f"P^{i} may map points of the box into Fix(R)")
 
 
 def check_family(checklist: Checklist, problem: Problem) -> PeriodTwoFamily:

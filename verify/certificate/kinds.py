@@ -70,8 +70,12 @@ def _numbers(found: Enclosures) -> dict[str, arb]:
 
 
 def _orbit_numbers(found: OrbitEnclosures) -> dict[str, arb]:
-    tables = {f"q_{j}(P)": table for j, table in enumerate(found.iterates[0], start=1)}
-    tables |= {f"coordinate {j} of P": table for j, table in enumerate(found.image, start=1)}
+    tables = {
+        f"q_{j}(P^{i})": table
+        for i, components in enumerate(found.iterates, start=1)
+        for j, table in enumerate(components, start=1)
+    }
+    tables |= {f"coordinate {j} of the image": table for j, table in enumerate(found.image, start=1)}
     tables["the half period"] = found.half_period
     if found.first_integral is not None:
         tables["the first integral"] = found.first_integral

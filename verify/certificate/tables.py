@@ -91,8 +91,8 @@ def _orbit_from_json(entry: Mapping[str, Any], dimension: int, computation: Mapp
         distance = Distance(start, end, far["start_kind"], far["end_kind"], between)
     return OrbitEnclosures(
         tuple(
-            tuple(_table_from_json(table, dimension, f"q_{j}(P)") for j, table in enumerate(components, start=1))
-            for components in entry["iterates"]
+            tuple(_table_from_json(table, dimension, f"q_{j}(P^{i})") for j, table in enumerate(components, start=1))
+            for i, components in enumerate(entry["iterates"], start=1)
         ),
         tuple(_table_from_json(table, dimension, f"coordinate {j} of P") for j, table in enumerate(entry["image"], 1)),
         _table_from_json(entry["half_period"], dimension, "the half period"),

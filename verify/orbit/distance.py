@@ -34,17 +34,24 @@ class Approach:
 
 @dataclass(frozen=True)
 class Step:
-    """What is known over one step, theta in [0, 1]: quantity, rate and second derivative, and the system's time."""
+    """What is known over one step, theta in [0, 1].
+
+    Attributes:
+        value, rate, curvature: the quantity and its derivatives by the time of the integration, functions of theta.
+        length: of the step, in that time: a derivative by theta is so many times that by time.
+        time: the system's time at a theta.
+    """
 
     value: InTime
     rate: InTime
     curvature: InTime
+    length: arb
     time: Callable[[arb], arb]
 
     def zero(self, left: arb, right: arb) -> Approach | None:
         """Where the rate vanishes on [left, right], its derivative having one sign there; `None` if nowhere."""
         where = left.union(right)
-        turn = self.curvature.value(where)
+        turn = self.length * self.curvature.value(where)
         for _ in range(_NEWTON_STEPS):
             middle = where.mid()
             image = middle - self.rate.value(middle) / turn
@@ -53,8 +60,8 @@ class Step:
             if image.overlaps(where) is not True:
                 return None
             where = meet(where, image)
-            turn = meet(turn, self.curvature.value(where))
-        value = self.value.value(where.mid()) + self.rate.value(where) * (where - where.mid())
+            turn = meet(turn, self.length * self.curvature.value(where))
+        value = self.value.value(where.mid()) + self.length * self.rate.value(where) * (where - where.mid())
         return Approach(self.time(where), meet(self.value.value(where), value), sign(turn))
 
 

@@ -55,11 +55,11 @@ class OrbitEnclosures:
     """What two integrations prove about the orbits of a box.
 
     Attributes:
-        iterates: derivatives of q_1, .., q_n of P, as one tuple, like those of `poincare.Enclosures`.
-        image: derivatives of the coordinates on Fix(R) of P, in the order of `centre_coordinates`.
-        half_period: derivatives of the time of P.
+        iterates: derivatives of q_1, .., q_n of P, .., P^m, one tuple each, m the crossings of a half orbit.
+        image: derivatives of the coordinates on Fix(R) of P^m, in the order of `centre_coordinates`.
+        half_period: derivatives of the time of P^m.
         first_integral: derivatives of the first integral on Fix(R); `None` without one.
-        back: rows; derivatives of the coordinates on Fix(R) of P by the same at all points P(x) that lie on Fix(R).
+        back: rows; derivatives of the coordinates on Fix(R) of P^m by the same at all points P^m(x) on Fix(R).
         distance: `None` if the system names none.
         order, precision, steps, coordinates: as in `poincare.Enclosures`; of the first half, all steps.
     """
@@ -111,7 +111,11 @@ class _HalfOrbits:
                 along.cover(*returns.step_taken)
             self.progress(0.25)
 
-        state, _ = returns.next_crossing(after_step)
+        iterates: list[tuple[DerivativeTable, ...]] = []
+        for _ in range(self.candidate.crossings):
+            state, _ = returns.next_crossing(after_step)
+            kernel = kernel_components(system, self.candidate.kernel_frame, state)
+            iterates.append(tuple(map(self._table, kernel)))
         self.progress(0.5)
         image = self._on_fixed_set(state)
         half_period = self._table(returns.return_time)
@@ -122,7 +126,7 @@ class _HalfOrbits:
             distance = Distance(self._distance(box.point), self._distance(other), *kinds, tuple(along.found))
         back, steps = self._back(image)
         return OrbitEnclosures(
-            (tuple(map(self._table, kernel_components(system, self.candidate.kernel_frame, state))),),
+            tuple(iterates),
             tuple(map(self._table, image)),
             half_period,
             None if box.level is None else self._table(box.level),
@@ -154,7 +158,7 @@ class _HalfOrbits:
         return self._table(at_start(program, arguments)[0])
 
     def _back(self, image: Sequence[Series]) -> tuple[tuple[tuple[arb, ...], ...], int]:
-        """Derivatives of P on Fix(R) at its points P(x), by the coordinates of Fix(R), and the number of steps."""
+        """Derivatives of P^m on Fix(R) at its points P^m(x), by the coordinates of Fix(R), and the number of steps."""
         arithmetic, scales = self.box.arithmetic, self.box.scales
         size = len(scales)
         units = [tuple(int(i == j) for i in range(size)) for j in range(size)]
@@ -165,7 +169,7 @@ class _HalfOrbits:
             terms = {(0,) * size: middle, units[row]: scales[row]}
             start[name] = arithmetic.polynomial(terms).widened(radius)
         returns = Returns(self.system, arithmetic, start, self.coordinates)
-        state, _ = returns.next_crossing(lambda _steps: self.progress(0.75))
+        state, _ = returns.half_orbit(self.candidate.crossings, lambda _steps: self.progress(0.75))
         tables = [self._table(element) for element in self._on_fixed_set(state)]
         return tuple(tuple(table.centre[unit] for unit in units) for table in tables), returns.steps
 
@@ -188,10 +192,16 @@ class _Distances:
         """One step, from the integration's time `start` on."""
         functions = evaluate(self.program, [*flow.solution, *self.returns.constants])
         value, rate, curvature = (InTime(element) for element in functions)
-        if self.regularisation is None:
-            step = Step(value, rate, curvature, lambda theta: start + enclose(length) * theta)
-        else:
-            step = Step(value, rate, curvature, InTime(flow.solution[self.regularisation.time_index]).value)
+        whole, regularisation = enclose(length), self.regularisation
+        step = Step(
+            value,
+            rate,
+            curvature,
+            whole,
+            (lambda theta: start + whole * theta)
+            if regularisation is None
+            else InTime(flow.solution[regularisation.time_index]).value,
+        )
         self.along.cover(step)
         self.reached = step.time(arb(1))
 

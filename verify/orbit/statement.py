@@ -20,19 +20,26 @@ _DIGITS = 40
 def orbit_theorem(candidate: Candidate) -> Theorem:
     """What a claim about one orbit says, and the hypotheses that show it, in order."""
     system = candidate.system
-    names = ["symmetries", "frames", "poincare-map", "orbit"]
+    m = candidate.crossings
+    names = ["symmetries", "frames", "poincare-map", *(["half-orbit"] if m > 1 else []), "orbit"]
     names += ["level"] if system.first_integral is not None else []
     names += ["distance"] if system.squared_distance is not None else []
     fixed = ", ".join(candidate.parameters)
     where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
     return Theorem(
         f"In the box there is exactly one point x of Fix(R) with P(x) in Fix(R) and {_equation(candidate)}, P the "
-        f"Poincare map of the {where} and T(x) the time from x to P(x). Its orbit is symmetric under R and periodic "
-        "with least period 2 T(x), and meets the section in a period at x and P(x) only. At x the derivative of these "
-        "equations on Fix(R) is regular: near x the points with P(x) in Fix(R) are one regular curve, and the equation "
-        "singles out x transversally. The results enclose what they name for this orbit.",
+        f"{'Poincare map' if m == 1 else f'power {m} of the Poincare map'} of the {where} and T(x) the time from x to "
+        f"P(x). Its orbit is symmetric under R and periodic with least period 2 T(x), and {_meetings(m)}. At x the "
+        "derivative of these equations on Fix(R) is regular: near x the points with P(x) in Fix(R) are one regular "
+        "curve, and the equation singles out x transversally. The results enclose what they name for this orbit.",
         tuple(names),
     )
+
+
+def _meetings(m: int) -> str:
+    if m == 1:
+        return "meets the section in a period at x and P(x) only"
+    return f"meets the section in a period {2 * m} times, of which only x and P(x) are in Fix(R)"
 
 
 def _equation(candidate: Candidate) -> str:

@@ -44,6 +44,7 @@ from orbitproof.verify.newton import BoxFunction, ImplicitGraph
 from orbitproof.verify.orbit.following import Distance, OrbitEnclosures
 from orbitproof.verify.orbit.multipliers import Stability, stability_of
 from orbitproof.verify.orbit.statement import orbit_theorem
+from orbitproof.verify.poincare import check_half_orbit
 
 
 @dataclass(frozen=True)
@@ -148,6 +149,7 @@ def prove_orbit(
     """
     try:
         found = _checked(checklist, candidate, enclosures)
+        check_half_orbit(checklist, found.iterates[:-1])
         graph = _check_newton(checklist, candidate, found)
         results = _results(checklist, candidate, found, graph)
     except NotEstablishedError as error:
@@ -164,15 +166,17 @@ def prove_orbit(
 
 
 def _checked(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures | None) -> OrbitEnclosures:
-    """Every enclosure that is used is there and finite, and the time of P is positive."""
-    size = len(candidate.radii)
-    statement = "P exists on the box, and at its image on Fix(R), with finite enclosures of its derivatives"
+    """Every enclosure that is used is there and finite, and the half period is positive."""
+    size, m = len(candidate.radii), candidate.crossings
+    power = "P" if m == 1 else f"P, .., P^{m}"
+    verb = "exists" if m == 1 else "exist"
+    statement = f"{power} {verb} on the box, and at its image on Fix(R), with finite enclosures of its derivatives"
     with checklist.hypothesis("poincare-map", "19.2", statement, "smaller radii or more precision") as evidence:
         evidence.require(found is not None, "there are no enclosures")
         if found is not None:
             system = candidate.system
-            shape = len(found.iterates), *(len(components) for components in found.iterates), len(found.image)
-            evidence.require(shape == (1, size - 1, size), "a component is missing")
+            shape = *(len(components) for components in found.iterates), len(found.image)
+            evidence.require(shape == (*[size - 1] * m, size), "an iterate or a component is missing")
             evidence.require(
                 (found.first_integral is None) == (system.first_integral is None)
                 and (found.distance is None) == (system.squared_distance is None),
@@ -188,8 +192,8 @@ def _checked(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures 
             balls = [ball for row in found.back for ball in row]
             if complete:
                 balls += [part[index] for part in parts for index in indices]
-                time = evidence.record("time of crossing 1", found.half_period.box[(0,) * size])
-                evidence.require(is_positive(time), "the time of P is not positive", needs_precision=True)
+                time = evidence.record(f"time of crossing {m}", found.half_period.box[(0,) * size])
+                evidence.require(is_positive(time), "the half period is not positive", needs_precision=True)
             evidence.require(all_finite(balls), "an enclosure is not finite", needs_precision=True)
     assert found is not None
     return found
@@ -203,11 +207,12 @@ def _tables(found: OrbitEnclosures) -> list[DerivativeTable]:
 
 
 def _check_newton(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures) -> ImplicitGraph:
-    """One zero of (pi_q P, quantity - value) in the box."""
-    statement = "interval Newton: (pi_q P, the equation) = 0 has one solution inside the box"
+    """One zero of (pi_q P^m, quantity - value) in the box."""
+    power = "P" if candidate.crossings == 1 else f"P^{candidate.crossings}"
+    statement = f"interval Newton: (pi_q {power}, the equation) = 0 has one solution inside the box"
     remedy = "move the centre to the orbit, or choose smaller radii"
     with checklist.hypothesis("orbit", "19.2", statement, remedy) as evidence:
-        functions = (*(BoxFunction(table) for table in found.iterates[0]), BoxFunction(_equation(candidate, found)))
+        functions = (*(BoxFunction(table) for table in found.iterates[-1]), BoxFunction(_equation(candidate, found)))
         box = tuple(symmetric(radius) for radius in candidate.radii)
         graph = ImplicitGraph(functions, box, 0)
         for row, entries in enumerate(graph.derivative_matrix(box), start=1):
@@ -305,7 +310,7 @@ def _check_level(checklist: Checklist, integral: BoxFunction, where: Sequence[ar
 
 
 def _own_derivatives(candidate: Candidate, image: Sequence[BoxFunction], where: Sequence[arb]) -> list[list[arb]]:
-    """Derivatives of P's coordinates on Fix(R) by those on Fix(R), at the point."""
+    """Derivatives of the image's coordinates on Fix(R) by those on Fix(R), at the point."""
     rows = inverse(candidate.frame)
     assert rows is not None
     columns = list(zip(*rows, strict=True))

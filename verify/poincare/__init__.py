@@ -3,6 +3,7 @@
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates
 from orbitproof.verify.poincare.crossing import InTime
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
+from orbitproof.verify.poincare.half_orbit import check_half_orbit
 from orbitproof.verify.poincare.iterates import (
     BOX_RATIO,
     Box,
@@ -36,6 +37,7 @@ __all__ = [
     "Returns",
     "at_start",
     "box_of",
+    "check_half_orbit",
     "check_size",
     "default_order",
     "derivative_table",
