@@ -106,11 +106,10 @@ def continue_family(
         states = problem.samples(last.unknowns)
     except FlowFailure as error:
         raise FamilyFailure(f"the last orbit cannot be integrated: {error}") from None
-    if (
-        family.outcome == "closed"
-        or family.reason.startswith(RETRACES)
-        or limits.reached(problem, last, states) is not None
-    ):
+    reached = limits.reached(problem, last, states)
+    if reached is not None and len(family.orbits) == 1:
+        return replace(family, reason=f"{reached}, which its first orbit has passed ({describe(problem, last)})")
+    if family.outcome == "closed" or family.reason.startswith(RETRACES) or reached is not None:
         return family
     if len(family.orbits) > 1 and in_fixed_space(problem, last):
         return family

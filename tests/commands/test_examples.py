@@ -9,9 +9,13 @@ import subprocess
 import sys
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
+import mpmath
 import pytest
+from flint import arb, ctx, fmpq
 from matplotlib.text import Text
+from mpmath import mpf
 
 from orbitproof.explore.__main__ import main as explore_main
 from orbitproof.figures.model.family_file import read_families
@@ -22,6 +26,7 @@ from orbitproof.verify import certify
 from orbitproof.verify.__main__ import main as verify_main
 from orbitproof.verify.claim import quadratic_coefficient
 from orbitproof.verify.curve.tube import lower_end, upper_end
+from orbitproof.verify.evidence import ball_from_json
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
 PAGE = (EXAMPLES / "README.md").read_text("utf-8")
@@ -62,6 +67,64 @@ def test_a_published_number_is_confirmed(
     assert proof.parameter is not None
     ends = factor * lower_end(proof.parameter), factor * upper_end(proof.parameter)
     assert published[0] <= ends[0] <= ends[1] <= published[1]
+
+
+def orbit_proof(system: str, words: list[str], folder: Path) -> dict[str, Any]:
+    """The results of the certificate of an orbit."""
+    output = folder / "orbit.json"
+    assert explore_main(["orbit", "--system", str(EXAMPLES / system), *words, "--quiet", "-o", str(output)]) == 0
+    (proof,) = certify(read_candidates(output), quiet=True)
+    assert proof.proved, proof.reason
+    results: dict[str, Any] = proof.to_json()["results"]
+    return results
+
+
+def test_the_moon_without_eccentricity_moves_as_hill_and_newton_say(tmp_path: Path) -> None:
+    month = "0.08084893380831164*3.14159265358979323846264338328"
+    moon = orbit_proof("hill-g.py", ["--start", "p=0.031", "v=0.783", "--period", month], tmp_path)
+    with ctx.workdps(60):
+        low, high = (arb(fmpq(end.numerator, end.denominator)).cos_pi() for end in rounded("1.071583277416012"))
+        assert low < ball_from_json(moon["stability_parameters"][0]["real"]) < high
+        syzygies, quadratures = (abs(ball_from_json(moon[at]["p"])).sqrt() for at in ("point", "other_point"))
+        assert abs(syzygies / (quadratures - syzygies) - 69) < 0.5
+
+
+def elliptic_wave(speed: int) -> tuple[mpf, dict[str, mpf], mpf]:
+    """Half period, values at the ends and H of u = a + b y + 840 y^2, y'^2 = 4 y^3 - g2 y - g3, for P = `speed`."""
+    b = mpf(140 * speed) / 13
+
+    def constant(g2: mpf) -> mpf:
+        return mpf(1) / 2 - 84 * g2 - mpf(31 * speed**2) / 1014
+
+    def remaining(g2: mpf, g3: mpf) -> tuple[mpf, mpf]:
+        a = constant(g2)
+        first = -100800 * g3 - 18 * g2 * b - 2520 * speed * g2 + b - 2 * a * b
+        return first, 1260 * g2**2 - 12 * g3 * b - speed * (b * g2 / 2 + 1680 * g3) + a - a**2
+
+    g2, g3 = mpmath.findroot(remaining, (mpf("0.0069"), mpf("-0.000055") * speed))
+    length = mpmath.sqrt(g2 / 3)
+    angle = mpmath.acos(3 * g3 / (g2 * length))
+    low, middle, high = sorted(length * mpmath.cos((angle + 2 * mpmath.pi * i) / 3) for i in range(3))
+    half = mpmath.ellipk((middle - low) / (high - low)) / mpmath.sqrt(high - low)
+
+    def values(y: mpf) -> tuple[mpf, mpf]:
+        return constant(g2) + b * y + 840 * y**2, b * (6 * y**2 - g2 / 2) + 840 * (20 * y**3 - 3 * g2 * y - 2 * g3)
+
+    (u, u2), (v, v2) = values(low), values(middle)
+    return half, {"u": u, "u2": u2, "other u": v, "other u2": v2}, u**2 / 2 - u**3 / 3 - u2**2 / 2
+
+
+def test_a_periodic_wave_in_elliptic_functions_is_the_certified_one(tmp_path: Path) -> None:
+    with mpmath.workdps(60):
+        half, ends, level = elliptic_wave(-1)
+        start = ["--start", f"u={mpmath.nstr(ends['u'], 7)}", f"u2={mpmath.nstr(ends['u2'], 7)}"]
+        words = ["--parameter", "P=-1", *start, "--at", f"u={mpmath.nstr(ends['u'], 48)}"]
+        wave = orbit_proof("beam.py", words, tmp_path)
+        found = {**wave["point"], **{f"other {name}": ball for name, ball in wave["other_point"].items()}}
+        with ctx.workdps(60):
+            pairs = [(found[name], value) for name, value in ends.items()]
+            for ball, value in [*pairs, (wave["half_period"], half), (wave["level"], level)]:
+                assert abs(ball_from_json(ball) - arb(mpmath.nstr(value, 55))) < 1e-37
 
 
 BRANCHES = {
