@@ -25,10 +25,10 @@ _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}", re.ASCII)
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
     "level_coordinate", "reversors", "reversor",
-    "fixed_level",
+    "fixed_level", "squared_distance", "distance_name",
 )  # fmt: skip
 KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
-"""What a description has; the last eleven may be missing."""
+"""What a description has; those after the section may be missing."""
 
 _INTERNED: dict[str, ReversibleSystem] = {}
 
@@ -40,7 +40,7 @@ class DescriptionError(ValueError):
 def describe(system: ReversibleSystem) -> str | dict[str, Any]:
     """The description of a system as JSON; for one that every installation knows, its name.
 
-    The vector field and the first integral are programs as text.
+    The vector field, the first integral and the squared distance are programs as text.
     """
     if BRANCH_SYSTEMS.get(system.name) is system:
         return system.name
@@ -65,7 +65,7 @@ def describe(system: ReversibleSystem) -> str | dict[str, Any]:
         "symmetries": {name: list(signs) for name, signs in system.symmetries.items()},
         "section": system.section,
     }
-    integral, level = system.first_integral_program, system.fixed_level
+    integral, level, distance = system.first_integral_program, system.fixed_level, system.squared_distance_program
     optional = {
         "family_parameter": system.family_parameter,
         "first_integral": None if integral is None else integral.text(),
@@ -73,6 +73,8 @@ def describe(system: ReversibleSystem) -> str | dict[str, Any]:
         "level_coordinate": system.level_coordinate,
         "fixed_level": None if level is None else {"value": str(level.value), "sign": level.sign},
         "reversors": {name: list(each.signs) for name, each in system.reversors.items()} or None,
+        "squared_distance": None if distance is None else distance.text(),
+        "distance_name": system.distance_name,
     }
     entry |= {key: value for key, value in optional.items() if value is not None}
     _INTERNED.setdefault(_text(entry), system)
@@ -118,7 +120,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
     name = entry["name"]
     if not isinstance(name, str) or _NAME.fullmatch(name) is None:
         raise DescriptionError(f"name: {name!r} is no name; use letters, digits, - and _, a letter first")
-    for key in ("title", "first_integral_name"):
+    for key in ("title", "first_integral_name", "distance_name"):
         text = entry.get(key)
         if text is not None and (not isinstance(text, str) or not text.isprintable() or not 0 < len(text) <= 200):
             raise DescriptionError(f"{key}: {text!r} is no title; give one line of text")
@@ -127,7 +129,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
     variables = (*state, *ranges)
     _distinct("parameters", variables)
     functions = _Functions(state, tuple(ranges), entry.get("where", {}))
-    integral = entry.get("first_integral")
+    integral, distance = entry.get("first_integral"), entry.get("squared_distance")
     try:
         system = ReversibleSystem(
             name=name,
@@ -146,6 +148,8 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
             level_coordinate=entry.get("level_coordinate"),
             fixed_level=_level(entry.get("fixed_level")),
+            squared_distance=None if distance is None else functions.function("squared_distance", distance, None),
+            distance_name=None if distance is None else entry.get("distance_name") or "the body",
             reversors={
                 _name("reversors", key): Reversor(_signs(f"reversors.{key}", signs, state), f"{key}")
                 for key, signs in _mapping("reversors", entry.get("reversors", {})).items()

@@ -1,4 +1,4 @@
-"""What is wrong with a system: symmetries and first integral at sample points, in floating point.
+"""What is wrong with a system: symmetries, first integral and distance at sample points, in floating point.
 
 No proof: the verifier shows the same as identities. This finds a mistake before a search does, and names it.
 """
@@ -30,7 +30,15 @@ def fault(system: ReversibleSystem) -> str | None:
 
 
 def _faults(system: ReversibleSystem, points: Sequence[tuple[Numbers, Numbers]]) -> Iterator[str]:
-    integral = system.first_integral_program
+    integral, distance = system.first_integral_program, system.squared_distance_program
+    if distance is not None:
+        for x, parameters in points:
+            image = [sign * value for sign, value in zip(system.reversing_symmetry, x, strict=True)]
+            (value,), (other,) = (_values(distance, [*state, *parameters]) for state in (x, image))
+            if not _agree(value, other):
+                yield f"squared_distance: R changes it, at {_place(system, x)}; correct it or R"
+            if value < 0:
+                yield f"squared_distance: it is negative at {_place(system, x)}; give the sum of squares"
     for label, signs, orientation in (
         ("R", system.reversing_symmetry, -1),
         *((f"reversors.{name}", reversor.signs, -1) for name, reversor in system.reversors.items()),
@@ -89,7 +97,8 @@ def _place(system: ReversibleSystem, x: Numbers) -> str:
 def _points(system: ReversibleSystem) -> Iterator[tuple[Numbers, Numbers]]:
     """Points at which the field, its images and the first integral can be evaluated."""
     source = random.Random(1)
-    programs = [program for program in (system.program, system.first_integral_program) if program is not None]
+    named = (system.program, system.first_integral_program, system.squared_distance_program)
+    programs = [program for program in named if program is not None]
     further = [reversor.signs for reversor in system.reversors.values()]
     images = (system.reversing_symmetry, *further, *system.symmetries.values())
     found = 0

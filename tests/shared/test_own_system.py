@@ -70,7 +70,10 @@ def test_a_python_function_and_a_formula_give_the_same_values() -> None:
     assert list(one.vector_field([1.5, 2.0, 3.0], [0.5])) == [2.0, 3.0, 0.25 - 2.0 - 1.125]
 
 
-@pytest.mark.parametrize("entry", [MICHELSON, HENON], ids=["michelson", "henon-heiles"])
+FAR = changed(HENON, name="henon-far", squared_distance="square", distance_name="the origin")
+
+
+@pytest.mark.parametrize("entry", [MICHELSON, HENON, FAR], ids=["michelson", "henon-heiles", "with a distance"])
 def test_a_system_that_goes_through_a_pipe_or_a_file_comes_out_as_itself(entry: dict[str, Any]) -> None:
     system = described(entry)
     assert fault(system) is None
@@ -119,6 +122,10 @@ def vars_of(system: ReversibleSystem) -> dict[str, Any]:
         (changed(MICHELSON, parameters=["x"]), ("parameters", "twice")),
         (changed(MICHELSON, parameters={"c": ["2", "1"]}), ("parameters.c", "empty range")),
         (changed(MICHELSON, R={"u": -1}), ("R.u",)),
+        (changed(HENON, squared_distance="(x - 1)**2 + y**2"), ("squared_distance", "R changes it")),
+        (changed(HENON, squared_distance="x**2 + y**2 - 9"), ("squared_distance", "negative")),
+        (changed(HENON, squared_distance="x**2 + q**2"), ("squared_distance", "'q'", "unknown")),
+        (changed(HENON, squared_distance="square", distance_name=""), ("distance_name",)),
         (changed(MICHELSON, colour="red"), ("colour",)),
     ],
 )  # fmt: skip
