@@ -211,12 +211,17 @@ def half_width(geometry: BranchGeometry, digits: int, k: int, lost_bits: int, sa
     """The half-width of P_1 for which third derivatives are enclosed sharply.
 
     Along an orbit that loses many bits (`lost_bits`, near a collision), over many returns, and where the new
-    branch is strongly curved, the part of the map beyond third order is amplified, and the box is made smaller.
-    The curvature says so only if p_0 and p_1 are coordinates of one kind (`same_units`), not if p_0 is a parameter.
+    branch is strongly curved, the part of the map beyond third order is amplified, and the box is made smaller:
+    by less where the derivative of G_k that it is compared with is large itself. These sizes say so only if p_0 and
+    p_1 are coordinates of one kind (`same_units`), not if p_0 is a parameter.
     """
-    amplified = float(max(0, lost_bits - EASY_LOSS_BITS) + 4 * max(0, k - 4))
-    if same_units and k > 1 and geometry.branch_curvature:
-        amplified += max(0.0, 2 * log2(abs(geometry.branch_curvature)) - EASY_CURVATURE_BITS)
+    lost = float(max(0, lost_bits - EASY_LOSS_BITS))
+    amplified = lost + 4 * max(0, k - 4)
+    if same_units and k > 1:
+        compared = abs(geometry.second if geometry.third is None else geometry.third)
+        amplified -= min(lost / 2, log2(max(1.0, compared)))
+        if geometry.branch_curvature:
+            amplified += max(0.0, 2 * log2(abs(geometry.branch_curvature)) - EASY_CURVATURE_BITS)
     return float(10.0 ** (-digits / 3) * 4.0**-amplified)
 
 

@@ -269,3 +269,35 @@ def test_rounding_of_products_is_accounted_for_in_both_directions(value: int) ->
     rounded, lost = arithmetic.round_product(fmpz_poly([value] * 4), 0)
     change = sum(abs(Fraction(value, 2**100) - int(rounded[n])) for n in range(4)) / 2**100
     assert 0 < change <= Fraction(lost)
+
+
+def test_bits_that_are_cut_from_factors_are_accounted_for() -> None:
+    """Section 2.2: factors of very unequal size, with all cut bits set, so that the changes add up."""
+    source = random.Random("cuts")
+    arithmetic = Arithmetic(Grading((1,), 1), 200, 0, 5)
+    shares = []
+    for _ in range(1000):
+        sizes = source.choices([2, 60, 120, 195, 200], k=2)
+        left, right = ([(2**size - 1) * source.choice([1, 1, -1])] * 3 for size in sizes)
+        value, lost = arithmetic.product_slice([fmpz_poly(left)], [fmpz_poly(right)], 0)
+        exact = fmpz_poly(left) * fmpz_poly(right)
+        rounded, allowed_by_rounding = arithmetic.round_product(exact, 0)
+        change = sum(abs(Fraction(int(exact[n]), 2**200) - int(value[n])) for n in range(6)) / 2**200
+        assert change <= Fraction(lost)
+        shares.append((value != rounded, lost > 1.01 * allowed_by_rounding))
+    assert all(cut for changed, cut in shares if changed)
+    assert 100 < sum(cut for _, cut in shares) < 900
+
+
+def test_a_cut_changes_a_product_by_at_most_a_sixteenth_of_its_rounding() -> None:
+    source = random.Random("a cut")
+    arithmetic = Arithmetic(Grading((1,), 1), 200, 0, 30)
+    largest = Fraction(0)
+    for _ in range(1000):
+        other = fmpz_poly([source.randrange(2**60) for _ in range(31)])
+        factor = fmpz_poly([source.randrange(2**200) | (2**120 - 1) for _ in range(31)])
+        product, cuts = arithmetic._product(other, factor)
+        change = sum(abs(int(c)) for c in (other * factor - product).coeffs())
+        largest = max(largest, Fraction(change, 31 * 2**200))
+        assert cuts == 1
+    assert Fraction(1, 1000) < largest <= Fraction(1, 16)

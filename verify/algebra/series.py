@@ -24,6 +24,12 @@ from orbitproof.verify.evidence import GUARD_BITS
 ZERO = fmpz_poly([])
 _HEAD = 8
 
+_CUTS_IN_A_UNIT = 16
+"""What a factor that is cut changes is at most this part of what a product may change by rounding."""
+
+_WORTH_CUTTING = 24
+"""Fewer bits than so many are not cut off."""
+
 
 @dataclass(frozen=True)
 class Arithmetic:
@@ -170,14 +176,32 @@ class Arithmetic:
         """The known part of one monomial of a product and a bound for what rounding and truncation lost."""
         exact: fmpz_poly | None = None
         square = left is right
+        cuts = 0
         for i, j in self.grading.factors[position]:
             a, b = left[i], right[j]
             if a.length() and b.length() and (i <= j or not square):
-                term = a * b if i == j or not square else (a * b) * 2
+                term, number = self._product(a, b)
+                times = 1 if i == j or not square else 2
+                cuts += times * number
+                term = term if times == 1 else term * times
                 exact = term if exact is None else exact + term
         if exact is None:
             return ZERO, 0.0
-        return self.round_product(exact, position)
+        value, lost = self.round_product(exact, position)
+        return value, inflate(lost + cuts * self.rounding[self.grading.grades[position]] / _CUTS_IN_A_UNIT)
+
+    def _product(self, left: fmpz_poly, right: fmpz_poly) -> tuple[fmpz_poly, int]:
+        """A product without bits of the factors far below its unit, and how many factors were cut (section 2.2)."""
+        left, first = self._cut_for(right, left, 0)
+        right, second = self._cut_for(left, right, first)
+        product = left * right
+        return (product * fmpz(1 << first + second), (first > 0) + (second > 0)) if first or second else (product, 0)
+
+    def _cut_for(self, other: fmpz_poly, factor: fmpz_poly, shift: int) -> tuple[fmpz_poly, int]:
+        """A factor without the bits that do not matter in its product with other * 2^shift, and their number."""
+        size = int(other.height_bits()) + shift + other.length().bit_length()
+        bits = self.bits - size - _CUTS_IN_A_UNIT.bit_length()
+        return (factor // fmpz(1 << bits), bits) if bits >= _WORTH_CUTTING else (factor, 0)
 
 
 class Series:

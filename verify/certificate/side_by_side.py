@@ -14,7 +14,7 @@ from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
 from orbitproof.verify.certificate.levels import Finding, Recheck
-from orbitproof.verify.certificate.precision import Limits
+from orbitproof.verify.certificate.precision import Limits, first_precision
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.engines import Answer, Engine, Failure, Processes, Progress, Report, Task
 from orbitproof.verify.evidence import Reason
@@ -32,12 +32,12 @@ def certify_all(
 ) -> None:
     """Certify every candidate and hand each certificate to `finished`, in the order in which they are done.
 
-    They are done by `engine`, or by `jobs` processes of this machine. There a row takes at most the time limit and
-    `engines.GRACE_SECONDS`; what became of a process that was ended, or that ended by itself, is the reason of its
-    row.
+    They are done by `engine`, or by `jobs` processes of this machine, those first that are thought to take longest.
+    There a row takes at most the time limit and `engines.GRACE_SECONDS`; what became of a process that was ended, or
+    that ended by itself, is the reason of its row.
     """
     known = {candidate.id: candidate for candidate in candidates}
-    waiting = deque(candidates)
+    waiting = deque(sorted(candidates, key=partial(_expected_work, limits), reverse=True))
 
     def source() -> Task | None:
         if not waiting:
@@ -49,6 +49,11 @@ def certify_all(
         finished(_certificate(known[answer.task.name], answer))
 
     (engine or Processes(jobs, limits.timeout)).run(certify_task, source, progress, answered)
+
+
+def _expected_work(limits: Limits, candidate: Candidate) -> int:
+    """What an integration takes, in units that do not matter."""
+    return candidate.crossings * candidate.k * first_precision(candidate, limits.digits) ** 2
 
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
