@@ -177,9 +177,8 @@ class DistanceAlongCurve:
         cells = [Cells.of(step.value) for step in steps]
         inside = np.array([(cell.lower.min(axis=0), cell.upper.max(axis=0)) for cell in cells])
         at_times = np.array([(cell.upper_at_times.min(axis=0), cell.lower_at_times.max(axis=0)) for cell in cells])
-        ends = [(HERE, end, True), (THERE, start, False)]
-        nearest = self._taken(steps, ends, 1)
-        farthest = self._taken(steps, ends, -1)
+        sides = [_Side.of(HERE, steps, self._known(end), True), _Side.of(THERE, steps, self._known(start), False)]
+        nearest, farthest = _taken(sides, 1), _taken(sides, -1)
         return tuple(
             Extremes(
                 _outward(inside[:, 0, part].min(), at_times[:, 0, part].min()),
@@ -190,28 +189,49 @@ class DistanceAlongCurve:
             for part in range(PARTS)
         )
 
-    def _taken(self, steps: Sequence[_Step], ends: Sequence[tuple[str, Series, bool]], sign: int) -> list[str]:
-        """At which end of the orbits the distance is least (sign 1) or greatest (-1), for each part."""
-        places = [ALONG] * PARTS
-        for name, end, backwards in ends:
-            known = self.arithmetic.polynomial({(0,): known_part(end, 0)}).widened(error_of(end))
-            shown = _is_extremal(steps, known, backwards, sign)
-            places = [name if is_shown else place for is_shown, place in zip(shown, places, strict=True)]
-        return places
+    def _known(self, end: Series) -> Series:
+        """A function of sigma as one of theta and sigma."""
+        return self.arithmetic.polynomial({(0,): known_part(end, 0)}).widened(error_of(end))
 
 
-def _is_extremal(steps: Sequence[_Step], end: Series, backwards: bool, sign: int) -> list[bool]:
-    """Whether the distance is least (sign 1) or greatest (-1) at this end of the orbits, part by part (Lemma 18.7)."""
-    beside, holds = [True] * PARTS, [True] * PARTS
-    for step in reversed(steps) if backwards else steps:
-        away = Cells.of(step.value - end).signs
-        for cell in reversed(range(_GRID)) if backwards else range(_GRID):
-            for part in range(PARTS):
-                beside[part] = beside[part] and step.curvature[cell][part] == sign
-                holds[part] = holds[part] and (beside[part] or away[cell][part] == sign)
-        if not any(holds):
-            break
-    return [is_shown and not at_end for is_shown, at_end in zip(holds, beside, strict=True)]
+@dataclass(frozen=True)
+class _Side:
+    """The cells of all steps, in their order from one end of the half orbits.
+
+    Attributes:
+        name: of the point of Fix(R) at this end.
+        steps: in this order.
+        rows: of the cells of a step, in this order.
+        away: signs of the distance less that at this end; shape (cells, parts).
+    """
+
+    name: str
+    steps: Sequence[_Step]
+    rows: range
+    away: Floats
+
+    @classmethod
+    def of(cls, name: str, steps: Sequence[_Step], distance: Series, backwards: bool) -> _Side:
+        """With the distance at this end, that of `x(s)` if `backwards`."""
+        ordered = list(reversed(steps)) if backwards else steps
+        rows = range(_GRID - 1, -1, -1) if backwards else range(_GRID)
+        away = [np.array(Cells.of(step.value - distance).signs, dtype=float)[rows] for step in ordered]
+        return cls(name, ordered, rows, np.concatenate(away))
+
+    def has_extreme(self, part: int, sign: int) -> bool:
+        """Whether the distance is least (sign 1) or greatest (-1) at this end of the orbits (Lemma 18.7)."""
+        beside = 1 + int(np.flatnonzero(self.away[:, part] != sign).max(initial=0))
+        # The second derivative is found for a step when it is asked for: few steps are.
+        return beside < len(self.away) and all(self._curvature(cell)[part] == sign for cell in range(beside))
+
+    def _curvature(self, cell: int) -> list[int]:
+        step, row = divmod(cell, _GRID)
+        return self.steps[step].curvature[self.rows[row]]
+
+
+def _taken(sides: Sequence[_Side], sign: int) -> list[str]:
+    """At which end of the orbits the distance is least (sign 1) or greatest (-1), for each part."""
+    return [next((side.name for side in sides if side.has_extreme(part, sign)), ALONG) for part in range(PARTS)]
 
 
 @dataclass(frozen=True)
