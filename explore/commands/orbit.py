@@ -44,6 +44,7 @@ examples:
   orbitproof explore orbit --family L2-halo --mass earth-moon --mirror --period 1.5 -o candidate.json
   orbitproof explore orbit --family L2-halo --mass 0.01215 --period '29.530588*86400/375200*2/9' -o candidate.json
   orbitproof explore orbit --from-family families.json --family earth-moon-L2-halo --extrema -o extrema.json
+  orbitproof explore orbit --family L2-vertical --mass earth-moon --at z=0.1 -o vertical.json
   orbitproof explore orbit --from-catalogue halo.json --every 10 -o candidates.json
   orbitproof explore orbit --from-catalogue halo.json --certificates certificates.json
   orbitproof verify candidate.json -o certificate.json

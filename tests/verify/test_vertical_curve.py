@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.formats import read_atlas, read_candidates
+from orbitproof.verify.certificate import Limits
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
 from orbitproof.verify.curve.piece import prove_piece
 from orbitproof.verify.curve.theorem import conclude
 
@@ -28,6 +31,13 @@ def test_an_arc_of_the_vertical_family_is_one_curve_and_none_with_another_number
     assert conclusion.is_proved
     assert "z takes all values from 0.1 to 0.12" in conclusion.statement
     assert "the half orbits from Fix(R) to Fix(R) meet the section 2 times" in conclusion.statement
+    # One certified orbit lies on it; a certificate that counts crossings differently says nothing of it.
+    certificate = certify(read_candidates(ATLAS.with_name("orbit-vertical.json"))[0], Limits(digits=12))
+    (entry,) = conclude(atlas, results, [certificate]).bifurcations
+    assert entry.place is not None
+    assert entry.place.piece == "p001"
+    other = replace(atlas, claim=replace(atlas.claim, crossings=1))
+    assert place_bifurcation(other, None, certificate).reason.startswith("its half orbits meet the section 2 times")
     once = prove_piece(atlas.system, atlas.parameters, piece, WHOLE)
     assert not once.is_proved
     beside = replace(piece, centre=(piece.centre[0] + Fraction(1, 10**6), *piece.centre[1:]))
