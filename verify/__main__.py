@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import ORBIT, Candidate, InputError, check_writable, read_candidates
+from orbitproof.shared.formats import ORBIT, Candidate, InputError, check_writable, read_candidates, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
@@ -17,6 +17,7 @@ from orbitproof.verify.certificate import (
     Limits,
     Recheck,
     certify_all,
+    expected_work,
     is_proof_of,
     read_certificates,
     recheck_all,
@@ -63,7 +64,7 @@ def _parser() -> ArgumentParser:
     parser = ArgumentParser("orbitproof verify", _DESCRIPTION, _EXAMPLES)
     parser.add_argument("file", type=Path, help="candidates file (JSON); with --recheck, certificates file")
     parser.add_argument("-o", "--output", type=Path, help="certificates file; rows are saved as they finish")
-    parser.add_argument("--only", nargs="+", metavar="ID", help="verify these candidates only")
+    parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
     bits, words = whole(LEAST_PRECISION, GREATEST_PRECISION), "never use more bits (default: %(default)s)"
     parser.number("--max-precision", "BITS", words, bits, Limits.max_precision)
     words = "certain digits of the parameter to aim for (default: %(default)s)"
@@ -108,7 +109,8 @@ def _run(options: argparse.Namespace) -> int:
 
         curve = read_atlas_certificate(options.curve)
     everything = read_candidates(options.file)
-    selected = _select(everything, options.only, options.file)
+    known = {candidate.id: candidate for candidate in everything}
+    selected = [known[name] for name in select_ids(known, options.only, "candidate")]
     earlier: dict[str, Certificate] = {}
     if options.output is not None:
         check_writable(options.output)
@@ -120,8 +122,8 @@ def _run(options: argparse.Namespace) -> int:
     kept = frozenset(c.id for c in reusable if is_proof_of(earlier[c.id], c))
     pending = [candidate for candidate in selected if candidate.id not in kept]
     fresh: set[str] = set()
-    # A crossing more is an integration more, so k is a fair measure of the work.
-    display = Display({candidate.id: float(candidate.k) for candidate in pending}, options.quiet)
+    limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
+    display = Display({candidate.id: expected_work(candidate, limits) for candidate in pending}, options.quiet)
     if kept:
         display.message(f"{len(kept)} of {len(selected)} proved already, kept (--fresh verifies again)")
 
@@ -135,7 +137,6 @@ def _run(options: argparse.Namespace) -> int:
         save()
         display.finish(certificate.id, f"{certificate.verdict}, {certificate.computation.seconds:.1f} s")
 
-    limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
     interrupted = False
     unsaved: InputError | None = None
     try:
@@ -170,10 +171,7 @@ def _recheck(options: argparse.Namespace) -> int:
     if options.scheduler is not None:
         raise InputError("--scheduler: certificates are checked again on this machine; give --jobs instead")
     stored = read_certificates(options.file)
-    for name in options.only or ():
-        if name not in stored:
-            raise InputError(f"{options.file}: --only: no certificate {name!r}; its ids are: {', '.join(stored)}")
-    selected = [entry for name, entry in stored.items() if options.only is None or name in options.only]
+    selected = [stored[name] for name in select_ids(stored, options.only, "certificate")]
     display = Display({entry.id: _work(entry, options.integrate) for entry in selected}, options.quiet)
     done: dict[str, Recheck] = {}
 
@@ -221,16 +219,6 @@ def _with_places(
 def _work(certificate: Certificate, integrate: bool) -> float:
     """A measure of the work that checking again takes: the time of the first integration."""
     return certificate.computation.seconds + 0.1 if integrate else 1.0
-
-
-def _select(candidates: Sequence[Candidate], names: Sequence[str] | None, path: Path) -> list[Candidate]:
-    if names is None:
-        return list(candidates)
-    known = {candidate.id for candidate in candidates}
-    for name in names:
-        if name not in known:
-            raise InputError(f"{path}: --only: no candidate {name!r}; its ids are: {', '.join(sorted(known))}")
-    return [candidate for candidate in candidates if candidate.id in names]
 
 
 def _earlier(path: Path, candidates: Sequence[Candidate]) -> dict[str, Certificate]:

@@ -19,7 +19,7 @@ from typing import Any
 
 from flint import arb, arb_mat, fmpq
 
-from orbitproof.shared.formats import InputError, check_writable, read_document, write_text
+from orbitproof.shared.formats import InputError, check_writable, read_document, select_ids, write_text
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = ArgumentParser("orbitproof verify --second-proof", _DESCRIPTION, _EXAMPLES)
     parser.add_argument("file", type=Path, help="certificates file (JSON)")
     parser.add_argument("-o", "--output", type=Path, help="file of second proofs; rows are saved as they finish")
-    parser.add_argument("--only", nargs="+", metavar="ID", help="only these rows")
+    parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
     parser.number("--jobs", "N", "rows side by side, each in a process of its own (default: 1)", whole(1), 1)
     parser.number("--row-timeout", "SECONDS", "give a row up after this time", positive_seconds, None)
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
@@ -184,10 +184,7 @@ def _run(options: argparse.Namespace) -> int:
 def _selected(path: Path, names: Sequence[str] | None) -> dict[str, Row]:
     """The certificates of a file by id, or some of them. Raises `InputError`."""
     certificates: dict[str, Row] = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
-    for name in names or ():
-        if name not in certificates:
-            raise InputError(f"{path}: --only: no certificate {name!r}; its ids are: {', '.join(certificates)}")
-    chosen = {name: entry for name, entry in certificates.items() if names is None or name in names}
+    chosen = {name: certificates[name] for name in select_ids(certificates, names, "certificate")}
     for name, entry in chosen.items():
         try:
             with suppress(CannotFollow):

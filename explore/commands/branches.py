@@ -20,6 +20,7 @@ from orbitproof.shared.formats import (
     check_writable,
     read_candidates,
     read_document,
+    select_ids,
     validate_document,
 )
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -64,7 +65,7 @@ def add_parser(commands: Any) -> None:
         commands, "branches", "switch onto the new orbits at bifurcation points and follow them", _EXAMPLES
     )
     parser.add_argument("points", type=Path, metavar="FILE", help="candidates or certificates file")
-    parser.add_argument("--only", nargs="+", metavar="ID", help="these points of the file (default: all)")
+    parser.add_argument("--only", nargs="+", metavar="ID", help="these points only (with * and ? as in file names)")
     parser.add_argument(
         "--length",
         type=float,
@@ -90,7 +91,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--length {options.length}: give a number in (0, 100]")
     if not 4 <= options.orbits <= 10_000:
         raise InputError(f"--orbits {options.orbits}: give a whole number from 4 to 10000")
-    claims = _selected(read_claims(options.points), options.only, options.points)
+    known = {claim.candidate.id: claim for claim in read_claims(options.points)}
+    claims = [known[name] for name in select_ids(known, options.only, "point")]
     check_writable(options.output)
     from orbitproof.explore.branches import write_branches
     from orbitproof.explore.engines import Reporter
@@ -144,17 +146,6 @@ def _format(path: Path) -> object:
     except (OSError, ValueError, RecursionError):
         return None
     return document.get("format") if isinstance(document, dict) else None
-
-
-def _selected(claims: Sequence[Claim], names: Sequence[str] | None, path: Path) -> list[Claim]:
-    if names is None:
-        return list(claims)
-    known = {claim.candidate.id: claim for claim in claims}
-    for name in names:
-        if name not in known:
-            some = ", ".join(list(known)[:4]) + (", .." if len(known) > 4 else "")
-            raise InputError(f"--only {name}: no such point in {path}; it has {some or 'none'}")
-    return [known[name] for name in dict.fromkeys(names)]
 
 
 def _branch(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.files import add_file_options, check_folder
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, select_ids
 
 _EXAMPLES = """\
 examples:
@@ -34,7 +34,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files")
     parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="folder for the pictures")
-    parser.add_argument("--only", nargs="+", metavar="NAME", help="these pictures (default: all)")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="these pictures (with * and ?; default: all)")
     parser.add_argument("--list", action="store_true", help="list the pictures and the data they need, draw nothing")
     parser.add_argument("--quiet", action="store_true", help="no messages on standard error but what is not drawn")
     add_file_options(parser)
@@ -47,11 +47,8 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.figures.collection import PICTURES, DataFolder, MissingData
     from orbitproof.figures.model import OrbitNotClosed
 
-    names = [picture.name for picture in PICTURES]
-    unknown = [name for name in options.only or [] if name not in names]
-    if unknown:
-        raise InputError(f"--only {unknown[0]}: no such picture; known: {', '.join(names)}")
-    chosen = [picture for picture in PICTURES if options.only is None or picture.name in options.only]
+    known = {picture.name: picture for picture in PICTURES}
+    chosen = [known[name] for name in select_ids(known, options.only, "picture")]
     if options.list:
         for picture in chosen:
             print(f"{picture.name}: {picture.shows}; needs {', '.join(picture.data) or 'no data'}")

@@ -10,7 +10,7 @@ from typing import Any
 
 from orbitproof.figures.collection import STEPS, Step
 from orbitproof.figures.files import check_folder
-from orbitproof.shared.formats import InputError, write_text
+from orbitproof.shared.formats import select_ids, write_text
 from orbitproof.shared.interrupts import INTERRUPTED, bound_to_this
 
 _EXAMPLES = """\
@@ -38,7 +38,7 @@ def add_parser(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of data files, created if need be")
-    parser.add_argument("--only", nargs="+", metavar="FILE", help="these files, by name (default: all)")
+    parser.add_argument("--only", nargs="+", metavar="FILE", help="these files, by name (with * and ?; default: all)")
     parser.add_argument("--dry-run", action="store_true", help="print the commands that would be run, run nothing")
     parser.set_defaults(run=run)
 
@@ -46,12 +46,10 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the commands whose products are missing; returns the exit code. Raises `InputError`."""
     known = [name for step in STEPS for name in step.products]
-    unknown = [name for name in options.only or [] if name not in known]
-    if unknown:
-        raise InputError(f"--only {unknown[0]}: no such data file; known: {', '.join(known)}")
+    chosen = set(select_ids(known, options.only, "data file"))
     check_folder(options.data)
     unfinished = _read_unfinished(options.data)
-    steps = [step for step in STEPS if options.only is None or set(step.products) & set(options.only)]
+    steps = [step for step in STEPS if chosen.intersection(step.products)]
     missing = [step for step in steps if _is_missing(step, options.data) or step.products[0] in unfinished]
     if options.dry_run:
         for step in missing:

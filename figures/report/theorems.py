@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_document
+from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_document, select_ids
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, conclusion_of, order_of, recheck_atlas
 from orbitproof.verify.bifurcation import level_form
@@ -72,11 +71,9 @@ def check_files(paths: Sequence[Path], only: Sequence[str] | None = None, quiet:
     if not entries:
         raise InputError(f"{paths[0]}: holds no certificates; prove something first")
     names = [_name(entry) for _, entry in entries]
-    for pattern in only or ():
-        if not any(fnmatchcase(name, pattern) for name in names):
-            raise InputError(f"--only {pattern}: no such certificate; the ids are: {', '.join(names)}")
     if only is not None:
-        entries = [entry for entry in entries if any(fnmatchcase(_name(entry[1]), pattern) for pattern in only)]
+        chosen = set(select_ids(names, only, "certificate"))
+        entries = [entry for entry in entries if _name(entry[1]) in chosen]
         names = [_name(entry) for _, entry in entries]
     for (path, _), name in zip(entries, names, strict=True):
         if names.count(name) > 1:

@@ -34,6 +34,7 @@ from orbitproof.shared.formats.pieces import (
     is_regular,
     piece_from_json,
 )
+from orbitproof.shared.formats.selection import select_ids
 from orbitproof.shared.formats.systems import load_system
 
 __all__ = [
@@ -67,6 +68,7 @@ __all__ = [
     "read_candidates",
     "read_document",
     "read_system",
+    "select_ids",
     "validate_document",
     "write_atlas",
     "write_bytes",

@@ -220,7 +220,7 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path, capsys: Any, monk
     assert "--only" in refused(capsys, source, "--only", "x")
     certificates = str(ROOT / "tests" / "data" / "figures-certificates.json")
     text = refused(capsys, source, "--bifurcations", certificates, "--only", "halo-*", "none-such")
-    assert "--only none-such: no such bifurcation; the ids are: " in text
+    assert "--only none-such: no such bifurcation; known: " in text
     assert "is in another file too" in refused(capsys, source, "--bifurcations", certificates, certificates)
     assert "--integrate" in refused(capsys, source, "--integrate")
     assert "too small" in refused(capsys, source, "--precision", "3")

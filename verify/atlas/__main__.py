@@ -6,11 +6,10 @@ import argparse
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import SURFACE, Atlas, InputError, check_writable, read_atlas, read_document
+from orbitproof.shared.formats import SURFACE, Atlas, InputError, check_writable, read_atlas, read_document, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.verify.atlas.certificate import (
     SCHEMA,
@@ -200,13 +199,7 @@ def _bifurcations(options: argparse.Namespace, is_surface: bool) -> list[Certifi
             if name in found:
                 raise InputError(f"{path}: {name!r} is in another file too; give each certificate once")
             found[name] = certificate
-    if options.only is None:
-        return list(found.values())
-    for pattern in options.only:
-        # A pattern may well match nothing, an id may not.
-        if not any(fnmatchcase(name, pattern) for name in found) and not set(pattern) & set("*?["):
-            raise InputError(f"--only {pattern}: no such bifurcation; the ids are: {', '.join(found)}")
-    return [entry for name, entry in found.items() if any(fnmatchcase(name, pattern) for pattern in options.only)]
+    return [found[name] for name in select_ids(found, options.only, "bifurcation", or_none=True)]
 
 
 def _conclude(

@@ -32,7 +32,7 @@ from orbitproof.verify.certificate.rechecking import (
     recheck,
     statement_differences,
 )
-from orbitproof.verify.certificate.side_by_side import certify_all, recheck_all
+from orbitproof.verify.certificate.side_by_side import certify_all, expected_work, recheck_all
 from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
 from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table
@@ -59,6 +59,7 @@ __all__ = [
     "differences",
     "digest",
     "digest_findings",
+    "expected_work",
     "is_proof_of",
     "named_as",
     "other_hypotheses",

@@ -37,7 +37,7 @@ def certify_all(
     that ended by itself, is the reason of its row.
     """
     known = {candidate.id: candidate for candidate in candidates}
-    waiting = deque(sorted(candidates, key=partial(_expected_work, limits), reverse=True))
+    waiting = deque(sorted(candidates, key=lambda row: expected_work(row, limits), reverse=True))
 
     def source() -> Task | None:
         if not waiting:
@@ -51,9 +51,9 @@ def certify_all(
     (engine or Processes(jobs, limits.timeout)).run(certify_task, source, progress, answered)
 
 
-def _expected_work(limits: Limits, candidate: Candidate) -> int:
-    """What an integration takes, in units that do not matter."""
-    return candidate.crossings * candidate.k * first_precision(candidate, limits.digits) ** 2
+def expected_work(candidate: Candidate, limits: Limits) -> float:
+    """What a proof takes, in units that do not matter: one integration more for each crossing."""
+    return float(candidate.crossings * candidate.k * first_precision(candidate, limits.digits) ** 2)
 
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
