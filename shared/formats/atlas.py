@@ -216,7 +216,9 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
             refuse(f"increasing[{position}]", f"{name!r}", f"name each coordinate once; {system.name} has: {wanted}")
     crossings = entry.get("crossings", 1)
     if crossings != 1 and (kind == SURFACE or system.normalised):
-        refuse("crossings", f"{crossings}", "leave it out: on surfaces and around libration points it is 1")
+        where = "on a surface" if kind == SURFACE else "around a libration point"
+        remedy = "leave it out if half orbits meet the section once; others are claimed in arcs and loops"
+        refuse("crossings", f"{crossings} {where}, where it can only be 1", remedy)
     if "covers" not in entry:
         return Claim(kind, symmetry, increasing, None, crossings)
     name = entry["covers"]["coordinate"]

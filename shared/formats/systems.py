@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import runpy
 from collections.abc import Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -44,4 +45,8 @@ def _definitions(path: Path) -> Mapping[str, Any]:
     except (Exception, SystemExit) as error:
         line = " ".join(f"{type(error).__name__}: {error}".split())
         raise InputError(f"{path}: cannot be run: {line}; correct the file") from None
+    for name, value in names.items():
+        near = [] if name in KEYS or name.startswith("_") or callable(value) else get_close_matches(name, KEYS, 1, 0.75)
+        if near:
+            raise InputError(f"{path}: {name}: is no key; write {near[0]}, or begin a name of your own with _")
     return {key: names[key] for key in KEYS if key in names}

@@ -156,7 +156,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             },
         )
         chosen = entry.get("reversor")
-        return system if chosen is None else system.under(chosen)
+        return system if chosen is None else system.under(_name("reversor", chosen))
     except DescriptionError:
         raise
     except (TypeError, ValueError) as error:

@@ -67,7 +67,7 @@ class _Reader:
         match node:
             case ast.Name(id=name):
                 if name not in self.values:
-                    known = ", ".join(self.values)
+                    known = ", ".join(self.values) or "none"
                     raise FormulaError(f"the name {name!r} in {_quoted(self.source)} is unknown; known: {known}")
                 return self.values[name]
             case ast.Constant():

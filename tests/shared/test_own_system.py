@@ -195,3 +195,49 @@ def test_what_is_no_description_is_refused(value: Any) -> None:
 def test_the_examples_are_short_and_hold(path: Path) -> None:
     assert len(path.read_text("utf-8").splitlines()) <= 30
     assert load_system(path).name == path.stem
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "line"),
+    [
+        ("michelson", 'name = "michelson"\n', "", "name: missing"),
+        ("michelson", 'title = "Michelson system"', "title = 3", "title: 3 is no title"),
+        ("michelson", "family_parameter", "famly_parameter", "famly_parameter: is no key; write family_parameter"),
+        ("michelson", "title =", 'reversor = {"T": {"x": -1}}\ntitle =', "reversor: {'T': {'x': -1}} is no name"),
+        ("michelson", "title =", 'symmetrys = {"T": {"x": -1}}\ntitle =', "symmetrys: is no key; write symmetries"),
+        ("michelson", "c**2 - y", "c**y", "field.z: an exponent in 'c**y - x**2/2' is no constant"),
+        ("hill", 'where = {"pull"', 'where = {"x"', "where.x: is a coordinate"),
+        ("hill", "y**2 + z**2)**(-3/2)", "y**2 + q**2)**(-3/2)", "where.pull: the name 'q'"),
+        ("hill", '"S": {"z": -1, "vz": -1}', '"S": {"z": -1}', "field.z: does not commute with S"),
+        ("hill", '"S": {"z": -1', '"S": {"z": 0', "symmetries.S: [1, 1, 0, 1, 1, -1] is no list of signs"),
+        ("hill", '"3*x**2 - z**2', '"2*x**2 - z**2', "first_integral: it is not conserved"),
+        ("hill", '"Jacobi constant"', "4", "first_integral_name: 4 is no title"),
+        ("hill", 'coordinate = "vy"', 'coordinate = "x"', "level_coordinate: the first integral is not A + b x^2"),
+        ("henon-heiles", '"T": {"vx": -1, "vy": -1}', '"T": {"vx": -1}', "reversors.T: section: R must negate"),
+        ("henon-heiles", '"T": {"vx": -1', '"T": {"q": 1, "vx": -1', "reversors.T.q: no state coordinate"),
+        ("henon-heiles", '"T": {"vx": -1', '"T": {"y": -1, "vx": -1', "reversors.T: Fix(R) has the wrong dimension"),
+        ("beam-level", '"sign": 1', '"sign": 2', "fixed_level: {'value': 0, 'sign': 2} is no level"),
+        ("beam-level", '"value": 0', '"value": "h"', "fixed_level.value: the name 'h' in 'h' is unknown; known: none"),
+        ("beam-level", 'level_coordinate = "u2"\n', "", "fixed_level: needs family_parameter, level_coordinate"),
+        ("beam-level", 'fixed_level = {"value": 0, "sign": 1}\n', "", "family_parameter and first_integral; more than"),
+    ],
+)
+def test_an_error_in_any_clause_of_an_example_is_named_in_one_line(
+    name: str, right: str, wrong: str, line: str, tmp_path: Path
+) -> None:
+    text = (EXAMPLES / f"{name}.py").read_text("utf-8")
+    assert right in text
+    file = tmp_path / f"{name}.py"
+    file.write_text(text.replace(right, wrong), "utf-8")
+    with pytest.raises(InputError) as error:
+        load_system(file)
+    assert str(error.value).startswith(str(file))
+    assert line in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_file_may_have_names_of_its_own(tmp_path: Path) -> None:
+    text = (EXAMPLES / "michelson.py").read_text("utf-8")
+    file = tmp_path / "own.py"
+    file.write_text(f"import math\n_names = 3\nspeed = 2\n\ndef states():\n    return math.pi\n\n{text}", "utf-8")
+    assert load_system(file).state == ("x", "y", "z")
