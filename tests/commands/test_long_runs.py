@@ -103,7 +103,7 @@ def test_where_ctrl_c_is_ignored_from_the_start_it_stays_ignored_and_sigterm_wor
 @pytest.mark.parametrize("sent", ["SIGKILL", "SIGTERM"])
 def test_workers_end_when_the_command_is_gone(sent: str, tmp_path: Path) -> None:
     source, target = tmp_path / "candidates.json", tmp_path / "certificates.json"
-    write(source, TRUE, ENDLESS, {**ENDLESS, "id": "second"})
+    write(source, TRUE, ENDLESS)
     with started(command(source, target, "2")) as run:
         wait_until(target.exists)
         found = wait_until(lambda: workers(run.pid))

@@ -32,12 +32,15 @@ def certify_all(
 ) -> None:
     """Certify every candidate and hand each certificate to `finished`, in the order in which they are done.
 
-    They are done by `engine`, or by `jobs` processes of this machine, those first that are thought to take longest.
-    There a row takes at most the time limit and `engines.GRACE_SECONDS`; what became of a process that was ended, or
-    that ended by itself, is the reason of its row.
+    They are done by `engine`, or by `jobs` processes of this machine. There a row takes at most the time limit and
+    `engines.GRACE_SECONDS`; what became of a process that was ended, or that ended by itself, is the reason of its
+    row. Where several are done at a time, those come first that are thought to take longest.
     """
     known = {candidate.id: candidate for candidate in candidates}
-    waiting = deque(sorted(candidates, key=lambda row: expected_work(row, limits), reverse=True))
+    engine = engine or Processes(jobs, limits.timeout)
+    waiting = deque(candidates)
+    if not isinstance(engine, Processes) or engine.jobs > 1:
+        waiting = deque(sorted(candidates, key=lambda row: expected_work(row, limits), reverse=True))
 
     def source() -> Task | None:
         if not waiting:
@@ -48,7 +51,7 @@ def certify_all(
     def answered(answer: Answer) -> None:
         finished(_certificate(known[answer.task.name], answer))
 
-    (engine or Processes(jobs, limits.timeout)).run(certify_task, source, progress, answered)
+    engine.run(certify_task, source, progress, answered)
 
 
 def expected_work(candidate: Candidate, limits: Limits) -> float:
