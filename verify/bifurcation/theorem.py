@@ -17,6 +17,7 @@ from orbitproof.verify.bifurcation.conditions import (
     check_reduced_function,
     check_reduction,
     check_transversality,
+    excludes_branches,
     locate,
 )
 from orbitproof.verify.bifurcation.fold import check_fold
@@ -209,7 +210,14 @@ def prove(
         results = _check(candidate, checklist, problem)
     except NotEstablishedError as error:
         reason = error.reason
-        if reason.needs_precision and _fails_sharpened(candidate, problem, reason.condition):
+        if reason.needs_precision and excludes_branches(candidate, problem):
+            message = (
+                f"{reason.message}; and no orbit branches off in the box: every matrix in the interval hull of "
+                f"D_(p_1, p_2) pi_q P^{candidate.k} over it is regular (section 8.2)"
+            )
+            remedy = "are k and the kind right, and is the centre at the bifurcation point?"
+            reason = replace(reason, message=message, remedy=remedy, needs_precision=False, excluded=True)
+        elif reason.needs_precision and _fails_sharpened(candidate, problem, reason.condition):
             message = f"{reason.message}; that is due to the size of the box, which more precision does not change"
             reason = replace(reason, message=message, needs_precision=False)
         return NotProved(reason, tuple(checklist.hypotheses))

@@ -1,0 +1,87 @@
+"""A claim that is refused without another attempt is not proved with more precision; one that is true is never so."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from support.claims import known, moved, with_radii
+
+from orbitproof.shared.formats import FOLD, Candidate
+from orbitproof.verify.certificate.certify import _attempt, certify
+from orbitproof.verify.certificate.kinds import enclose
+from orbitproof.verify.certificate.precision import Limits, Verdict, accuracy_bits, first_precision
+from orbitproof.verify.evidence import NotProved, Proved
+
+DIGITS = 30
+LIMITS = Limits(max_precision=512)
+KINDS = {1: FOLD, 2: "period_tupling", 3: "touch_and_go", 4: "period_tupling", 5: "touch_and_go"}
+
+
+def outcome_with(claim: Candidate, bits: int) -> Verdict:
+    """Of one attempt, in which no wish for accuracy breaks off the integration."""
+    return _attempt(claim, bits, accuracy_bits(claim, 1), lambda fraction: None, enclose).outcome
+
+
+def is_final(outcome: Verdict) -> bool:
+    return isinstance(outcome, NotProved) and not outcome.reason.needs_precision
+
+
+def with_multiplicity(claim: Candidate, k: int) -> Candidate:
+    return replace(claim, kind=KINDS[k], k=k)
+
+
+def false_claims(name: str, number: int) -> Iterator[Candidate]:
+    """A true claim with another multiplicity, kind, centre or size of the box."""
+    source, claim = random.Random(7), known(name)
+    yield from (with_multiplicity(claim, k) for k in (1, 2, 3) if k != claim.k)
+    for _ in range(number):
+        factor = Fraction(source.choice((1, 3, 30, 10**4, 10**9)) * source.choice((-1, 1)))
+        yield moved(claim, source.randrange(2), factor)
+        wide, other = Fraction(2) ** source.randint(0, 24), Fraction(2) ** source.randint(-8, 24)
+        yield with_radii(claim, other, wide)
+        yield with_radii(with_multiplicity(claim, source.randint(2, 3)), wide, other)
+
+
+@pytest.mark.parametrize(
+    ("name", "number"), [("fs2", 2), *(pytest.param(name, 4, marks=pytest.mark.slow) for name in ("fs3", "fs4"))]
+)
+def test_what_is_refused_at_the_first_attempt_is_not_proved_with_more_precision(name: str, number: int) -> None:
+    refused = 0
+    for claim in false_claims(name, number):
+        bits = first_precision(claim, DIGITS)
+        if is_final(outcome_with(claim, bits)):
+            refused += 1
+            assert not isinstance(outcome_with(claim, 2 * bits), Proved), claim
+    assert refused > number
+
+
+@pytest.mark.parametrize("name", ["fs2", "fs3", pytest.param("fs5", marks=pytest.mark.slow), "em1"])
+def test_a_true_claim_is_never_refused_for_good_for_want_of_precision(name: str) -> None:
+    claim = known(name)
+    enough = first_precision(claim, DIGITS)
+    assert isinstance(outcome_with(claim, enough), Proved)
+    starved = [outcome_with(claim, bits) for bits in (enough - 16, enough - 48, enough - 80)]
+    assert any(isinstance(outcome, NotProved) for outcome in starved)
+    assert not any(map(is_final, starved))
+
+
+@pytest.mark.parametrize(("name", "k"), [("fs2", 1), ("fs3", 1), ("fs3", 2), ("fs4", 1), ("fs4", 2), ("fs5", 2)])
+def test_a_wrong_multiplicity_is_excluded_at_the_first_attempt(name: str, k: int) -> None:
+    found = certify(with_multiplicity(known(name), k), LIMITS)
+    assert not found.proved
+    assert found.computation.attempts == 1
+    assert found.reason is not None
+    words = ("no orbit branches off in the box", "there is no such point in the box")
+    assert any(word in found.reason.message for word in words)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "k"), [("em3", 1), ("em4", 1), ("em4", 2), ("em4", 3), ("em2", 1)])
+def test_wrong_multiplicities_of_halo_orbits_are_excluded_too(name: str, k: int) -> None:
+    found = certify(with_multiplicity(known(name), k), LIMITS)
+    assert not found.proved
+    assert found.computation.attempts <= 2
