@@ -56,7 +56,9 @@ def level_form(candidate: Candidate) -> Candidate | None:
     if table is None or not candidate.centre[dropped]:
         return None
     size = len(candidate.radii)
-    slopes = [_derivative(table, size, i) for i in range(size)]
+    # Only bits far above the errors, so that checking again, where something rounds otherwise, finds the same form.
+    unit = Fraction(1, 2 ** (bits // 2))
+    slopes = [round(_derivative(table, size, i) / unit) * unit for i in range(size)]
     if not slopes[0] or not any(candidate.frame[i][0] for i in kept):
         return None
 
@@ -75,7 +77,7 @@ def level_form(candidate: Candidate) -> Candidate | None:
     if unsheared is None:
         return None
     tilt = [sum((a * b for a, b in zip(row, along, strict=True)), Fraction(0)) for row in unsheared]
-    level = round_dyadic(exact_value(table.centre[(0,) * size].mid()), 2 * bits)
+    level = round_dyadic(_derivative(table, size), 3 * bits // 4)
     form = replace(
         candidate,
         centre=(level, *(candidate.centre[i] for i in kept)),
