@@ -6,13 +6,15 @@ from typing import Any
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FixedLocator, MaxNLocator
 
 from orbitproof.figures.model import Array
 from orbitproof.figures.style.style import INK, label_of
 from orbitproof.shared.systems import ReversibleSystem
 
 _MOST_TICKS = 4
+_FLAT = 0.02
+"""A box that is so flat has room for one tick."""
 _NEAR = 0.25
 """A primary is shown if it is at most this part of the box's extent outside the box."""
 
@@ -46,7 +48,10 @@ def set_box(
             axis.set_ticks([])
             continue
         getattr(axes, f"set_{letter}label")(label_of(name, unit=False), labelpad=2 if letter == "z" else 1)
-        axis.set_major_locator(MaxNLocator(max(2, round(_MOST_TICKS * extent[i] / extent.max()))))
+        if extent[i] < _FLAT * extent.max():
+            axis.set_major_locator(FixedLocator([(low[i] + high[i]) / 2]))
+        else:
+            axis.set_major_locator(MaxNLocator(max(2, round(_MOST_TICKS * extent[i] / extent.max()))))
         axes.tick_params(axis=letter, pad=3 if letter == "z" else 0, labelsize=6.5)
 
 

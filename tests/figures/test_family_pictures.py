@@ -27,6 +27,7 @@ from orbitproof.figures.model.family import (
 from orbitproof.figures.model.family_file import read_families
 from orbitproof.figures.model.orbit import OrbitNotClosed, symmetric_orbit
 from orbitproof.figures.pictures.family import draw_family, draw_marks
+from orbitproof.figures.style.space import set_box
 from orbitproof.figures.style.style import close, marker_of, resonances, use_style
 from orbitproof.shared.formats.candidates import InputError, read_candidates
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
@@ -298,3 +299,12 @@ def test_stability_curves_go_on_where_parameters_become_complex() -> None:
     fine = family.refined()
     last = fine.stability[np.isfinite(fine.stability).all(axis=1)][-1]
     assert 0 < last[1] - last[0] < 1e-2
+
+
+def test_a_flat_box_has_one_tick_across() -> None:
+    """More of them would stand on one another, as those of planar orbits did."""
+    for height, ticks in ((0.0, [0.0]), (0.01, [0.0]), (1.0, None)):
+        axes = Figure().add_subplot(projection="3d")
+        set_box(axes, CR3BP, np.array([-1.0, -1.0, -height]), np.array([1.0, 1.0, height]))
+        found = list(axes.get_zticks())
+        assert found == ticks if ticks else len(found) > 2
