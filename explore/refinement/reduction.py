@@ -24,6 +24,9 @@ SAFETY = 8
 """Factor by which a radius exceeds what the curvature of the branch asks for."""
 
 EASY_LOSS_BITS = 12
+FEW_LOST_BITS = 4
+"""A box that is narrower for so many lost bits is not made wider again: the digits asked for take more."""
+
 EASY_CURVATURE_BITS = 8
 
 CENTRE_SHARE = 100
@@ -219,7 +222,7 @@ def half_width(geometry: BranchGeometry, digits: int, k: int, lost_bits: int, sa
     amplified = lost + 4 * max(0, k - 4)
     if same_units and k > 1:
         compared = abs(geometry.second if geometry.third is None else geometry.third)
-        amplified -= min(lost / 2, log2(max(1.0, compared)))
+        amplified -= min(max(0.0, lost - FEW_LOST_BITS) / 2, log2(max(1.0, compared)))
         if geometry.branch_curvature:
             amplified += max(0.0, 2 * log2(abs(geometry.branch_curvature)) - EASY_CURVATURE_BITS)
     return float(10.0 ** (-digits / 3) * 4.0**-amplified)
