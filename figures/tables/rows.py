@@ -25,7 +25,7 @@ from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.certificate import read_certificates
 from orbitproof.verify.evidence import ball_from_json, bounds
 
-_NUMBERED = re.compile(r"-k[0-9]+-[0-9]+(-second)?\Z")
+_NUMBERED = re.compile(r"-(k[0-9]+|fold)-[0-9]+(-second)?\Z")
 _LARGEST_EXPONENT = 150_000
 _PART = re.compile(r"-?[0-9]+(?:\.([0-9]+))?(?:e([+-]?[0-9]+))?\Z")
 

@@ -14,13 +14,14 @@ import pytest
 from flint import arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.claims import known
 from support.table_rows import CANDIDATES, CERTIFICATES, certificates, like, only_section, proved_only
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.tables.intervals import Interval, parse_interval
 from orbitproof.figures.tables.latex import aligned, to_latex
 from orbitproof.figures.tables.published import default_published, read_published
-from orbitproof.figures.tables.rows import CertifiedRow, Enclosure, read_rows
+from orbitproof.figures.tables.rows import CertifiedRow, Enclosure, _family_of, read_rows
 from orbitproof.figures.tables.tables import Table, build_tables
 from orbitproof.figures.tables.text import to_csv, to_markdown, to_text
 from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
@@ -191,3 +192,16 @@ def test_candidates_give_family_and_order(tmp_path: Path, rows: list[CertifiedRo
     assert [table.family for table in placed] == ["falkner-skan orbits", "cr3bp orbits"]
     order = [entry["id"] for entry in document["candidates"] if entry["system"] == "cr3bp"]
     assert [row.id for row in placed[1].sections[0].certified] == [n for n in order[::-1] if n in {r.id for r in rows}]
+
+
+@pytest.mark.parametrize(
+    ("id", "family"),
+    [
+        ("earth-moon-L1-halo-k4-2-second", "L1-halo"),
+        ("sun-jupiter-L2-halo-fold-1", "L2-halo"),
+        ("cr3bp-L3-halo-k10-12", "L3-halo"),
+        ("a-guess", "cr3bp"),
+    ],
+)
+def test_the_id_tells_the_family(id: str, family: str) -> None:
+    assert _family_of(replace(known("em1"), id=id)) == family
