@@ -31,6 +31,8 @@ from orbitproof.verify.evidence.balls_as_text import (
     count_certain_digits,
     decimal_interval,
     exact_value,
+    located,
+    range_text,
 )
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.failure import IntegrationFailure
@@ -86,6 +88,19 @@ def test_decimals_are_rounded_outward(ball: arb, digits: int) -> None:
     assert low <= lower <= upper <= high
     size = max(abs(lower), abs(upper))
     assert high - low <= (upper - lower) + 2 * max((upper - lower) / 5, size * F(10) ** (2 - digits))
+
+
+@given(balls, st.integers(3, 60))
+def test_both_ends_of_a_range_keep_their_digits(ball: arb, digits: int) -> None:
+    lower, upper = bounds(ball)
+    low, high = ends(range_text(ball, digits))
+    assert lower - abs(lower) * F(10) ** (1 - digits) <= low <= lower
+    assert upper <= high <= upper + abs(upper) * F(10) ** (1 - digits)
+
+
+def test_what_is_zero_is_said_to_be_zero() -> None:
+    assert located("z", arb(0), 20) == "z = 0"
+    assert located("z", arb(2), 20).startswith("z in [2")
 
 
 @given(balls, st.integers(3, 60))

@@ -64,7 +64,7 @@ def test_the_symmetric_loop_meets_the_plane_in_two_points_whose_enclosures_are_r
             assert lower <= value <= upper
             assert upper - lower < Fraction(1, 10**8)
     assert "exactly two points" in conclusion.statement
-    assert "half periods lie in [2.74, 3.26]" in conclusion.statement
+    assert "half periods lie in [2.749, 3.251]" in conclusion.statement
 
 
 def test_joints_are_where_the_pieces_overlap() -> None:

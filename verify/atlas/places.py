@@ -12,7 +12,7 @@ from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.atlas.recheck import Means, order_of, recheck_atlas
 from orbitproof.verify.certificate import PLACE_IS_OPEN, Certificate, Finding, Level, Recheck, differences, recheck
 from orbitproof.verify.curve import Bifurcation, conclude
-from orbitproof.verify.evidence import ball_to_json, interval_text
+from orbitproof.verify.evidence import ball_to_json, located
 
 _DIGITS = 18
 
@@ -116,8 +116,8 @@ def _placed(
             continue
         which = "its other point on Fix(R) lies" if entry.place.other_point else "lies"
         mirror = " (as its mirror image)" if entry.place.mirrored else ""
-        s = interval_text(entry.place.s, _DIGITS)
-        line = f"{entry.id}: {which} on the proved curve {name}{mirror}, piece {entry.place.piece}, s in {s}"
+        where = f"piece {entry.place.piece}, {located('s', entry.place.s, _DIGITS)}"
+        line = f"{entry.id}: {which} on the proved curve {name}{mirror}, {where}"
         yield orbit, _to_json(curve, entry), line
 
 
@@ -126,7 +126,6 @@ def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
     assert place is not None
     point = "P(x)" if place.other_point else "x"
     mirror = f"The image under {curve.atlas.claim.symmetry} of the" if place.mirrored else "The"
-    s = interval_text(place.s, _DIGITS)
     return {
         "rests_on": rests_on,
         "piece": place.piece,
@@ -134,7 +133,7 @@ def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
         "mirrored": place.mirrored,
         "other_point": place.other_point,
         "statement": f"{mirror} point {point} lies on the curve that the certificate {rests_on['id']} "
-        f"({rests_on['digest']}) proves, on its piece {place.piece} at an s in {s}.",
+        f"({rests_on['digest']}) proves, on its piece {place.piece}, at {located('s', place.s, _DIGITS)}.",
     }
 
 

@@ -20,7 +20,7 @@ from orbitproof.verify.evidence import (
     enclose,
     exact_text,
     guarded,
-    interval_text,
+    located,
     symmetric,
 )
 from orbitproof.verify.orbit import OrbitResults, orbit_in_full
@@ -159,7 +159,7 @@ _SIDES = {
 
 
 def _found(found: Located, claim: Candidate) -> Sequence[str]:
-    where = ", ".join(f"{name} in {interval_text(ball, _DIGITS)}" for name, ball in found.point.items())
+    where = ", ".join(located(name, ball, _DIGITS) for name, ball in found.point.items())
     parameter = "not finite" if found.parameter is None else decimal_interval(found.parameter, _DIGITS)
     return [
         f"The bifurcation point has {where}.",

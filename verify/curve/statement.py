@@ -12,7 +12,7 @@ from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Ends
 from orbitproof.verify.curve.lyapunov_family import libration_units, meaning
-from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text
+from orbitproof.verify.evidence import exact_text, interval_text, range_text
 
 _DIGITS = 18
 
@@ -33,7 +33,7 @@ def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
     if further:
         paragraphs.append(further)
     if half_period.is_finite():
-        paragraphs.append(f"All half periods lie in {decimal_interval(half_period, 6)}.")
+        paragraphs.append(f"All half periods lie in {range_text(half_period, 4)}.")
     return "\n".join(paragraphs)
 
 

@@ -11,6 +11,8 @@ from orbitproof.verify.evidence.balls_as_text import (
     exact_text,
     exact_value,
     interval_text,
+    located,
+    range_text,
 )
 from orbitproof.verify.evidence.comparisons import (
     EmptyIntersectionError,
@@ -94,9 +96,11 @@ __all__ = [
     "is_inside",
     "is_outside",
     "is_positive",
+    "located",
     "meet",
     "outcome_to_json",
     "power",
+    "range_text",
     "show",
     "sign",
     "software",

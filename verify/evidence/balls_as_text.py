@@ -89,6 +89,24 @@ def interval_text(ball: arb, digits: int) -> str:
     return "0" if ball.is_zero() else decimal_interval(ball, digits)
 
 
+def located(name: str, ball: arb, digits: int) -> str:
+    """Where a quantity lies, in words: ``x in [0.82, 0.83]``, and ``z = 0`` for the number 0."""
+    return f"{name} = 0" if ball.is_zero() else f"{name} in {decimal_interval(ball, digits)}"
+
+
+def range_text(ball: arb, digits: int) -> str:
+    """``[lower, upper]`` in decimals, each end rounded outward to its own `digits` significant digits.
+
+    For the range of something that varies: where one end is a hundredth of the other it keeps its digits, which
+    `decimal_interval` drops.
+    """
+    if not ball.is_finite():
+        return "not finite"
+    lower, upper = bounds(ball)
+    low, high = _places(lower, lower, digits), _places(upper, upper, digits)
+    return f"[{_decimal(floor(lower * _ten(low)), low)}, {_decimal(ceil(upper * _ten(high)), high)}]"
+
+
 def exact_text(value: Fraction) -> str:
     """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
     if value.denominator == 1:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from flint import acb, arb
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate
-from orbitproof.verify.evidence import Theorem, decimal_interval, exact_text, interval_text
+from orbitproof.verify.evidence import Theorem, decimal_interval, exact_text, interval_text, located
 from orbitproof.verify.orbit.multipliers import STABLE, UNDECIDED, UNSTABLE, Stability
 
 if TYPE_CHECKING:
@@ -86,15 +86,19 @@ def _stability(stability: Stability, candidate: Candidate) -> Iterator[str]:
 
 
 def _distance(word: str, extremum: Extremum, name: str) -> str:
-    times = " or ".join(_text(time) for time in extremum.times)
+    times = " or ".join(map(_text, extremum.times))
+    if len(extremum.times) == 1:
+        at = "at time 0 only" if extremum.times[0].is_zero() else f"at one time only, in {times}"
+    else:
+        at = f"at times among {times}"
     return (
         f"The {word} distance from {name} over the whole orbit lies in {_text(extremum.distance)}; within [0, T(x)] it "
-        f"is taken at {'one time only, in ' if len(extremum.times) == 1 else 'times among '}{times}."
+        f"is taken {at}."
     )
 
 
 def _named(point: Mapping[str, arb]) -> str:
-    return ", ".join(f"{name} in {interval_text(ball, _DIGITS)}" for name, ball in point.items())
+    return ", ".join(located(name, ball, _DIGITS) for name, ball in point.items())
 
 
 def _text(ball: arb) -> str:

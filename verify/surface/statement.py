@@ -14,7 +14,7 @@ from flint import arb
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL
 from orbitproof.verify.curve import Ends
-from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text
+from orbitproof.verify.evidence import exact_text, located, range_text
 from orbitproof.verify.surface.planar_family import PlanarFamily
 
 _DIGITS = 12
@@ -73,7 +73,7 @@ def surface_statement(
     if len(sides) == 1 and (side := _SIDES.get(next(iter(sides)))) is not None:
         paragraphs.append(f"Near the bifurcation point {level} on them is {side}.")
     for key, text, value in (("start", "first", heights[0].start), ("end", "last", heights[-1].end)):
-        values = ", ".join(f"{name} in {interval_text(ends[key][name], _DIGITS)}" for name in even)
+        values = ", ".join(located(name, ends[key][name], _DIGITS) for name in even)
         paragraphs.append(
             f"At the {text} {parameter} of the pieces, {exact_text(value)}, the bifurcation point has {values}."
         )
@@ -83,7 +83,7 @@ def surface_statement(
         for run in _higher(heights, height)
     ]
     if half_period.is_finite():
-        paragraphs.append(f"All half periods lie in {decimal_interval(half_period, 6)}.")
+        paragraphs.append(f"All half periods lie in {range_text(half_period, 4)}.")
     further = _meaning(atlas, height, family)
     return "\n".join([*paragraphs, *([further] if further else [])])
 
