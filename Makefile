@@ -75,16 +75,13 @@ examples: $(VENV)/demo.stamp
 demo: $(VENV)/demo.stamp
 	@$(BOUND) mkdir -p $(OUT); start=$$(date +%s); failed=0; step() { "$$@" || { code=$$?; [ $$code -eq 1 ] || exit $$code; failed=1; }; }; \
 	echo "1/3  search: Earth-Moon L1 halo family and Falkner-Skan family"; \
-	step $(EXPLORE) --system cr3bp --mass earth-moon --family L1-halo -k 1 2 3 4 --z-max 0.3 \
-	  -o $(OUT)/candidates.json --family-output $(OUT)/halo-family.json; \
-	step $(EXPLORE) --system falkner-skan -k 2 3 4 --append \
-	  -o $(OUT)/candidates.json --family-output $(OUT)/falkner-skan-family.json; \
+	step $(EXPLORE) --preset demo -o $(OUT)/candidates.json --family-output $(OUT)/families.json; \
 	echo; echo "2/3  proof, in a process that cannot import the search side"; \
 	step env $(VERIFY) $(OUT)/candidates.json -o $(OUT)/certificates.json --jobs $(JOBS); \
 	echo; echo "3/3  pictures, and tables beside the published values"; \
-	step $(FIGURES) family $(OUT)/candidates.json $(OUT)/certificates.json \
-	  --family $(OUT)/halo-family.json $(OUT)/falkner-skan-family.json -o $(OUT)/figures; \
-	step $(FIGURES) tables $(OUT)/certificates.json --candidates $(OUT)/candidates.json -o $(OUT)/tables --allow-missing; \
+	$(FIGURES) tables $(OUT)/certificates.json --candidates $(OUT)/candidates.json -o $(OUT)/tables --allow-missing & tables=$$!; \
+	step $(FIGURES) family $(OUT)/candidates.json $(OUT)/certificates.json --family $(OUT)/families.json -o $(OUT)/figures; \
+	step wait $$tables; \
 	echo; echo "certificates: $(OUT)/certificates.json   pictures: $(OUT)/figures/   tables: $(OUT)/tables/"; \
 	echo "time: $$(($$(date +%s) - start)) s"; \
 	[ $$failed -eq 0 ] || echo "not everything was found or proved: the reasons stand above" >&2; \

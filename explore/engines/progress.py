@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import sys
+import time
 from types import TracebackType
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+_REFRESH_SECONDS = 0.1
 
 
 class Reporter:
@@ -21,6 +24,7 @@ class Reporter:
         self._live = not quiet and self._console.is_terminal
         self._stage = ""
         self._task: TaskID | None = None
+        self._drawn = 0.0
         self._progress = Progress(
             TextColumn("{task.description}"),
             BarColumn(bar_width=30),
@@ -31,6 +35,9 @@ class Reporter:
             console=self._console,
             transient=True,
             redirect_stdout=False,
+            # Drawn when something is reported, without a thread of its own, so that processes can be copies of this
+            # one (shared.processes).
+            auto_refresh=False,
             disable=not self._live,
         )
 
@@ -50,6 +57,7 @@ class Reporter:
             if self._task is not None:
                 self._progress.remove_task(self._task)
             self._task = self._progress.add_task(name, total=None)
+            self._progress.refresh()
         else:
             self.message(f"{name} ...")
 
@@ -62,6 +70,9 @@ class Reporter:
             self._progress.update(self._task, description=description)
         else:
             self._progress.update(self._task, description=description, total=1.0, completed=fraction)
+        if time.monotonic() - self._drawn >= _REFRESH_SECONDS:
+            self._progress.refresh()
+            self._drawn = time.monotonic()
 
     def message(self, text: str) -> None:
         """A line for information; none with `quiet`."""

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from orbitproof.explore.families.continuation import Family, crossings
 from orbitproof.explore.families.named import FamilyFailure
@@ -55,6 +54,9 @@ def first_family(
 
 def _half_period(problem: ShootingProblem, point: tuple[float, ...]) -> float:
     """The time of the first crossing of the section close to Fix(R), or of the closest of the first ones."""
+    # Only now: scipy takes a moment to load.
+    from scipy.integrate import solve_ivp
+
     system, unknowns = problem.system, np.array([*point, 1.0])
     values = problem.parameter_values(unknowns).tolist()
     section, kernel = system.section_index, list(system.kernel_coordinates)

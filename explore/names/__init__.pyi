@@ -4,6 +4,7 @@ from .family_names import FAMILY_NAMES as FAMILY_NAMES
 from .family_names import POINTS as POINTS
 from .family_names import PRESETS as PRESETS
 from .family_names import Preset as Preset
+from .family_names import PresetFamilies as PresetFamilies
 from .family_names import branch_name as branch_name
 from .family_names import branch_number as branch_number
 from .family_names import is_family_name as is_family_name

@@ -22,6 +22,7 @@ class Task:
         id: of the candidate.
         guess: float64 point, in the order of `ReversibleSystem.centre_coordinates`.
         provenance: free-form, for the candidate.
+        work: a measure of how long it takes.
     """
 
     id: str
@@ -34,6 +35,7 @@ class Task:
     digits: int
     provenance: Mapping[str, Any]
     crossings: int = 1
+    work: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,12 @@ def _name(task: Task) -> str:
 def refine_tasks(tasks: Sequence[Task], jobs: int, progress: Progress) -> Iterator[tuple[int, Refined]]:
     """Refine all tasks with `jobs` processes; yields (index, result) in the order of completion.
 
-    `progress` is called with a message and the fraction of all tasks done.
+    Of several processes none shall wait long for the last one: they begin with the tasks of most work. `progress` is
+    called with a message and the fraction of all tasks done.
     """
-    for index, result in run_all(Job(refine_task, _name), tasks, jobs, progress):
+    order = sorted(range(len(tasks)), key=lambda index: -tasks[index].work if jobs > 1 else index)
+    for place, result in run_all(Job(refine_task, _name), [tasks[index] for index in order], jobs, progress):
+        index = order[place]
         if isinstance(result, Lost):
             yield index, Refined(tasks[index], None, None, result.reason, 0.0)
         else:

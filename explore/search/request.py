@@ -6,7 +6,7 @@ Everything wrong with them is an `InputError`: one line that names the option an
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -17,6 +17,7 @@ from orbitproof.explore.names import (
     FAMILY_NAMES,
     PRESETS,
     Preset,
+    PresetFamilies,
     given_parameters,
     is_family_name,
     label_of,
@@ -42,7 +43,8 @@ class FamilyRequest:
         name: one of `FAMILY_NAMES`, or what a family that starts from an orbit is to be called.
         parameters: exact fixed parameters of the system.
         label: the mass as the user gave it, or "".
-        velocity_max: largest |vy| of the first point, or `None`.
+        velocity_max, z_max: largest |vy| and |z| of the first point, or `None`.
+        multiplicities: the k to look for, or `None`: those of the request.
         first: an approximate first orbit, for a family without a name of its own.
     """
 
@@ -51,6 +53,8 @@ class FamilyRequest:
     parameters: Mapping[str, Fraction]
     label: str
     velocity_max: float | None = None
+    z_max: float | None = None
+    multiplicities: tuple[int, ...] | None = None
     first: FirstOrbit | None = None
 
 
@@ -60,16 +64,16 @@ class Request:
 
     Attributes:
         command: "candidates" or "family".
-        system: `None` only together with `from_family`.
-        families: what to trace; may be empty only together with `from_family`.
-        multiplicities: the k to look for, may be empty for "family".
+        systems: those of the families; empty only together with `from_family` or `from_catalogue`.
+        families: what to trace; may be empty only together with `from_family` or `from_catalogue`.
+        multiplicities: the k to look for where a family does not say; may be empty for "family".
         points: one of `POINTS`.
         control: steps and tolerances.
         options: the parsed options.
     """
 
     command: str
-    system: ReversibleSystem | None
+    systems: tuple[ReversibleSystem, ...]
     families: tuple[FamilyRequest, ...]
     multiplicities: tuple[int, ...]
     points: str
@@ -111,30 +115,36 @@ def check(options: argparse.Namespace) -> Request:
             ("--mass", options.mass),
             ("--family", options.family),
             ("--vy-max", options.vy_max),
+            ("--z-max", options.z_max if any(each.z_max for each in preset.searched) else None),
             ("--start", options.start),
         ):
             if value is not None:
                 raise InputError(f"{option}: given by --preset {options.preset}; leave out one of the two")
     multiplicities = options.k
     if multiplicities is None:
-        default = (2, 3, 4) if options.command == "candidates" and not options.folds else ()
-        multiplicities = preset.multiplicities if preset else default
+        multiplicities = (2, 3, 4) if options.command == "candidates" and not options.folds else ()
     points = getattr(options, "points", None) or (preset.points if preset else "one")
     families = _families(options, preset)
-    system = families[0].system if families else None if options.system is None else system_named(options.system)
-    if system is not None and 1 in multiplicities and not system.symmetries:
+    systems = tuple({family.system.name: family.system for family in families}.values())
+    if not systems and options.system is not None:
+        systems = (system_named(options.system),)
+    for system in systems:
+        _check_for_system(options, system, multiplicities)
+    return Request(options.command, systems, families, tuple(dict.fromkeys(multiplicities)), points, control, options)
+
+
+def _check_for_system(options: argparse.Namespace, system: ReversibleSystem, multiplicities: Sequence[int]) -> None:
+    if 1 in multiplicities and not system.symmetries:
         raise InputError(f"-k 1: {system.name} has no symmetry that could break; leave it out")
-    if system is not None:
-        for option, name, value in (("--z-max", "z", options.z_max), ("--vy-max", "vy", options.vy_max)):
-            if value is not None and name not in system.centre_coordinates:
-                raise InputError(f"{option}: {system.name} has no such coordinate on Fix(R); leave it out")
-    if system is not None and system not in THREE_BODY:
+    for option, name, value in (("--z-max", "z", options.z_max), ("--vy-max", "vy", options.vy_max)):
+        if value is not None and name not in system.centre_coordinates:
+            raise InputError(f"{option}: {system.name} has no such coordinate on Fix(R); leave it out")
+    if system not in THREE_BODY:
         for name in ("csv", "catalogue"):
             if getattr(options, name, None) is not None:
                 raise InputError(f"--{name}: the catalogue's columns are those of the CR3BP; leave it out")
-    if options.branches and system is not None and not system.symmetries:
+    if options.branches and not system.symmetries:
         raise InputError(f"--branches: {system.name} has no symmetry that could break; leave it out")
-    return Request(options.command, system, families, tuple(dict.fromkeys(multiplicities)), points, control, options)
 
 
 def _control(options: argparse.Namespace) -> StepControl:
@@ -171,37 +181,35 @@ def _check_paths(options: argparse.Namespace) -> None:
 def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[FamilyRequest, ...]:
     """The families asked for: each mass with each family name."""
     if preset is not None:
-        names, masses, speeds = preset.families, preset.masses, preset.velocity_max
-        system = SYSTEMS[preset.system]
-    elif options.from_catalogue is not None:
+        return tuple(family for searched in preset.searched for family in _searched(options, searched))
+    if options.from_catalogue is not None:
         return ()
-    else:
-        if options.from_family is not None and not options.family and not options.mass:
-            if options.mirror:
-                raise InputError("--mirror: --from-family says which families; leave it out")
-            if options.vy_max is not None and len(options.vy_max) > 1:
-                raise InputError("--vy-max: give one value; --from-family says which masses")
-            return ()
-        if options.system is None:
-            beside = " beside --from-family with --family or --mass" if options.from_family is not None else ""
-            raise InputError(f"--system: missing{beside}; give one of {', '.join(SYSTEMS)}")
-        system = system_named(options.system)
-        if options.start is not None:
-            return started(options, system)
-        known: tuple[str, ...] = FAMILY_NAMES.get(system.name, ())
-        if not known:
-            wanted = " ".join(f"{name}=.." for name in system.centre_coordinates)
-            raise InputError(f"--start: missing; give an approximate orbit, --start {wanted}, or --start {EQUILIBRIUM}")
-        names = tuple(dict.fromkeys(options.family or (known if len(known) == 1 else ())))
-        if not names:
-            raise InputError(f"--family: missing; give one or more of {', '.join(known)}")
-        for name in names:
-            if not is_family_name(system.name, name):
-                raise InputError(f"--family {name}: unknown for {system.name}; give one or more of {', '.join(known)}")
-        masses = tuple(dict.fromkeys(options.mass or (None,)))
-        speeds = tuple(options.vy_max or (None,))
-        if len(speeds) not in (1, len(masses)):
-            raise InputError(f"--vy-max: {len(speeds)} values for {len(masses)} masses; give one, or one for each mass")
+    if options.from_family is not None and not options.family and not options.mass:
+        if options.mirror:
+            raise InputError("--mirror: --from-family says which families; leave it out")
+        if options.vy_max is not None and len(options.vy_max) > 1:
+            raise InputError("--vy-max: give one value; --from-family says which masses")
+        return ()
+    if options.system is None:
+        beside = " beside --from-family with --family or --mass" if options.from_family is not None else ""
+        raise InputError(f"--system: missing{beside}; give one of {', '.join(SYSTEMS)}")
+    system = system_named(options.system)
+    if options.start is not None:
+        return started(options, system)
+    known: tuple[str, ...] = FAMILY_NAMES.get(system.name, ())
+    if not known:
+        wanted = " ".join(f"{name}=.." for name in system.centre_coordinates)
+        raise InputError(f"--start: missing; give an approximate orbit, --start {wanted}, or --start {EQUILIBRIUM}")
+    names = tuple(dict.fromkeys(options.family or (known if len(known) == 1 else ())))
+    if not names:
+        raise InputError(f"--family: missing; give one or more of {', '.join(known)}")
+    for name in names:
+        if not is_family_name(system.name, name):
+            raise InputError(f"--family {name}: unknown for {system.name}; give one or more of {', '.join(known)}")
+    masses = tuple(dict.fromkeys(options.mass or (None,)))
+    speeds = tuple(options.vy_max or (None,))
+    if len(speeds) not in (1, len(masses)):
+        raise InputError(f"--vy-max: {len(speeds)} values for {len(masses)} masses; give one, or one for each mass")
     result: list[FamilyRequest] = []
     for index, mass in enumerate(masses):
         parameters = given_parameters(system, mass, options.parameter)
@@ -209,6 +217,24 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
         speed = speeds[index if len(speeds) > 1 else 0]
         result += [FamilyRequest(system, name, parameters, label, speed) for name in names]
     return tuple(result)
+
+
+def _searched(options: argparse.Namespace, searched: PresetFamilies) -> Iterator[FamilyRequest]:
+    """The families of one system that a preset stands for."""
+    system = SYSTEMS[searched.system]
+    for index, mass in enumerate(searched.masses):
+        parameters = given_parameters(system, mass, options.parameter)
+        label = label_of(system, mass, options.parameter)
+        for name in searched.families:
+            yield FamilyRequest(
+                system,
+                name,
+                parameters,
+                label,
+                searched.velocity_max[index if len(searched.velocity_max) > 1 else 0],
+                searched.z_max,
+                searched.multiplicities if options.k is None else None,
+            )
 
 
 def started(options: argparse.Namespace, system: ReversibleSystem) -> tuple[FamilyRequest, ...]:
@@ -227,7 +253,7 @@ def started(options: argparse.Namespace, system: ReversibleSystem) -> tuple[Fami
     if words[0] != EQUILIBRIUM:
         place = place_of(system, "--start", words, complete=True)
         first = FirstOrbit(tuple(place[each] for each in system.centre_coordinates), options.half_period)
-        return (FamilyRequest(system, name, parameters, label, speeds[0], first),)
+        return (FamilyRequest(system, name, parameters, label, speeds[0], first=first),)
     if options.half_period is not None:
         raise InputError("--half-period: follows from the frequencies of the equilibrium; leave it out")
     guess = place_of(system, f"--start {EQUILIBRIUM}", words[1:], complete=False)
@@ -241,6 +267,6 @@ def started(options: argparse.Namespace, system: ReversibleSystem) -> tuple[Fami
         raise InputError(f"--start {EQUILIBRIUM}: {error}") from None
     called = [name] if len(firsts) == 1 else [f"{name}-{number}" for number in range(1, len(firsts) + 1)]
     return tuple(
-        FamilyRequest(system, each, parameters, label, speeds[0], first)
+        FamilyRequest(system, each, parameters, label, speeds[0], first=first)
         for each, first in zip(called, firsts, strict=True)
     )

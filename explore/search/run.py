@@ -118,11 +118,11 @@ def _trace_tasks(request: Request) -> list[TraceTask]:
     """The families to trace, those of a family file from where they end. Raises `InputError`."""
     options = request.options
     records = [] if options.from_family is None else read_families(options.from_family)
-    wrong = next((record for record in records if request.system not in (None, record.system)), None)
-    if wrong is not None and request.system is not None:
+    wrong = next((record for record in records if request.systems and record.system not in request.systems), None)
+    if wrong is not None:
+        names = " ".join(system.name for system in request.systems)
         raise InputError(
-            f"--system {request.system.name}: {options.from_family} holds a family of {wrong.system.name}; "
-            "leave the option out"
+            f"--system {names}: {options.from_family} holds a family of {wrong.system.name}; leave the option out"
         )
     if not request.families:
         speed = options.vy_max[0] if options.vy_max else None
@@ -142,29 +142,35 @@ def _trace_tasks(request: Request) -> list[TraceTask]:
 def _task(request: Request, family: FamilyRequest, records: list[FamilyRecord]) -> TraceTask:
     mirrored = request.options.mirror
     name = mirrored_name(family.name) if mirrored else family.name
-    limits = _limits(request.options, family.system, family.velocity_max)
+    limits = _limits(request.options, family.system, family.velocity_max, family.z_max)
     for record in records:
         if record.name == name and dict(record.parameters) == dict(family.parameters):
-            return _trace_task(request, record, limits, start=family_of(record))
-    return _trace_task(request, family, limits, mirrored=mirrored, first=family.first)
+            return _trace_task(request, record, limits, family.multiplicities, start=family_of(record))
+    return _trace_task(request, family, limits, family.multiplicities, mirrored=mirrored, first=family.first)
 
 
-def _trace_task(request: Request, family: FamilyRequest | FamilyRecord, limits: Limits, **more: Any) -> TraceTask:
+def _trace_task(
+    request: Request,
+    family: FamilyRequest | FamilyRecord,
+    limits: Limits,
+    multiplicities: tuple[int, ...] | None = None,
+    **more: Any,
+) -> TraceTask:
     return TraceTask(
         system=family.system,
         name=family.name,
         label=family.label,
         parameters=dict(family.parameters),
         limits=limits,
-        multiplicities=request.multiplicities,
+        multiplicities=request.multiplicities if multiplicities is None else multiplicities,
         folds=request.options.folds,
         control=request.control,
         **more,
     )
 
 
-def _limits(options: Any, system: ReversibleSystem, velocity_max: float | None) -> Limits:
-    bounds = {"z": options.z_max, "vy": velocity_max}
+def _limits(options: Any, system: ReversibleSystem, velocity_max: float | None, z_max: float | None = None) -> Limits:
+    bounds = {"z": options.z_max if z_max is None else z_max, "vy": velocity_max}
     beta = (options.beta_min, options.beta_max) if system is FALKNER_SKAN else (-inf, inf)
     return Limits(
         max_orbits=options.max_orbits,
@@ -285,9 +291,12 @@ def _float_rows(item: TracedFamily) -> list[Row]:
 
 
 def _print_rows(rows: list[Row]) -> None:
-    """The result table, on standard output."""
-    if not rows:
-        return
+    """The result table, on standard output, one for each system."""
+    for name in dict.fromkeys(row.target.item.system.name for row in rows):
+        _print_table([row for row in rows if row.target.item.system.name == name])
+
+
+def _print_table(rows: list[Row]) -> None:
     system = rows[0].target.item.system
     title = system.family_parameter or system.first_integral_name or "parameter"
     header = ("family", "k", "kind", "on Fix(R)", title, ", ".join(system.centre_coordinates), "id")

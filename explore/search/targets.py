@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf
+from math import inf, log2
 from typing import Any
+
+import numpy as np
 
 from orbitproof.explore.families import LocatedResonance, TracedFamily
 from orbitproof.explore.flow import Vector
@@ -45,7 +47,14 @@ class Target:
             digits=digits,
             provenance=self._provenance(),
             crossings=resonance.orbit.crossings,
+            work=self._work(),
         )
+
+    def _work(self) -> float:
+        """A measure of how long the refinement takes: errors that grow along the orbit ask for more precision."""
+        half, n = self.resonance.orbit.derivative, len(self.item.system.kernel_coordinates)
+        growth = 1.0 if half is None else float(np.linalg.cond(half.derivative))
+        return n**2 * (2 + self.resonance.k) * (1 + log2(max(growth, 1.0)))
 
     def _provenance(self) -> Mapping[str, Any]:
         orbit = self.resonance.orbit

@@ -39,8 +39,8 @@ def _run() -> int:
     if name not in _COMMANDS:
         print(f"error: {name}: there is no such command; there are {', '.join(_COMMANDS)}", file=sys.stderr)
         return 2
-    if name == "verify":
-        # The matrices of proofs are small, and processes of a single thread can be copied (shared/processes.py).
+    if name in ("explore", "verify"):
+        # The matrices are small, and processes of a single thread can be copied (shared/processes.py).
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     room = importlib.import_module(f"orbitproof.{_COMMANDS[name][0]}")
     code: int = room.main(arguments[1:])

@@ -194,6 +194,8 @@ def test_damaged_orbit_in_a_family_file_is_refused(family_path: Path, tmp_path: 
         (["--system", "falkner-skan", "--vy-max", "1"], "--vy-max"),
         (["--preset", "tables", "--mass", "0.1"], "--mass"),
         (["--preset", "tables", "--vy-max", "3"], "--vy-max"),
+        (["--preset", "demo", "--z-max", "0.1"], "--z-max"),
+        (["--preset", "demo", "-k", "1"], "-k 1"),
         (["--preset", "figures"], "--preset"),
         (["--system", "cr3bp", "--family", "L1-halo", "--mass", "0.1", "0.2", "--vy-max", "1", "2", "3"], "--vy-max"),
         (["--system", "cr3bp", "--family", "L1-halo", "--mass", "0.1", "2"], "--mass 2"),

@@ -21,10 +21,16 @@ START = "from orbitproof.shared.processes import _start_method\n"
 
 @pytest.mark.skipif(sys.platform != "linux", reason="threads are counted on Linux")
 def test_a_process_is_copied_only_if_nothing_else_runs_in_it() -> None:
-    alone = f"import orbitproof.verify.__main__\n{START}print(_start_method())"
-    assert printed(alone, OPENBLAS_NUM_THREADS="1") == "fork"
+    for modules in ("orbitproof.verify.__main__", "orbitproof.explore.search.run, orbitproof.explore.families.tracing"):
+        alone = f"import {modules}\n{START}print(_start_method())"
+        assert printed(alone, OPENBLAS_NUM_THREADS="1") == "fork"
     threaded = f"import threading\n{START}threading.Thread(target=threading.Event().wait, daemon=True).start()\n"
     assert printed(f"{threaded}print(_start_method())") == "spawn"
+
+
+def test_a_search_of_named_families_leaves_scipy_out() -> None:
+    modules = "sys, orbitproof.explore.search.run, orbitproof.explore.families.tracing"
+    assert printed(f"import {modules}\nprint('jax' in sys.modules, 'scipy.integrate' in sys.modules)") == "True False"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,75 @@
+"""Named searches: a preset asks of each of its families what is its own, and the points of all are refined together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import orbitproof.explore.refinement.tasks
+from orbitproof.explore.__main__ import main
+from orbitproof.explore.commands.arguments import parser
+from orbitproof.explore.families.tracing import TraceTask
+from orbitproof.explore.records.family_file import read_families
+from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
+from orbitproof.explore.search.request import check
+from orbitproof.explore.search.run import _trace_tasks
+from orbitproof.shared.systems import FALKNER_SKAN
+
+
+def tasks_of(path: Path, *words: str) -> dict[str, TraceTask]:
+    request = check(parser().parse_args(["candidates", "-o", str(path / "candidates.json"), *words]))
+    return {task.name: task for task in _trace_tasks(request)}
+
+
+def test_each_family_of_a_preset_has_its_own_multiplicities_and_limits(tmp_path: Path) -> None:
+    tasks = tasks_of(tmp_path, "--preset", "demo")
+    assert list(tasks) == ["L1-halo", "odd"]
+    assert tasks["L1-halo"].multiplicities == (1, 2, 3, 4)
+    assert tasks["L1-halo"].limits.coordinate_max == {"z": 0.3}
+    assert tasks["odd"].multiplicities == (2, 3, 4)
+    assert tasks["odd"].limits.coordinate_max == {}
+
+
+def test_multiplicities_on_the_command_line_replace_those_of_every_family(tmp_path: Path) -> None:
+    tasks = tasks_of(tmp_path, "--preset", "demo", "-k", "5")
+    assert [task.multiplicities for task in tasks.values()] == [(5,), (5,)]
+
+
+def test_a_preset_of_several_masses_has_a_limit_for_each(tmp_path: Path) -> None:
+    words = ["candidates", "--preset", "tables", "-o", str(tmp_path / "candidates.json")]
+    limits = {
+        (task.label, task.limits.coordinate_max["vy"]) for task in _trace_tasks(check(parser().parse_args(words)))
+    }
+    assert limits == {("earth-moon", 20.5), ("sun-jupiter", 8.0)}
+
+
+def test_families_of_two_systems_are_found_by_one_search_with_a_table_for_each(tmp_path: Path, capsys: Any) -> None:
+    path = tmp_path / "families.json"
+    assert main(["family", "--preset", "demo", "--jobs", "1", "-o", str(path)]) == 0
+    records = {record.name: [resonance.k for resonance in record.resonances] for record in read_families(path)}
+    assert records == {"L1-halo": [1, 4, 3, 2, 2, 3, 3, 2, 2, 3, 4], "odd": [2, 3, 4]}
+    headers = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("family ")]
+    assert len(headers) == 2
+    assert "Jacobi" in headers[0]
+    assert "beta" in headers[1]
+
+
+@pytest.mark.parametrize(("jobs", "order"), [(2, ["long", "middle", "short"]), (1, ["short", "long", "middle"])])
+def test_several_processes_begin_with_the_longest_points(
+    jobs: int, order: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[str] = []
+
+    def all_at_once(job: Any, items: list[Task], jobs: int, progress: Any) -> Iterator[tuple[int, Refined]]:
+        begun.extend(item.id for item in items)
+        return iter([(place, Refined(item, None, None, "", 0.0)) for place, item in enumerate(items)])
+
+    monkeypatch.setattr(orbitproof.explore.refinement.tasks, "run_all", all_at_once)
+    works = {"short": 1.0, "long": 9.0, "middle": 5.0}
+    tasks = [Task(id, FALKNER_SKAN, {}, "fold", 1, None, (), 20, {}, work=work) for id, work in works.items()]
+    found = {index: result.task.id for index, result in refine_tasks(tasks, jobs, lambda _text, _part: None)}
+    assert begun == order
+    assert found == dict(enumerate(works))
