@@ -25,14 +25,12 @@ from orbitproof.verify.flow.centre import (
     rough,
     step_size,
 )
+from orbitproof.verify.flow.linear_equation import Jacobian, LinearEquation
 
 _ZERO = fmpz_poly([])
-_BLOCK = 12
 _ROUGH_DEGREE = 24
 _TOLERATED_BITS = 24
 """The last coefficients of a step may be so many bits long before it is shortened."""
-
-Jacobian = list[dict[int, list[int]]]
 
 
 class Expansion(Protocol):
@@ -128,7 +126,7 @@ def solve(
         solution[component][0] = fmpz_poly(list(centre[component]))
     evaluation.fill(0, [row[0] for row in (*solution, *parameters)])
     jacobian = centre_jacobian(evaluation, size)
-    rounded: dict[int, Jacobian] = {}
+    equations: dict[int, LinearEquation] = {}
     for position in monomials[1:]:
         constants = [row[position] for row in parameters]
         factors = arithmetic.grading.factors[position]
@@ -141,19 +139,21 @@ def solve(
         start = [row[position] for row in initial]
         if forced or any(p.length() for p in start):
             grade = arithmetic.grading.grades[position]
-            if grade not in rounded:
-                rounded[grade] = _rounded(jacobian, arithmetic.spare_bits(grade))
-            columns = linear_solution(arithmetic, rounded[grade], forcing, start, step, arithmetic.spare_bits(grade))
-            for component in range(size):
-                solution[component][position] = columns[component]
+            if grade not in equations:
+                spare = arithmetic.spare_bits(grade)
+                unit = fmpz(1 << spare)
+                rounded = [{j: slope // unit for j, slope in row.items()} for row in jacobian]
+                equations[grade] = LinearEquation(rounded, arithmetic.bits - spare, arithmetic.degree, step)
+            for row, column in zip(solution, equations[grade].solution(forcing, start), strict=True):
+                row[position] = column
         evaluation.fill(position, [row[position] for row in solution] + constants)
     return solution, evaluation
 
 
 def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
-    """Approximate partial derivatives of the vector field along the centre, as coefficient lists.
+    """Approximate partial derivatives of the vector field along the centre, as polynomials in theta.
 
-    Row i maps j to the coefficients in theta of d f_i / d x_j; entries that vanish are absent.
+    Row i maps j to d f_i / d x_j; entries that vanish are absent.
     """
     arithmetic, nodes = evaluation.arithmetic, evaluation.program.nodes
     centre = [row[0] for row in evaluation.coefs]
@@ -169,77 +169,4 @@ def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
 
     one = fmpz_poly([arithmetic.one])
     slopes = partial_derivatives(evaluation.program, size, centre, one, scaled, dot, slope_of_power)
-    return [{j: [int(c) for c in value.coeffs()] for j, value in row.items() if value.length()} for row in slopes]
-
-
-def _rounded(jacobian: Jacobian, bits: int) -> Jacobian:
-    return [{j: [entry >> bits for entry in entries] for j, entries in row.items()} for row in jacobian]
-
-
-def linear_solution(
-    arithmetic: Arithmetic,
-    jacobian: Jacobian,
-    forcing: Sequence[fmpz_poly],
-    start: Sequence[fmpz_poly],
-    step: Fraction,
-    spare: int = 0,
-) -> list[fmpz_poly]:
-    """Coefficients in theta of the solution of v' = step * (J v + forcing), v(0) = start.
-
-    `jacobian` has `spare` fractional bits less than the format.
-
-    Coefficients are found in blocks. Inside a block the convolutions with J are sums term by term;
-    what a finished block contributes to later ones is one polynomial product, of blocks that double
-    as often as the position allows (relaxed multiplication). Components on which no slope depends are
-    integrated at the end.
-    """
-    bits = arithmetic.bits - spare
-    degree = arithmetic.degree
-    numerator, denominator = step.numerator, step.denominator
-    solution: list[list[int]] = [[int(p[0])] if p.length() else [0] for p in start]
-    forces = [[int(c) << bits for c in p.coeffs()] + [0] * (degree + 1 - p.length()) for p in forcing]
-    coupled = sorted({j for row in jacobian for j in row})
-    varying = [
-        [(j, entries) for j, entries in row.items() if len(entries) > 1] if i in coupled else []
-        for i, row in enumerate(jacobian)
-    ]
-    factors = [[(j, fmpz_poly(entries)) for j, entries in row] for row in varying]
-    for first in range(0, degree, _BLOCK):
-        if first:
-            width = _BLOCK * (first // _BLOCK & -(first // _BLOCK))
-            blocks = [fmpz_poly(values[first - width : first]) for values in solution]
-            for force, row in zip(forces, factors, strict=True):
-                if row:
-                    terms = (entries.truncate(2 * width).mul_low(blocks[j], 2 * width) for j, entries in row)
-                    exact = sum(terms, _ZERO)
-                    for n in range(first, min(first + width, degree)):
-                        force[n] += int(exact[n - first + width])
-        # The block's coefficients so far, latest first, as the convolutions need them.
-        latest: list[list[int]] = [[values[-1]] for values in solution]
-        rows = [
-            (
-                forces[i],
-                [(entries[0], latest[j]) for j, entries in jacobian[i].items() if len(entries) == 1],
-                [(entries, latest[j]) for j, entries in varying[i]],
-            )
-            for i in coupled
-        ]
-        for n in range(first, min(first + _BLOCK, degree)):
-            divisor = denominator * (n + 1)
-            slopes = []
-            for force, constants, convolutions in rows:
-                slope = force[n]
-                for entry, values in constants:
-                    slope += entry * values[0]
-                for entries, values in convolutions:
-                    slope += sum(map(mul, entries, values))
-                slopes.append((slope >> bits) * numerator // divisor)
-            for component, slope in zip(coupled, slopes, strict=True):
-                solution[component].append(slope)
-                latest[component].insert(0, slope)
-    for component in set(range(len(solution))).difference(coupled):
-        terms = (fmpz_poly(e).mul_low(fmpz_poly(solution[j]), degree) for j, e in jacobian[component].items())
-        exact = sum(terms, _ZERO)
-        slopes = [(int(exact[n]) + forces[component][n] >> bits) * numerator for n in range(degree)]
-        solution[component] += [slope // (denominator * (n + 1)) for n, slope in enumerate(slopes)]
-    return [fmpz_poly(values) for values in solution]
+    return [{j: slope for j, slope in row.items() if slope.length()} for row in slopes]

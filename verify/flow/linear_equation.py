@@ -1,0 +1,111 @@
+"""The linear equation of the first variation along the centre, solved term by term in theta (section 3.2).
+
+Nothing here carries proof: `verify.flow.step` bounds the defect of what comes out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from flint import fmpz, fmpz_mat, fmpz_poly
+
+_BLOCKS = 8
+"""The coefficients in theta are found in about so many blocks; fewer are no faster, and take more to prepare."""
+
+_ZERO = fmpz(0)
+_NONE = fmpz_poly([])
+
+Jacobian = list[dict[int, fmpz_poly]]
+
+
+class LinearEquation:
+    """v' = step * (J v + forcing), for one Jacobian J.
+
+    Coefficients in theta are found in blocks. Inside a block the convolutions with J are products of a matrix with
+    the column of the block's coefficients so far; what finished blocks contribute to later ones is a polynomial
+    product, of blocks that double as often as the position allows (relaxed multiplication). Components on which no
+    slope depends are integrated at the end.
+
+    Args:
+        jacobian: row i maps j to d f_i / d x_j, a polynomial in theta with coefficients times 2^-bits.
+        bits: fractional bits of the Jacobian.
+        degree: largest degree in theta of a solution.
+        step: the time that theta = 1 stands for.
+    """
+
+    def __init__(self, jacobian: Jacobian, bits: int, degree: int, step: Fraction) -> None:
+        self._bits, self._degree, self._step = bits, degree, step
+        self._block = -(-degree // _BLOCKS)
+        over_step = [{j: p * step.numerator // step.denominator for j, p in row.items()} for row in jacobian]
+        coupled = sorted({j for row in over_step for j in row})
+        self._integrated = {i: row for i, row in enumerate(over_step) if i not in coupled}
+        varying = {i: {j: p for j, p in over_step[i].items() if p.length() > 1} for i in coupled}
+        self._varying = {i: row for i, row in varying.items() if row}
+        self._constant = {
+            i: [(j, p[0]) for j, p in over_step[i].items() if p.length() == 1]
+            for i in sorted(coupled, key=lambda i: i not in self._varying)
+        }
+        self._columns = sorted({j for row in self._varying.values() for j in row})
+        self._matrices = self._convolutions()
+
+    def _convolutions(self) -> list[fmpz_mat]:
+        """For each place in a block, the matrix that takes the block's coefficients to the sums of J_k v_(n - k).
+
+        The columns are ordered by place, then by component.
+        """
+        block, width = self._block, len(self._columns)
+        lags = []
+        for row in self._varying.values():
+            entries = [row.get(j, _NONE) for j in self._columns]
+            lags.append([p[k] for k in reversed(range(block)) for p in entries] + [_ZERO] * (block * width))
+        return [
+            fmpz_mat(len(lags), block * width, [x for row in lags for x in row[skip * width : (skip + block) * width]])
+            for skip in reversed(range(block))
+        ]
+
+    def solution(self, forcing: Sequence[fmpz_poly], start: Sequence[fmpz_poly]) -> list[fmpz_poly]:
+        """Coefficients in theta of the solution with v(0) = start; `forcing` is in the format of the solution."""
+        degree, block = self._degree, self._block
+        solution = [[p[0]] for p in start]
+        factor = fmpz(self._step.numerator << self._bits)
+        forces = [(p * factor // self._step.denominator).coeffs() for p in forcing]
+        forces = [force + [_ZERO] * (degree - len(force)) for force in forces]
+        for first in range(0, degree, block):
+            if first:
+                self._contribute(solution, forces, first)
+            self._solve_block(solution, forces, first)
+        for i, row in self._integrated.items():
+            exact = sum((p.mul_low(fmpz_poly(solution[j]), degree) for j, p in row.items()), _NONE)
+            solution[i] += [(force + exact[n] >> self._bits) // (n + 1) for n, force in enumerate(forces[i][:degree])]
+        return [fmpz_poly(values) for values in solution]
+
+    def _contribute(self, solution: Sequence[list[fmpz]], forces: Sequence[list[fmpz]], first: int) -> None:
+        """Add to the forces from coefficient `first` on what the last coefficients before it contribute."""
+        number = first // self._block
+        width = self._block * (number & -number)
+        length = width + min(width, self._degree - first)
+        blocks = {j: fmpz_poly(solution[j][first - width : first]) for j in self._columns}
+        for i, row in self._varying.items():
+            exact = sum((p.truncate(length).mul_low(blocks[j], length) for j, p in row.items()), _NONE)
+            force = forces[i]
+            for n in range(width, length):
+                force[first - width + n] += exact[n]
+
+    def _solve_block(self, solution: Sequence[list[fmpz]], forces: Sequence[list[fmpz]], first: int) -> None:
+        bits, width = self._bits, len(self._columns)
+        latest = fmpz_mat(self._block * width, 1)
+        columns = [solution[j] for j in self._columns]
+        rows = [
+            (solution[i], forces[i], [(entry, solution[j]) for j, entry in constant])
+            for i, constant in self._constant.items()
+        ]
+        rest = [_ZERO] * (len(rows) - len(self._varying))
+        for n, matrix in zip(range(first, self._degree), self._matrices, strict=False):
+            for place, values in enumerate(columns, (n - first) * width):
+                latest[place, 0] = values[n]
+            for (values, force, constant), slope in zip(rows, (matrix * latest).entries() + rest, strict=True):
+                slope += force[n]
+                for entry, other in constant:
+                    slope += entry * other[n]
+                values.append((slope >> bits) // (n + 1))
