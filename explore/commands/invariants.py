@@ -9,6 +9,7 @@ from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_output, add_quiet, index, positive
 from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.interrupts import INTERRUPTED
 
 _TORI_EXAMPLES = """\
 examples:
@@ -18,7 +19,8 @@ examples:
 
 Quasi-periodic orbits around an orbit with multipliers on the unit circle: invariant curves of the return map at its
 Jacobi constant, from small to large until the method fails, each with the error of its invariance. Numerics in double
-precision; nothing is proved. Exit codes: 0 written, 1 no tori found, 2 bad input.
+precision; nothing is proved. An interrupted run writes the tori that it has. Exit codes: 0 written, 1 no tori found,
+2 bad input, 130 interrupted.
 """
 
 _MANIFOLD_EXAMPLES = """\
@@ -102,7 +104,7 @@ def run_tori(options: argparse.Namespace) -> int:
             f"{len(family.curves)} tori written to {options.output}, amplitude up to {last.amplitude:.4g}, error of "
             f"invariance up to {worst:.1e}; ends: {family.reason}"
         )
-    return 0
+    return INTERRUPTED if family.reason == "interrupted" else 0
 
 
 def run_manifold(options: argparse.Namespace) -> int:

@@ -16,6 +16,7 @@ from orbitproof.explore.names import (
     label_of,
     mirrored_name,
     system_named,
+    system_with,
 )
 from orbitproof.shared.formats import (
     COORDINATE,
@@ -113,8 +114,9 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"--{option.replace('_', '-')}: belongs to --from-catalogue; give that too")
     if options.from_family is not None:
         return _of_families(options, None)
-    if options.system is None and options.mass is not None:
-        options.system = "cr3bp"
+    if options.system is None:
+        of_family = None if options.start else system_with(options.family or ())
+        options.system = of_family or ("cr3bp" if options.mass is not None else None)
     if options.system is None:
         raise InputError("--system: missing; give one")
     system = system_named(options.system)

@@ -38,7 +38,7 @@ class TorusFamily:
         centre: shape (4,), x, z, vx, vz.
         stability: the stability parameter whose plane they start in.
         curves: the curves, each with its error of invariance.
-        reason: why the family ends.
+        reason: why the family ends; "interrupted" if a key or signal did that, with the curves found until then.
     """
 
     orbit: SymmetricOrbit
@@ -58,8 +58,8 @@ def first_curve(orbit: SymmetricOrbit, mass: float, index: int, amplitude: float
     """
     elliptic = sorted(s.real for s in orbit.stability if s.imag == 0 and -1 < s.real < 1)
     if index >= len(elliptic):
-        listed = ", ".join(f"{s:.6g}" for s in orbit.stability)
-        raise NoCurve(f"the orbit has {len(elliptic)} elliptic pairs of multipliers (stability parameters {listed})")
+        listed = ", ".join(f"{s:.6g}" if s.imag else f"{s.real:.6g}" for s in orbit.stability)
+        raise NoCurve(f"elliptic pairs of multipliers: {len(elliptic)}; stability parameters: {listed}")
     x, z, vy = orbit.unknowns[:3]
     side = 1.0 if vy > 0 else -1.0
     assert orbit.first_integral is not None
@@ -113,9 +113,9 @@ def trace_tori(
     curves = [replace(curve, error=measured(curve))]
     direction, step, reason = tangent(curve, direction), 2 * FIRST_STEP, f"{most} curves"
     while len(curves) < most:
-        if progress is not None:
-            progress(f"{len(curves)} tori, amplitude {curves[-1].amplitude:.3g}", len(curves) / most)
         try:
+            if progress is not None:
+                progress(f"{len(curves)} tori, amplitude {curves[-1].amplitude:.3g}", len(curves) / most)
             guess = curve.with_unknowns(curve.unknowns + step * direction, curve.times)
             found = correct(guess, direction)
             if found.tail > TAIL and found.modes < MOST_MODES:
@@ -127,6 +127,9 @@ def trace_tori(
             if error > ERROR:
                 raise NoCurve(f"the error of invariance grows to {error:.1e} with {found.modes} modes")
             ahead = tangent(found, _padded(direction, found.modes))
+        except KeyboardInterrupt:
+            reason = "interrupted"
+            break
         except NoCurve as failure:
             step *= 0.5
             if step < SMALLEST_STEP:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
@@ -23,6 +23,12 @@ _BRANCH = re.compile(r"L[123]-halo(?:-([2-9]|[1-9][0-9]))?")
 def is_family_name(system: str, name: str) -> bool:
     """Whether a family of that name can be asked for: one of `FAMILY_NAMES`, or L1-halo-2, L1-halo-3, .."""
     return name in FAMILY_NAMES.get(system, ()) or (system == "cr3bp" and _BRANCH.fullmatch(name) is not None)
+
+
+def system_with(names: Sequence[str]) -> str | None:
+    """The system that has families of all these names; `None` if there is no name or no such system."""
+    fits = [system for system in FAMILY_NAMES if names and all(is_family_name(system, name) for name in names)]
+    return fits[0] if len(fits) == 1 else None
 
 
 def branch_name(planar: str, number: int) -> str:

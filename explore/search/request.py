@@ -23,6 +23,7 @@ from orbitproof.explore.names import (
     label_of,
     place_of,
     system_named,
+    system_with,
 )
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.formats import InputError, check_writable
@@ -190,13 +191,14 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
         if options.vy_max is not None and len(options.vy_max) > 1:
             raise InputError("--vy-max: give one value; --from-family says which masses")
         return ()
-    if options.system is None:
+    named = options.system or (system_with(options.family or ()) if options.start is None else None)
+    if named is None:
         beside = " beside --from-family with --family or --mass" if options.from_family is not None else ""
-        raise InputError(f"--system: missing{beside}; give one of {', '.join(SYSTEMS)}")
-    system = system_named(options.system)
+        raise InputError(f"--system: missing{beside}; give one of {', '.join(FAMILY_NAMES)}, or your own system's file")
+    system = system_named(named)
     if options.start is not None:
         return started(options, system)
-    known: tuple[str, ...] = FAMILY_NAMES.get(system.name, ())
+    known = FAMILY_NAMES.get(system.name, ())
     if not known:
         wanted = " ".join(f"{name}=.." for name in system.centre_coordinates)
         raise InputError(f"--start: missing; give an approximate orbit, --start {wanted}, or --start {EQUILIBRIUM}")
@@ -205,7 +207,11 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
         raise InputError(f"--family: missing; give one or more of {', '.join(known)}")
     for name in names:
         if not is_family_name(system.name, name):
-            raise InputError(f"--family {name}: unknown for {system.name}; give one or more of {', '.join(known)}")
+            other = system_with([name])
+            beside = "" if other is None else f", or --system {other}"
+            raise InputError(
+                f"--family {name}: unknown for {system.name}; give one or more of {', '.join(known)}{beside}"
+            )
     masses = tuple(dict.fromkeys(options.mass or (None,)))
     speeds = tuple(options.vy_max or (None,))
     if len(speeds) not in (1, len(masses)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from datetime import UTC, datetime
 
 import numpy as np
@@ -88,7 +89,8 @@ def ephemeris_text(trajectory: Trajectory, units: Units | None, epoch: np.dateti
     )
     segment = oem.OemSegment(metadata=metadata, data=oem.OemData(state_vector=states))
     message = Oem(header=header, body=oem.OemBody(segment=[segment]))
-    return str(NdmIo().to_string(message, NDMFileFormats.KVN))
+    text = str(NdmIo().to_string(message, NDMFileFormats.KVN))
+    return re.sub(r"(?m)^(\d{4}-.*)\n\n(?=\d{4}-)", r"\1\n", text)
 
 
 def _date(epoch: np.datetime64, seconds: float) -> str:

@@ -85,13 +85,16 @@ def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
     return readers[kind](path, choice)
 
 
-def format_of(path: Path) -> str:
-    """The file's format as it says itself, "" where it does not; whoever reads it in full reports what is wrong."""
+def format_of(path: Path, remedy: str = _REMEDY) -> str:
+    """The file's format as it says itself, "" where it does not; whoever reads it in full reports what is wrong.
+
+    Raises `InputError`, with the `remedy`, where it cannot be read.
+    """
     try:
         text = path.read_text("utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         why = "not a text file" if isinstance(error, UnicodeDecodeError) else f"cannot be read ({error.strerror})"
-        raise InputError(f"{path}: {why}; {_REMEDY}") from None
+        raise InputError(f"{path}: {why}; {remedy}") from None
     try:
         document = json.loads(text) if text.lstrip().startswith("{") else {}
     except (ValueError, RecursionError):
@@ -157,7 +160,9 @@ def _family_row(path: Path, choice: Choice) -> SourceOrbit:
 def _family(path: Path, choice: Choice, records: Sequence[FamilyRecord]) -> FamilyRecord:
     fits = [record for record in records if choice.family in (None, record.name, _name(record))]
     if len(fits) != 1:
-        said = "missing" if choice.family is None else f"{len(fits)} families are called {choice.family!r} in {path}"
+        said = "missing"
+        if choice.family is not None:
+            said = f"{len(fits) or 'no'} families of {path} are called {choice.family!r}"
         raise InputError(f"--family: {said}; give one of {_some([_name(record) for record in records])}")
     return fits[0]
 

@@ -46,6 +46,6 @@ def chosen_units(wanted: str, length: float | None, time: float | None, known: U
         return Units(length, time, "given by the user")
     if known is None:
         raise InputError(
-            "--lunit, --tunit: missing; the file names no units: give the unit of length in km, of time in s"
+            "--lunit, --tunit: missing; the orbit's file names no units: give the unit of length in km, of time in s"
         )
     return known

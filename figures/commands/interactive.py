@@ -22,6 +22,8 @@ The page holds everything it needs. What the mouse points at shows Jacobi consta
 verdict; verdicts are copied. Exit codes: 0 written, 2 bad input.
 """
 
+_REMEDY = "give families, the certificate of an atlas, or tori"
+
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
@@ -47,10 +49,10 @@ def run(options: argparse.Namespace) -> int:
     from orbitproof.explore.trajectories import format_of
     from orbitproof.figures.pictures.interactive import html_of
 
-    kind = format_of(options.file)
+    kind = format_of(options.file, _REMEDY)
     draw = {"family": _family, "atlas-certificate": _curve, "tori": _tori}.get(kind)
     if draw is None:
-        raise InputError(f"{options.file}: give families, the certificate of an atlas, or tori")
+        raise InputError(f"{options.file}: {_REMEDY}")
     if kind != "family" and (options.family or options.candidates or options.certificates):
         raise InputError("--family, --candidates, --certificates: they belong to a file of families; leave them out")
     write_text(options.output, html_of(draw(options)))

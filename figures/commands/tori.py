@@ -18,6 +18,8 @@ examples:
 In space and on the section; all of it is numerical and labelled so. Exit codes: 0 written, 2 bad input.
 """
 
+_REMEDY = "give a file of tori or of a manifold, written by orbitproof explore"
+
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
@@ -43,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
 
     drawings = []
     for path in options.files:
-        if format_of(path) == "manifold":
+        if format_of(path, _REMEDY) == "manifold":
             drawings.append((path, draw_manifold, read_manifold(path)))
         else:
             drawings.append((path, draw_tori, read_tori(path)))

@@ -209,6 +209,8 @@ SEARCH = ["candidates", "--system", "cr3bp", "--family", "L1-halo", "-k", "2"]
 EXPLORE_ARGUMENTS: dict[str, tuple[list[str], str]] = {
     "unknown system": (["candidates", "--system", "pendulum", "-k", "2"], "pendulum"),
     "unknown family": (["candidates", "--system", "cr3bp", "--mass", "earth-moon", "--family", "L9", "-k", "2"], "L9"),
+    "family of another system": ([*SEARCH[:3], "--mass", "earth-moon", "--family", "L1-axial"], "--system cr3bp-axial"),
+    "families of two systems": (["candidates", "--mass", "earth-moon", "--family", "L1-halo", "L1-axial"], "--system"),
     "unknown mass": ([*SEARCH, "--mass", "earth"], "earth"),
     "mass 0": ([*SEARCH, "--mass", "0"], "mass"),
     "mass 1": ([*SEARCH, "--mass", "1"], "mass"),

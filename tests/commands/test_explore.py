@@ -14,11 +14,13 @@ import pytest
 import orbitproof.explore.families.tracing
 import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
+from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.families.conversion import family_of, family_record
 from orbitproof.explore.families.named import Limits, trace_family
 from orbitproof.explore.families.tracing import TracedFamily
 from orbitproof.explore.records.family_file import read_families, write_families
 from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
+from orbitproof.explore.search.request import check
 from orbitproof.shared.formats.candidates import InputError, read_candidates
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems.system import FALKNER_SKAN, MASS_PARAMETERS
@@ -223,7 +225,7 @@ def test_family_file_of_another_system_is_refused(family_path: Path, tmp_path: P
     arguments = ["--system", "cr3bp", "--from-family", str(family_path), "-o", str(tmp_path / "c.json")]
     assert main(["candidates", *arguments]) == 2
     assert "--system cr3bp" in capsys.readouterr().err
-    both = ["--from-family", str(family_path), "--family", "odd", "-o", str(tmp_path / "c.json")]
+    both = ["--from-family", str(family_path), "--family", "even", "-o", str(tmp_path / "c.json")]
     assert main(["candidates", *both]) == 2
     assert "--from-family" in capsys.readouterr().err
 
@@ -246,3 +248,17 @@ def test_exact_text_of_a_number_reads_back() -> None:
         assert parse_exact(format_exact(value)) == value
     with pytest.raises(ValueError, match="neither dyadic nor decimal"):
         format_exact(parse_exact("1") / 3)
+
+
+@pytest.mark.parametrize(
+    ("family", "mass", "system"),
+    [
+        ("L2-halo", ["--mass", "0.01"], "cr3bp"),
+        ("L3-axial", ["--mass", "0.01"], "cr3bp-axial"),
+        ("odd", [], "falkner-skan"),
+    ],
+)
+def test_the_name_of_a_family_says_which_system(family: str, mass: list[str], system: str, tmp_path: Path) -> None:
+    words = ["family", *mass, "--family", family, "-o", str(tmp_path / "family.json")]
+    (request,) = check(parser().parse_args(words)).families
+    assert (request.system.name, request.name) == (system, family)

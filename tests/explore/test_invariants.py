@@ -23,8 +23,10 @@ from orbitproof.explore.invariants.torus_family import TorusFamily, first_curve,
 from orbitproof.explore.trajectories.source import SourceOrbit
 from orbitproof.explore.trajectories.trajectory import Trajectory, trajectory_of
 from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems.system import CR3BP
 
+CATALOGUE = Path(__file__).parents[1] / "data" / "catalogue-halo.json"
 MASS = Fraction("1.215058560962404e-2")
 HALO = [1.1380985313, -0.1661640169, -0.2240501116, 1.5452867791]
 """An L2 halo orbit with an elliptic pair (stability parameter -0.434) and a hyperbolic one (57.8), to ten digits."""
@@ -80,8 +82,26 @@ def test_tori_grow_from_the_periodic_orbit_at_its_jacobi_constant(halo: Trajecto
 
 
 def test_an_orbit_without_that_elliptic_pair_has_no_torus(halo: Trajectory) -> None:
-    with pytest.raises(NoCurve, match="1 elliptic pairs"):
+    with pytest.raises(NoCurve, match=r"pairs of multipliers: 1; stability parameters: -?0\.[0-9]+, [0-9.]+$"):
         first_curve(halo.orbit, float(MASS), 1, 1e-3)
+
+
+def test_an_interrupted_family_is_written_as_far_as_it_came(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+
+    def interrupted(*_: Any) -> float:
+        calls.append(0)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return 1e-12
+
+    monkeypatch.setattr("orbitproof.explore.invariants.torus_family.measured", interrupted)
+    written = tmp_path / "tori.json"
+    words = ["tori", str(CATALOGUE), "--orbit", "4", "-o", str(written), "--quiet"]
+    assert main(words) == INTERRUPTED
+    record = read_tori(written)
+    assert len(record.tori) == 2
+    assert record.reason == "interrupted"
 
 
 def test_tori_are_read_back_as_they_were(halo: Trajectory, tori: TorusFamily, tmp_path: Path) -> None:
