@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.figures.model import Array, Curve, Stretch
-from orbitproof.figures.pictures.family import crowds, free_corner
+from orbitproof.figures.pictures.family import covered_by, crowds, free_corner
 from orbitproof.figures.style import (
     CURVE,
     INK,
@@ -45,9 +45,7 @@ def draw_pieces(curve: Curve) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 4.6))
     claims = [(mark.k, mark.kind) for mark in curve.marks]
     foot = (0.62 + legend_height(claims, [True] * bool(claims))) / figure.get_figheight()
-    grid = figure.add_gridspec(
-        2, 1, left=0.09, right=0.985, top=0.9, bottom=foot, hspace=0.24, height_ratios=(1.5, 1.0)
-    )
+    grid = figure.add_gridspec(2, 1, left=0.1, right=0.97, top=0.9, bottom=foot, hspace=0.24, height_ratios=(1.5, 1.0))
     widths = figure.add_subplot(grid[0, 0])
     tubes = figure.add_subplot(grid[1, 0], sharex=widths)
     axis = Along(curve)
@@ -81,7 +79,7 @@ def draw_pieces(curve: Curve) -> Figure:
     number = sum(len(_own(stretch)) for stretch in curve.stretches)
     many = f" ({number} intervals)" if number > proved else ""
     count = f"{proved} of {len(curve.stretches)} pieces proved{many}"
-    figure.text(0.09, 0.965, _lines(title_of(curve), 1), color=INK, fontweight="bold", va="center")
+    figure.text(0.1, 0.965, _lines(title_of(curve), 1), color=INK, fontweight="bold", va="center")
     widths.set_title(f"(a)  {count}", color=INK)
     tubes.set_title("(b)  the tube, and the proved distance from the polynomial", color=INK)
     handles: list[Any] = [*_coordinate_handles(curve.stretches), *_tube_handles(curve.stretches)]
@@ -164,7 +162,7 @@ def _magnify(axes: Axes, curve: Curve) -> None:
 def _inset(axes: Axes, curve: Curve, places: Array, members: Sequence[int], taken: Array) -> Array:
     """An inset around some of the marks, where it hides the fewest of the points that are taken.
 
-    Places in parts of the axes, shape (N, 2); returns such points all over the inset.
+    Places in parts of the axes, shape (N, 2); returns such points all over what the inset covers.
     """
     found = [(*free_corner(axes, taken, size, _MIDDLE), size) for size in _SIZES]
     corner, _, size = min(found, key=lambda each: each[1])
@@ -182,7 +180,7 @@ def _inset(axes: Axes, curve: Curve, places: Array, members: Sequence[int], take
         margin=0.12 if len(members) >= _CROWD else 0.4,
         ticks=(3 if size[0] > 0.3 else 2, 4),
     )
-    return corner + size * np.stack(np.meshgrid(np.linspace(0, 1, 40), np.linspace(0, 1, 40)), axis=-1).reshape(-1, 2)
+    return covered_by(axes, corner, size)
 
 
 _SIZES = tuple(map(np.array, ((0.36, 0.28), (0.28, 0.28), (0.24, 0.22))))

@@ -128,7 +128,7 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 3.2))
     placements = [Placement(mark, False, 0.0, 0.0) for mark in marks]
     bottom = _bottom(figure, placements)
-    grid = figure.add_gridspec(1, 2, left=0.085, right=0.975, top=0.91, bottom=bottom, wspace=0.26)
+    grid = figure.add_gridspec(1, 2, left=0.115, right=0.965, top=0.91, bottom=bottom, wspace=0.3)
     fixed, level = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[0, 1])
     for mark in marks:
         draw_mark(fixed, mark.point[:2], mark)
@@ -138,6 +138,7 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
         (level, label_of(names[1]), level_label(system)),
     ):
         axes.margins(0.08)
+        axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.set_xlabel(x)
         axes.set_ylabel(y)
     _title(fixed, "a", "bifurcation points on Fix($R$)")
@@ -194,7 +195,7 @@ def _magnify(axes: Axes, family: SampledFamily, placements: Sequence[Placement])
         centre = (places[members].mean(axis=0) - origin) / size
         corner, _ = free_corner(axes, taken, _INSET, centre)
         inset = axes.inset_axes((*corner, *_INSET))
-        taken = np.concatenate([taken, corner + _GRID * _INSET])
+        taken = np.concatenate([taken, covered_by(axes, corner, _INSET)])
         inset.plot(family.second_points[:, 0], family.second_points[:, 1], color=SECOND_CURVE)
         inset.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
         for index in members:
@@ -226,8 +227,7 @@ def free_corner(axes: Axes, taken: Array, size: Array, near: Array) -> tuple[Arr
 
     All in parts of the axes: the points to be seen, shape (N, 2), the inset's size, the place, the corner.
     """
-    width, height = axes.get_figure().get_size_inches() * axes.get_position().size
-    labels, rim = np.array([_LABEL_WIDTH / width, _LABEL_HEIGHT / height]), np.array([0.02, 0.03])
+    labels, rim = _label_room(axes), np.array([0.02, 0.03])
     corners = [
         np.array([x, y])
         for x in np.linspace(labels[0], 0.98 - size[0], 20)
@@ -242,8 +242,16 @@ def free_corner(axes: Axes, taken: Array, size: Array, near: Array) -> tuple[Arr
     return best, hidden(best)
 
 
-_LABEL_WIDTH, _LABEL_HEIGHT = 0.28, 0.2
-"""Of an inset's tick labels, in inches."""
+def covered_by(axes: Axes, corner: Array, size: Array) -> Array:
+    """Places all over an inset and its tick labels, in parts of the axes, shape (N, 2)."""
+    labels = _label_room(axes)
+    return corner - labels + _GRID * (size + labels)
+
+
+def _label_room(axes: Axes) -> Array:
+    """Width and height of an inset's tick labels, in parts of the axes."""
+    inches = axes.get_figure().get_size_inches() * axes.get_position().size
+    return np.array([0.4, 0.2]) / inches
 
 
 def _with_extent(points: Array, size: Array) -> Array:

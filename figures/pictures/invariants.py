@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
 from orbitproof.figures.style import (
@@ -48,6 +49,7 @@ def draw_tori(record: ToriRecord) -> Figure:
         centre = record.centre[[first, second]]
         axes.plot(*centre, marker="o", markerfacecolor="white", color=INK, linestyle="none", markersize=5)
         names = [CR3BP.state[index] for index in (0, 2, 3, 5)]
+        axes.xaxis.set_major_locator(MaxNLocator(6))
         axes.set_xlabel(label_of(names[first]))
         axes.set_ylabel(label_of(names[second]))
         letter, text = ("b", "invariant curves, $y=0$") if first == 0 else ("c", "the same, across Fix($R$)")

@@ -15,6 +15,8 @@ from orbitproof.shared.systems import ReversibleSystem
 _MOST_TICKS = 4
 _FLAT = 0.02
 """A box that is so flat has room for one tick."""
+_CORNER = 0.03
+"""No tick is closer to a corner than this part of the box's extent."""
 _NEAR = 0.25
 """A primary is shown if it is at most this part of the box's extent outside the box."""
 
@@ -37,6 +39,8 @@ def set_box(
     pad = 0.03 * extent.max()
     axes.set_box_aspect(extent + 2 * pad, zoom=zoom)
     axes.view_init(elev=view[0], azim=view[1])
+    # Its rectangle reaches over the labels of its neighbours.
+    axes.patch.set_visible(False)
     for i, name in enumerate(system.state[:3]):
         letter = "xyz"[i]
         getattr(axes, f"set_{letter}lim")(low[i] - pad, high[i] + pad)
@@ -48,11 +52,22 @@ def set_box(
             axis.set_ticks([])
             continue
         getattr(axes, f"set_{letter}label")(label_of(name, unit=False), labelpad=2 if letter == "z" else 1)
-        if extent[i] < _FLAT * extent.max():
-            axis.set_major_locator(FixedLocator([(low[i] + high[i]) / 2]))
-        else:
-            axis.set_major_locator(MaxNLocator(max(2, round(_MOST_TICKS * extent[i] / extent.max()))))
+        axis.set_major_locator(FixedLocator(_ticks(float(low[i]), float(high[i]), float(extent.max()))))
         axes.tick_params(axis=letter, pad=3 if letter == "z" else 0, labelsize=6.5)
+
+
+def _ticks(low: float, high: float, size: float) -> list[float]:
+    """Ticks from `low` to `high` in a box of that size, none so near a corner that labels of two axes meet there."""
+    if high - low < _FLAT * size:
+        return [(low + high) / 2]
+    number = max(2, round(_MOST_TICKS * (high - low) / size))
+    free = _CORNER * size
+    while number < 20:
+        ticks = [tick for tick in MaxNLocator(number).tick_values(low, high) if low + free <= tick <= high - free]
+        if ticks:
+            return [float(tick) for tick in ticks]
+        number += 1
+    return [(low + high) / 2]
 
 
 _PRIMARY: dict[str, Any] = {

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from support.picture_texts import unreadable
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.model.family import (
@@ -146,6 +147,22 @@ def test_every_axis_of_a_picture_is_labelled(pictures: list[tuple[list[MarkedPoi
             assert axes.get_ylabel()
             shared_below = not axes.xaxis.get_tick_params().get("labelbottom", True)
             assert axes.get_xlabel() or shared_below
+
+
+def test_all_that_is_written_can_be_read(
+    pictures: list[tuple[list[MarkedPoint], Figure]], marks: list[MarkedPoint]
+) -> None:
+    alone = draw_marks([mark for mark in marks if mark.candidate.system.name == "falkner-skan"])
+    for figure in (*(figure for _, figure in pictures), alone):
+        assert unreadable(figure) == []
+    alone.text(-0.02, 0.5, "beside it")
+    alone.text(0.5, 0.5, "twice")
+    alone.text(0.5, 0.5, "twice")
+    alone.axes[1].set_position((0, 0, 1, 1))
+    said = unreadable(alone)
+    assert {"beside it is cut off", "twice meets twice"} <= set(said)
+    assert any(line.endswith("is covered") for line in said)
+    close(alone)
 
 
 def test_legend_lies_below_all_axes(pictures: list[tuple[list[MarkedPoint], Figure]]) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from support.picture_texts import unreadable
 
 from orbitproof.explore.invariants.file import read_manifold, read_tori, write_manifold, write_tori
 from orbitproof.explore.invariants.manifold import Plane, manifold_of
@@ -57,6 +58,7 @@ def test_pictures_of_tori_say_that_nothing_is_proved_and_show_every_curve(files:
     assert shown[2][0] == pytest.approx(record.tori[2].curve.points(np.zeros(1))[0, :2])
     markers = [line for axes in figure.axes for line in axes.lines if line.get_marker() == "o" and axes.name != "3d"]
     assert all(line.get_markerfacecolor() == "white" for line in markers)
+    assert unreadable(figure) == []
     close(figure)
 
 
