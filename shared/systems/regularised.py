@@ -87,6 +87,18 @@ def _quadratics(v: Sequence[Any]) -> tuple[Any, Any, Any]:
     return outer + inner, outer - inner, 2 * (u1 * u3 + u2 * u4)
 
 
+def _conjugate_product(a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any]:
+    """Real and imaginary part of (a + i b)(c - i d), by three products."""
+    shared = (a + b) * c
+    return shared + b * (d - c), shared - a * (c + d)
+
+
+def _symmetric_product(a: Any, c: Any, b: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    """a x - b y and c y - b x, by three products."""
+    shared = b * (x + y)
+    return (a + b) * x - shared, (c + b) * y - shared
+
+
 def _kustaanheimo_stiefel(v: Sequence[Any], parameters: Sequence[Any], level: Sequence[Any]) -> Sequence[Any]:
     u1, u2, u3, u4, w1, w2, w3, w4, _, _ = v
     (mu,) = parameters
@@ -94,27 +106,28 @@ def _kustaanheimo_stiefel(v: Sequence[Any], parameters: Sequence[Any], level: Se
     larger = 1 - mu
     distance, rho1, rho3 = _quadratics(v)
     square = _square(distance)
-    to_larger = 1 + 2 * rho1 + square
-    pull = larger * to_larger**-1.5
-    energy = _HALF * (square - _square(rho3) + 2 * larger * rho1 + _square(larger) - jacobi) + pull * to_larger
-    product = distance * pull
-    common = energy + square - distance * product
-    along = larger * distance - product
-    outer, inner = _HALF * (common + along), _HALF * (common - along)
+    # r_1^2 - r_2^2, which also multiplies T in P and M.
+    difference = 1 + 2 * rho1
+    pull = larger * (difference + square) ** -1.5
+    common = _HALF * (3 * square - _square(rho3) + 2 * larger * rho1 + _square(larger) - jacobi) + pull * difference
+    along = distance * (larger - pull)
     off_plane = _HALF * (distance * rho3)
-    slope3 = u3 * w1 + u4 * w2 + u1 * w3 + u2 * w4
+    outer, inner = _HALF * (common + along), _HALF * (common - along)
+    force1, force3 = _symmetric_product(outer, inner, off_plane, u1, u3)
+    force4, force2 = _symmetric_product(outer, inner, off_plane, u4, u2)
+    (slope3, slope_y), (more3, more_y) = _conjugate_product(w3, w2, u1, u4), _conjugate_product(u3, u2, w1, w4)
     turn = 2 * distance
-    twist = 2 * slope3
+    twist = 2 * (slope3 + more3)
     return (
         w1,
         w2,
         w3,
         w4,
-        outer * u1 - off_plane * u3 + turn * w2 - twist * u4,
-        inner * u2 - off_plane * u4 - turn * w1 + twist * u3,
-        inner * u3 - off_plane * u1 + turn * w4 - twist * u2,
-        outer * u4 - off_plane * u2 - turn * w3 + twist * u1,
-        2 * (u2 * w1 + u1 * w2 - u4 * w3 - u3 * w4),
+        force1 + turn * w2 - twist * u4,
+        force2 - turn * w1 + twist * u3,
+        force3 + turn * w4 - twist * u2,
+        force4 - turn * w3 + twist * u1,
+        2 * (slope_y + more_y),
         distance,
     )
 

@@ -108,6 +108,33 @@ def test_the_equations_are_those_of_the_three_body_problem(seed: int) -> None:
         assert vanishes(slopes[9] - distance)
 
 
+def test_the_program_is_the_field_as_it_is_written() -> None:
+    """(14.1) at any point, with l = 0 or not, whatever products the program forms it by."""
+    source = random.Random(1)
+    with ctx.workprec(300):
+        mu, u1, u2, u3, u4, w1, w2, w3, w4, y, time, level = (
+            ball(Fraction(source.randint(1, 10**6), 10**6)) for _ in range(12)
+        )
+        r2, rho1 = u1 * u1 + u2 * u2 + u3 * u3 + u4 * u4, u1 * u1 - u2 * u2 - u3 * u3 + u4 * u4
+        rho3, sigma = 2 * (u1 * u3 + u2 * u4), u3 * w1 + u4 * w2 + u1 * w3 + u2 * w4
+        r1 = (1 + 2 * rho1 + r2 * r2).sqrt()
+        pull = (1 - mu) / r1**3
+        energy = (r2 * r2 - rho3 * rho3 + 2 * (1 - mu) * rho1 + (1 - mu) ** 2 - level) / 2 + pull * r1 * r1
+        p = energy + r2 * r2 - r2 * r2 * pull + (1 - mu) * r2 - r2 * pull
+        m = energy + r2 * r2 - r2 * r2 * pull - (1 - mu) * r2 + r2 * pull
+        written = [
+            *(w1, w2, w3, w4),
+            (p * u1 - r2 * rho3 * u3) / 2 + 2 * (r2 * w2 - sigma * u4),
+            (m * u2 - r2 * rho3 * u4) / 2 - 2 * (r2 * w1 - sigma * u3),
+            (m * u3 - r2 * rho3 * u1) / 2 + 2 * (r2 * w4 - sigma * u2),
+            (p * u4 - r2 * rho3 * u2) / 2 - 2 * (r2 * w3 - sigma * u1),
+            *(2 * (u2 * w1 + u1 * w2 - u4 * w3 - u3 * w4), r2),
+        ]
+        point = [u1, u2, u3, u4, w1, w2, w3, w4, y, time, mu, level]
+        found = KUSTAANHEIMO_STIEFEL.program.evaluate(point, ball, power)
+        assert all(vanishes(value - wanted) for value, wanted in zip(found, written, strict=True))
+
+
 @pytest.mark.parametrize("branch", [1, -1])
 def test_the_projection_undoes_the_embedding(branch: int) -> None:
     source = random.Random(branch)
