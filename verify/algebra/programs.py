@@ -314,14 +314,29 @@ def partial_derivatives(
             case "scale":
                 slope = {j: scaled(x, node.value) for j, x in slopes[node.left].items()}
             case "mul":
+                square = node.left == node.right
+                halves = [(slopes[node.left], values[node.right]), (slopes[node.right], values[node.left])]
                 pairs: dict[int, list[tuple[Coefficient, Coefficient]]] = {}
-                for side, factor in ((node.left, node.right), (node.right, node.left)):
-                    for j, x in slopes[side].items():
-                        pairs.setdefault(j, []).append((x, values[factor]))
-                slope = {j: dot(terms) for j, terms in pairs.items()}
+                for half, factor in halves[: 1 if square else 2]:
+                    for j, x in half.items():
+                        pairs.setdefault(j, []).append((x, factor))
+                slope = {j: _combination(terms, one, dot) for j, terms in pairs.items()}
+                if square:
+                    slope = {j: reduce(add, (x, x)) for j, x in slope.items()}
             case "pow":
                 if slopes[node.left]:
                     outer = slope_of_power(index)
                     slope = {j: dot([(outer, x)]) for j, x in slopes[node.left].items()}
         slopes.append(slope)
     return [slopes[output] for output in program.outputs]
+
+
+def _combination(
+    pairs: Sequence[tuple[Coefficient, Coefficient]],
+    one: Coefficient,
+    dot: Callable[[Sequence[tuple[Coefficient, Coefficient]]], Coefficient],
+) -> Coefficient:
+    """The sum of products of pairs, in which the unit, if it comes first, is not multiplied."""
+    terms = [value for x, value in pairs if x is one]
+    products = [pair for pair in pairs if pair[0] is not one]
+    return reduce(add, [*terms, dot(products)] if products else terms)
