@@ -1,12 +1,13 @@
-"""The two certified curves of a certificate, family and branch, as thin boxes over their whole interval.
+"""The certified curves of a certificate, family and branch, as thin boxes over their whole interval.
 
 Evaluated in balls from the tables of derivatives that the certificate carries, by the functions of the verifier:
-over each part of P_0 an enclosure of p_1(p_0), over each part of P_1 one of p_0(p_1) (sections 8.1 and 8.4).
+over each part of P_0 an enclosure of p_1(p_0), over each part of P_1 one of p_0(p_1) (sections 8.1 and 8.4). A fold has
+one curve, p_0(p_1) (section 9.6).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -21,8 +22,10 @@ from orbitproof.verify.bifurcation import (
     DoublySymmetricFamily,
     Family,
     Problem,
+    check_curve,
     check_enclosures,
     check_family,
+    check_fold,
     check_reduction,
     level_form,
     locate,
@@ -41,11 +44,11 @@ class CertifiedCurves:
         claim: the candidate, in the form that the hypotheses are about.
         radii: R_0 and R_1.
         family: shape (M, 4), lower and upper end of p_0/R_0, then of p_1/R_1, along the family.
-        branch: shape (M, 4), the same along the branch.
+        branch: shape (M, 4), the same along the branch; at a fold M = 0.
         point: shape (4,), of the bifurcation point.
-        side: on which side the new orbits are.
+        side: on which side the new orbits are, or the two of a fold.
         parameter_name: the bifurcation parameter.
-        beta: enclosure of the leading coefficient of the parameter along the branch, or `None`.
+        beta: enclosure of the leading coefficient of the parameter along the branch, or the curve of a fold, or `None`.
     """
 
     claim: Candidate
@@ -70,8 +73,8 @@ class CertifiedCurves:
         document = {"format": "orbitproof-candidates", "version": 1, "candidates": [stated]}
         validate_document(document, "candidates", f"{where}.statement.candidate")
         candidate = candidate_from_json(stated, f"{where}.statement.candidate")
-        if candidate.kind in (FOLD, ORBIT):
-            raise InputError(f"{where}: {candidate.kind}: no two curves cross there; choose another certificate")
+        if candidate.kind == ORBIT:
+            raise InputError(f"{where}: orbit: no curve is certified there; choose another certificate")
         claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
         try:
             if claim is None:
@@ -83,16 +86,13 @@ class CertifiedCurves:
                 problem = check_enclosures(
                     checklist, claim, stored.iterates, stored.first_integral, stored.return_times
                 )
-                start = check_family(checklist, problem) if claim.k > 1 else None
-                reduction = check_reduction(checklist, problem, start)
-                family: Family = start if start is not None else DoublySymmetricFamily(reduction)
-                point = locate(checklist, problem, family, reduction).where
+                family, branch, point = (_at_fold if claim.kind == FOLD else _crossing)(checklist, problem, parts)
                 beta = results["normal_form"].get("beta")
                 return cls(
                     claim=claim,
                     radii=(claim.radii[0], claim.radii[1]),
-                    family=_family(problem, family, parts),
-                    branch=_branch(problem, family, reduction, parts),
+                    family=family,
+                    branch=branch,
                     point=np.array([*_ends(point[0], claim.radii[0]), *_ends(point[1], claim.radii[1])]),
                     side=results["side"],
                     parameter_name=results["parameter_name"],
@@ -100,6 +100,26 @@ class CertifiedCurves:
                 )
         except (ValueError, NotEstablishedError, ArithmeticError) as error:
             raise InputError(f"{where}.enclosures: {error}; verify the candidate again") from None
+
+
+def _crossing(checklist: Checklist, problem: Problem, parts: int) -> tuple[Array, Array, Sequence[arb]]:
+    """Family, branch, and the point where they cross."""
+    start = check_family(checklist, problem) if problem.k > 1 else None
+    reduction = check_reduction(checklist, problem, start)
+    family: Family = start if start is not None else DoublySymmetricFamily(reduction)
+    point = locate(checklist, problem, family, reduction).where
+    return _family(problem, family, parts), _branch(problem, family, reduction, parts), point
+
+
+def _at_fold(checklist: Checklist, problem: Problem, parts: int) -> tuple[Array, Array, Sequence[arb]]:
+    """The curve, as boxes around (p_0(p_1), p_1), no branch, and the point where it turns back."""
+    point, _ = check_fold(checklist, problem)
+    curve = check_curve(Checklist(), problem)
+    rows = [
+        [*_ends(meet(problem.box[0], curve.over(ball)[0]), problem.radii[0]), low, high]
+        for low, high, ball in _pieces(problem.radii[1], parts)
+    ]
+    return np.array(rows), np.empty((0, 4)), point
 
 
 def _family(problem: Problem, family: Family, parts: int) -> Array:

@@ -37,7 +37,7 @@ _CONTINUED = (0, (3, 1.6))
 
 
 def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Path]:
-    """Write a picture of each proved point of a certificates file, folds left out, as PDF and PNG.
+    """Write a picture of each proved bifurcation of a certificates file, as PDF and PNG.
 
     Branch files, if given, add the orbits that the search found. Raises `InputError` for bad files, and if no
     certificate proves anything.
@@ -45,9 +45,9 @@ def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Pa
     proved = {name: entry for name, entry in read_certificates(certificates).items() if entry.proved}
     if not proved:
         raise InputError(f'{certificates}: no certificate says "proved"; there is nothing certified to draw')
-    entries = {name: entry.to_json() for name, entry in proved.items() if entry.kind not in (FOLD, ORBIT)}
+    entries = {name: entry.to_json() for name, entry in proved.items() if entry.kind != ORBIT}
     if not entries:
-        raise InputError(f"{certificates}: folds only, which have one curve; give certificates of two that cross")
+        raise InputError(f"{certificates}: orbits only, which have no curve; give certificates of bifurcations")
     records = {record.id: record for path in branches for record in read_branches(path)}
     drawn = {
         name: CertifiedCurves.of(entry, f"{certificates}: certificate {name!r}") for name, entry in entries.items()
@@ -72,17 +72,19 @@ def _same(curves: CertifiedCurves, records: Mapping[str, BranchRecord]) -> Branc
 
 
 def draw_certified(curves: CertifiedCurves, branch: BranchRecord | None) -> Figure:
-    """One certified point: both curves in their box, and the bifurcation parameter along the branch."""
+    """One certified point: the curves in their box, and the bifurcation parameter along the branch.
+
+    A fold has one curve, and the parameter is shown along that.
+    """
     figure = plt.figure(figsize=(_WIDTH, 3.1))
     grid = figure.add_gridspec(1, 2, left=0.1, right=0.98, top=0.9, bottom=0.29, wspace=0.27)
     _box(figure.add_subplot(grid[0, 0]), curves)
     _level(figure.add_subplot(grid[0, 1]), curves, branch)
     colour = marker_of(curves.claim.k)[1]
-    handles = [
-        Patch(facecolor=CURVE, edgecolor=CURVE, label="family, enclosed"),
-        Patch(facecolor=colour, edgecolor=colour, label="branch, enclosed"),
-        Patch(facecolor="none", edgecolor=INK, label="box of the certificate"),
-    ]
+    handles = [Patch(facecolor=CURVE, edgecolor=CURVE, label="family, enclosed")]
+    if curves.claim.kind != FOLD:
+        handles.append(Patch(facecolor=colour, edgecolor=colour, label="branch, enclosed"))
+    handles.append(Patch(facecolor="none", edgecolor=INK, label="box of the certificate"))
     line = Line2D(
         [], [], color=colour, linewidth=1.0, linestyle=(0, (3, 1.6)), label="certified coefficient, continued"
     )
@@ -93,13 +95,13 @@ def draw_certified(curves: CertifiedCurves, branch: BranchRecord | None) -> Figu
 
 
 def _box(axes: Axes, curves: CertifiedCurves) -> None:
-    """Family and branch in the box, each as the boxes that enclose it."""
+    """Family and branch, if there is one, in the box, each as the boxes that enclose it."""
     axes.add_patch(Rectangle((-1, -1), 2, 2, facecolor="none", edgecolor=INK, linewidth=0.8))
     colour = marker_of(curves.claim.k)[1]
     for boxes, paint in ((curves.family, CURVE), (curves.branch, colour)):
         axes.add_collection(PolyCollection(_corners(boxes), facecolors=paint, edgecolors=paint, linewidths=0.7))
     middle = (curves.point[0] + curves.point[1]) / 2, (curves.point[2] + curves.point[3]) / 2
-    draw_point(axes, middle, curves.claim.k, True, curves.claim.id)
+    draw_point(axes, middle, curves.claim.k, True, curves.claim.id, curves.claim.kind)
     axes.set_xlim(-1.12, 1.12)
     axes.set_ylim(-1.12, 1.12)
     axes.set_xticks([-1.0, -0.5, 0.0, 0.5, 1.0])
@@ -164,10 +166,12 @@ def _level(axes: Axes, curves: CertifiedCurves, branch: BranchRecord | None) -> 
     axes.set_yscale("log")
     name = claim.system.family_parameter
     quantity = label_of(name, unit=False) if name else curves.parameter_name
-    axes.set_xlabel("$|p_1|$  (nondimensional)")
-    axes.set_ylabel(f"|{quantity} $-$ bifurcation|")
-    where = {"above": "new orbits above", "below": "new orbits below", "both": "new orbits on both sides"}
-    axes.set_title(f"(b)  along the branch: {where.get(curves.side, curves.side)}", color=INK)
+    fold = claim.kind == FOLD
+    axes.set_xlabel("$|p_1 - p_1^*|$  (nondimensional)" if fold else "$|p_1|$  (nondimensional)")
+    axes.set_ylabel(f"|{quantity} $-$ {'extremum' if fold else 'bifurcation'}|")
+    where = {"above": "above", "below": "below", "both": "on both sides"}.get(curves.side, curves.side)
+    words = f"family: two orbits {where}" if fold else f"branch: new orbits {where}"
+    axes.set_title(f"(b)  along the {words}", color=INK)
 
 
 def _orbits(curves: CertifiedCurves, branch: BranchRecord) -> tuple[Array, Array]:

@@ -23,7 +23,7 @@ _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the tr
 
 
 def pictures_of(entry: Checked) -> tuple[Picture, ...]:
-    """The pictures of a proved theorem; none of a fold, nor of a bifurcation in an unknown system."""
+    """The pictures of a proved theorem; none of a bifurcation in an unknown system."""
     with use_style():
         return _of_row(entry) if isinstance(entry, CheckedRow) else _of_atlas(entry)
 
@@ -37,12 +37,14 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         )
         figure = draw_orbit(entry.candidate, entry.certificate.orbit)
         return (_picture(f"orbit-{file_name(name)}", caption, figure),)
-    if entry.candidate.system.name not in SYSTEMS or entry.candidate.kind == FOLD:
+    if entry.candidate.system.name not in SYSTEMS:
         return ()
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
+    fold = entry.candidate.kind == FOLD
+    curves, along = ("the family", "it") if fold else ("the family and the branch", "the branch")
     caption = (
-        f"{name}: (a) the family and the branch in the box of the certificate, both enclosed; (b) the parameter along "
-        "the branch from the enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
+        f"{name}: (a) {curves} in the box of the certificate, enclosed; (b) the parameter along {along} from the "
+        "enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
     )
     return (_picture(f"box-{file_name(name)}", caption, figure),)
 

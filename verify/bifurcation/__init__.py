@@ -1,6 +1,7 @@
 """Lyapunov-Schmidt reduction, conditions and theorems (sections 8, 9, 11)."""
 
 from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
+from orbitproof.verify.bifurcation.fold import TurningCurve, check_curve, check_fold
 from orbitproof.verify.bifurcation.level_forms import (
     check_own_box,
     coordinates_in_box,
@@ -24,9 +25,12 @@ __all__ = [
     "DoublySymmetricFamily",
     "Family",
     "Problem",
+    "TurningCurve",
+    "check_curve",
     "check_enclosures",
     "check_exactly",
     "check_family",
+    "check_fold",
     "check_own_box",
     "check_reduction",
     "coordinates_in_box",

@@ -63,7 +63,7 @@ def _with_p_1_first(function: BoxFunction) -> BoxFunction:
 
 def check_fold(checklist: Checklist, problem: Problem) -> tuple[tuple[arb, ...], Nondegeneracy]:
     """All conditions of a fold: the enclosure of its coordinates p, and the side on which the two orbits exist."""
-    curve = _check_curve(checklist, problem)
+    curve = check_curve(checklist, problem)
     everywhere = _check_extremum(checklist, problem, curve)
     where, curvature = _locate(checklist, problem, curve, everywhere)
     if problem.first_integral is not None:
@@ -71,7 +71,7 @@ def check_fold(checklist: Checklist, problem: Problem) -> tuple[tuple[arb, ...],
     return where, Nondegeneracy(side_of(curvature), {"beta": curvature / 2})
 
 
-def _check_curve(checklist: Checklist, problem: Problem) -> TurningCurve:
+def check_curve(checklist: Checklist, problem: Problem) -> TurningCurve:
     """The symmetric period-two points in the box are one curve (p_0(p_1), p_2(p_1)) over P_1."""
     statement = "interval Newton: pi_q P = 0 has one solution (p_0, p_2)(p_1) inside P_0 x P_2 for each p_1 in P_1"
     remedy = "move the centre onto the curve, align p_1 with it, or widen the box across it"
