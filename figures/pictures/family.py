@@ -251,7 +251,7 @@ def covered_by(axes: Axes, corner: Array, size: Array) -> Array:
 def _label_room(axes: Axes) -> Array:
     """Width and height of an inset's tick labels, in parts of the axes."""
     inches = axes.get_figure().get_size_inches() * axes.get_position().size
-    return np.array([0.4, 0.2]) / inches
+    return np.array([0.36, 0.2]) / inches
 
 
 def _with_extent(points: Array, size: Array) -> Array:
