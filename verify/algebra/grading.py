@@ -7,7 +7,8 @@ from functools import cached_property
 from itertools import product
 
 Exponents = tuple[int, ...]
-Factors = tuple[tuple[tuple[int, int], ...], ...]
+Pairs = tuple[tuple[int, int], ...]
+Factors = tuple[Pairs, ...]
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,16 @@ class Grading:
                 if position is not None:
                     table[position].append((i, j))
         return tuple(tuple(pairs) for pairs in table)
+
+    @cached_property
+    def inner_factors(self) -> Factors:
+        """Of these pairs, those without the constant."""
+        return tuple(tuple(pair for pair in pairs if 0 not in pair) for pairs in self.factors)
+
+    @cached_property
+    def outer_factors(self) -> Factors:
+        """The other ones."""
+        return tuple(tuple(pair for pair in pairs if 0 in pair) for pairs in self.factors)
 
     def grade(self, exponents: Exponents) -> int:
         """Weighted degree of a monomial."""

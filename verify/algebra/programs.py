@@ -22,7 +22,7 @@ from flint import fmpz, fmpz_poly
 
 from orbitproof.shared.systems import Program
 from orbitproof.verify.algebra.norms import add as sum_of_norms
-from orbitproof.verify.algebra.series import ZERO, Arithmetic, Series, correct_power, product_errors
+from orbitproof.verify.algebra.series import ZERO, Arithmetic, Products, Series, correct_power, product_errors
 from orbitproof.verify.evidence import IntegrationFailure
 
 
@@ -175,6 +175,7 @@ class Evaluation(Recurrence[fmpz_poly]):
         self.arithmetic = arithmetic
         self.lost: list[list[float]] = [arithmetic.zero_errors() for _ in program.nodes]
         self._inverse: dict[int, fmpz_poly] = {}
+        self._inner: dict[tuple[int, int], Products] = {}
 
     def fill(self, position: int, inputs: Sequence[fmpz_poly]) -> None:
         """Compute the coefficient of monomial `position` at every node from those of the inputs.
@@ -184,12 +185,17 @@ class Evaluation(Recurrence[fmpz_poly]):
         for row, value in zip(self.coefs, inputs, strict=False):
             row[position] = value
         self.extend(position)
+        self._inner = {}
 
     def try_out(self, position: int, inputs: Sequence[fmpz_poly]) -> None:
-        """As `fill`, for a monomial that is filled again later: what is lost now does not count."""
+        """As `fill`, for a monomial that is filled next: what is lost now does not count.
+
+        The products of other monomials, which will be the same, are kept.
+        """
         lost, self.lost = self.lost, [self.arithmetic.zero_errors() for _ in self.program.nodes]
+        inner = self._inner
         self.fill(position, inputs)
-        self.lost = lost
+        self.lost, self._inner = lost, inner
 
     def reciprocal(self, index: int) -> fmpz_poly:
         """An approximation of 1 / base at the centre, for a node that is a power."""
@@ -207,7 +213,9 @@ class Evaluation(Recurrence[fmpz_poly]):
 
     def product(self, index: int, n: int, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly]) -> fmpz_poly:
         """See `Recurrence`."""
-        value, loss = self.arithmetic.product_slice(left, right, n)
+        if (index, n) not in self._inner:
+            self._inner[index, n] = self.arithmetic.inner_products(left, right, n)
+        value, loss = self.arithmetic.product_slice(left, right, n, self._inner[index, n])
         self.lost[index][self.arithmetic.grading.grades[n]] += loss
         return value
 

@@ -16,10 +16,13 @@ from functools import cached_property
 
 from flint import arb, fmpz, fmpz_poly
 
-from orbitproof.verify.algebra.grading import Grading
+from orbitproof.verify.algebra.grading import Grading, Pairs
 from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, fraction_above, geometric, inflate
 from orbitproof.verify.algebra.time_powers import power_in_time
 from orbitproof.verify.evidence import GUARD_BITS
+
+Products = tuple[fmpz_poly, float]
+"""An exact sum of products, with the fractional bits of both factors, and a bound for what it lacks."""
 
 ZERO = fmpz_poly([])
 _HEAD = 8
@@ -171,24 +174,40 @@ class Arithmetic:
         return [arb(value) * scale for value in polynomial.coeffs()]
 
     def product_slice(
-        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int
+        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, inner: Products | None = None
     ) -> tuple[fmpz_poly, float]:
-        """The known part of one monomial of a product and a bound for what rounding and truncation lost."""
-        exact: fmpz_poly | None = None
+        """The known part of one monomial of a product and a bound for what rounding and truncation lost.
+
+        `inner`: what `inner_products` gives, where it is known already.
+        """
+        if inner is None:
+            inner = self.inner_products(left, right, position)
+        exact, lost = self._products(left, right, position, self.grading.outer_factors[position])
+        exact, lost = exact + inner[0], lost + inner[1]
+        if not exact.length():
+            return ZERO, inflate(lost) if lost else 0.0
+        value, rounding = self.round_product(exact, position)
+        return value, inflate(rounding + lost)
+
+    def inner_products(self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int) -> Products:
+        """The part of one monomial of a product that comes from other monomials than it and the constant."""
+        return self._products(left, right, position, self.grading.inner_factors[position])
+
+    def _products(
+        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, factors: Pairs
+    ) -> Products:
+        exact = ZERO
         square = left is right
         cuts = 0
-        for i, j in self.grading.factors[position]:
+        for i, j in factors:
             a, b = left[i], right[j]
             if a.length() and b.length() and (i <= j or not square):
                 term, number = self._product(a, b)
                 times = 1 if i == j or not square else 2
                 cuts += times * number
-                term = term if times == 1 else term * times
-                exact = term if exact is None else exact + term
-        if exact is None:
-            return ZERO, 0.0
-        value, lost = self.round_product(exact, position)
-        return value, inflate(lost + cuts * self.rounding[self.grading.grades[position]] / _CUTS_IN_A_UNIT)
+                exact += term if times == 1 else term * times
+        lost = cuts * self.rounding[self.grading.grades[position]] / _CUTS_IN_A_UNIT
+        return exact, inflate(lost) if cuts else 0.0
 
     def _product(self, left: fmpz_poly, right: fmpz_poly) -> tuple[fmpz_poly, int]:
         """A product without bits of the factors far below its unit, and how many factors were cut (section 2.2)."""

@@ -16,9 +16,9 @@ import numpy as np
 from flint import arb, arb_poly, fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.circle import Floats, from_points, power_of_series, to_points
-from orbitproof.verify.algebra.grading import Grading
+from orbitproof.verify.algebra.grading import Grading, Pairs
 from orbitproof.verify.algebra.norms import float_above, inflate
-from orbitproof.verify.algebra.series import ZERO, Arithmetic
+from orbitproof.verify.algebra.series import ZERO, Arithmetic, Products
 from orbitproof.verify.evidence import IntegrationFailure
 
 _FLOAT_BITS = 50
@@ -74,27 +74,23 @@ class WideArithmetic(Arithmetic):
         beyond += sum(map(abs, coefs[length:]))
         return fmpz_poly(kept), int(beyond)
 
-    def product_slice(
-        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int
-    ) -> tuple[fmpz_poly, float]:
+    def _products(
+        self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, factors: Pairs
+    ) -> Products:
         """As for every arithmetic; what is not found exactly is bounded by the sizes of the factors."""
-        exact: fmpz_poly | None = None
+        exact = ZERO
         beyond = 0.0
         length = (self.degree + 1) * self.stride
         square = left is right
-        for i, j in self.grading.factors[position]:
+        for i, j in factors:
             a, b = left[i], right[j]
             if a.length() and b.length() and (i <= j or not square):
                 times = 1 if i == j or not square else 2
-                term = a.mul_low(b, length) * times
-                exact = term if exact is None else exact + term
+                exact += a.mul_low(b, length) * times
                 beyond += times * self._beyond(
                     _sizes(a, self.stride, self.scales[i]), _sizes(b, self.stride, self.scales[j])
                 )
-        if exact is None:
-            return ZERO, 0.0
-        value, lost = self.round_product(exact, position)
-        return value, inflate(lost + beyond)
+        return exact, inflate(beyond) if beyond else 0.0
 
     def _beyond(self, left: _Sizes, right: _Sizes) -> float:
         """A bound of what a packed product of bounded length lacks, and of what runs into the wrong powers."""
