@@ -15,8 +15,9 @@ BITS = 200
 UNIT = 2**BITS
 
 
-def decaying(source: random.Random, length: int) -> fmpz_poly:
-    return fmpz_poly([int(source.uniform(-1, 1) * 2.0**-n * UNIT) for n in range(length)])
+def decaying(source: random.Random, length: int, bits: int = 1) -> fmpz_poly:
+    """Each coefficient is about `bits` bits shorter than the one before."""
+    return fmpz_poly([int(source.uniform(-1, 1) * UNIT) >> bits * n for n in range(length)])
 
 
 def defect(
@@ -62,6 +63,20 @@ def test_the_equation_holds_up_to_rounding(degree: int, blocks: int, monkeypatch
     assert defect(jacobian, forcing, solution, step, degree) < rounding
     solution[1] += fmpz_poly([0, fmpz(10 * rounding)])
     assert defect(jacobian, forcing, solution, step, degree) > rounding
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_series_ends_where_its_coefficients_fall_below_their_unit(late: bool) -> None:
+    """Not before all of the forcing, which may begin where the solution has vanished."""
+    source = random.Random(1)
+    degree = 100
+    jacobian = [{0: decaying(source, degree, 8), 1: decaying(source, degree, 8)}, {0: decaying(source, degree, 8)}, {}]
+    force = decaying(source, degree, 8) + (fmpz_poly([0] * 90 + [UNIT]) if late else fmpz_poly([]))
+    forcing = [force, fmpz_poly([]), force]
+    step = Fraction(1, 2)
+    solution = LinearEquation(jacobian, BITS, degree, step).solution(forcing, [fmpz_poly([UNIT])] * 3)
+    assert all((p.length() > 90) == (late or p.length() < 20) for p in solution)
+    assert defect(jacobian, forcing, solution, step, degree) < 4 * (degree + 2)
 
 
 def test_an_equation_without_coefficients_is_integrated() -> None:

@@ -13,6 +13,12 @@ from flint import fmpz, fmpz_mat, fmpz_poly
 _BLOCKS = 8
 """The coefficients in theta are found in about so many blocks; fewer are no faster, and take more to prepare."""
 
+_NOISE = 2
+"""Coefficients of at most so many units come from rounding."""
+
+_QUIET = 6
+"""So many of them in a row, and no forcing, are taken for the end of the series."""
+
 _ZERO = fmpz(0)
 _NONE = fmpz_poly([])
 
@@ -25,7 +31,8 @@ class LinearEquation:
     Coefficients in theta are found in blocks. Inside a block the convolutions with J are products of a matrix with
     the column of the block's coefficients so far; what finished blocks contribute to later ones is a polynomial
     product, of blocks that double as often as the position allows (relaxed multiplication). Components on which no
-    slope depends are integrated at the end.
+    slope depends are integrated at the end. The higher the grade, the sooner coefficients fall below their unit: there
+    the series ends.
 
     Args:
         jacobian: row i maps j to d f_i / d x_j, a polynomial in theta with coefficients times 2^-bits.
@@ -71,14 +78,24 @@ class LinearEquation:
         factor = fmpz(self._step.numerator << self._bits)
         forces = [(p * factor // self._step.denominator).coeffs() for p in forcing]
         forces = [force + [_ZERO] * (degree - len(force)) for force in forces]
+        forced = max((p // fmpz(_NOISE)).length() for p in forcing)
         for first in range(0, degree, block):
             if first:
+                if first >= max(forced, _QUIET) and self._vanishes(solution, first):
+                    degree = first
+                    break
                 self._contribute(solution, forces, first)
             self._solve_block(solution, forces, first)
         for i, row in self._integrated.items():
             exact = sum((p.mul_low(fmpz_poly(solution[j]), degree) for j, p in row.items()), _NONE)
             solution[i] += [(force + exact[n] >> self._bits) // (n + 1) for n, force in enumerate(forces[i][:degree])]
-        return [fmpz_poly(values) for values in solution]
+        return [_without_noise(values) for values in solution]
+
+    def _vanishes(self, solution: Sequence[list[fmpz]], first: int) -> bool:
+        """Whether the last coefficients up to number `first` are noise, so that those after them will be."""
+        return all(
+            abs(value) <= _NOISE for i in self._constant for value in solution[i][first - _QUIET + 1 : first + 1]
+        )
 
     def _contribute(self, solution: Sequence[list[fmpz]], forces: Sequence[list[fmpz]], first: int) -> None:
         """Add to the forces from coefficient `first` on what the last coefficients before it contribute."""
@@ -109,3 +126,11 @@ class LinearEquation:
                 for entry, other in constant:
                     slope += entry * other[n]
                 values.append((slope >> bits) // (n + 1))
+
+
+def _without_noise(values: list[fmpz]) -> fmpz_poly:
+    """A polynomial with these coefficients but the last ones that come from rounding; the first one stays."""
+    length = len(values)
+    while length > 1 and abs(values[length - 1]) <= _NOISE:
+        length -= 1
+    return fmpz_poly(values[:length])
