@@ -45,6 +45,8 @@ def stage(folder: Path) -> None:
             shutil.copy(path, target)
     for name in ("conf.py", "index.md"):
         shutil.copy(HERE / name, folder)
+    (folder / "_static").mkdir()
+    shutil.copy(HERE / "site.css", folder / "_static")
     (folder / "reference").mkdir()
     for name, make in PAGES.items():
         (folder / "reference" / name).write_text(make(), "utf-8")

@@ -52,7 +52,7 @@ def _parser_of(words: Sequence[str]) -> argparse.ArgumentParser:
 def commands_page() -> str:
     """What every command says of itself."""
     parts = ["# Commands\n", "What `orbitproof COMMAND --help` prints.\n"]
-    with patch.dict("os.environ", {"COLUMNS": "100"}):
+    with patch.dict("os.environ", {"COLUMNS": "92"}):
         parts += [f"## {parser.prog}\n\n````text\n{parser.format_help().strip()}\n````\n" for parser in parsers()]
     return "\n".join(parts)
 

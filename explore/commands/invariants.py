@@ -26,12 +26,12 @@ precision; nothing is proved. An interrupted run writes the tori that it has. Ex
 _MANIFOLD_EXAMPLES = """\
 examples:
   orbitproof explore manifold families.json --family earth-moon-L1-halo --orbit 20 --plane x=0.98785 -o tube.json
-  orbitproof explore manifold catalogue.json --orbit 1 --kind stable --side - --plane y=0 -o tube.json
+  orbitproof explore manifold catalogue.json --orbit 700 --kind stable --side - --plane x=0.98785 -o tube.json
   orbitproof figures tori tube.json -o figures-out/
 
-Orbits that leave an unstable periodic orbit (or come to it: stable), on one side of it, up to a plane. Numerics in
-double precision; nothing is proved. Exit codes: 0 written, 1 no tube found or an orbit does not reach the plane, 2 bad
-input.
+Orbits that leave an unstable periodic orbit (or come to it: stable), on one side of it, up to a plane that it does not
+meet itself. Numerics in double precision; nothing is proved. Exit codes: 0 written, 1 no tube found or an orbit does
+not reach the plane, 2 bad input.
 """
 
 
@@ -133,6 +133,13 @@ def run_manifold(options: argparse.Namespace) -> int:
             if source.system not in THREE_BODY:
                 raise InputError(f"{options.file}: {source.system.name} has no orbits in space")
             trajectory = trajectory_of(source, 201, 1.0)
+            plane = Plane("xyz".index(match[1]), value)
+            along = trajectory.states[:, plane.index]
+            if along.min() <= value <= along.max():
+                raise InputError(
+                    f"--plane {options.plane}: meets the periodic orbit itself, where the tube begins; give {match[1]} "
+                    f"below {along.min():.6g} or above {along.max():.6g}"
+                )
             tube = manifold_of(
                 source.system,
                 trajectory.states[0],
@@ -140,7 +147,7 @@ def run_manifold(options: argparse.Namespace) -> int:
                 float(source.parameters["mu"]),
                 kind=options.kind,
                 side=1 if options.side == "+" else -1,
-                plane=Plane("xyz".index(match[1]), value),
+                plane=plane,
                 count=options.lines,
                 offset=options.offset,
                 longest=options.longest,

@@ -156,6 +156,17 @@ def test_a_plane_that_is_none_is_refused(plane: str, tmp_path: Path, capsys: pyt
     assert capsys.readouterr().err.startswith(f"orbitproof explore manifold: --plane {plane}")
 
 
+@pytest.mark.parametrize("plane", ["y=0", "x=1.1"])
+def test_a_plane_through_the_periodic_orbit_is_refused(
+    plane: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = Path(__file__).parents[2] / "docs" / "examples" / "gateway-rows.json"
+    written = tmp_path / "m.json"
+    assert main(["manifold", str(rows), "--orbit", "1", "-o", str(written), "--plane", plane, "--quiet"]) == 2
+    assert f"--plane {plane}: meets the periodic orbit itself" in capsys.readouterr().err
+    assert not written.exists()
+
+
 @pytest.mark.parametrize(("noise", "found"), [(5e-10, True), (1e-7, False)])
 def test_a_curve_is_found_where_rounding_errors_end_the_gain_and_not_where_they_hide_it(
     noise: float, found: bool, tori: TorusFamily, monkeypatch: pytest.MonkeyPatch
