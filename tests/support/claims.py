@@ -6,6 +6,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from orbitproof.shared.formats.candidates import Candidate, read_candidates
 from orbitproof.shared.systems.system import MASS_PARAMETERS
@@ -13,6 +14,7 @@ from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.evidence.balls_as_text import bounds
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 DATA = Path(__file__).parents[1] / "data" / "known-bifurcations.json"
 
@@ -37,6 +39,11 @@ SUN_JUPITER = {"mu": MASS_PARAMETERS["sun-jupiter"]}
 @cache
 def _all() -> dict[str, Candidate]:
     return {candidate.id: candidate for candidate in read_candidates(DATA)}
+
+
+def to_the_end(claim: Candidate, settings: IntegratorSettings, progress: Any = None) -> Enclosures:
+    """All iterates, also of claims that are seen to be false on the way."""
+    return enclose_iterates(claim, settings, progress)
 
 
 def known(name: str) -> Candidate:

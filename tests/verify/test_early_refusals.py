@@ -6,15 +6,20 @@ import random
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import pytest
+from flint import arb
 from support.claims import known, moved, with_radii
 
 from orbitproof.shared.formats import FOLD, Candidate
+from orbitproof.verify.bifurcation.on_the_way import _iterate, _problem
 from orbitproof.verify.certificate.certify import _attempt, certify
 from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.certificate.precision import Limits, Verdict, accuracy_bits, first_precision
-from orbitproof.verify.evidence import NotProved, Proved
+from orbitproof.verify.evidence import NotProved, Proved, guarded
+from orbitproof.verify.newton import BoxFunction
+from orbitproof.verify.poincare import HalfReturns, IntegratorSettings, Returns, enclose_iterates
 
 DIGITS = 30
 LIMITS = Limits(max_precision=512)
@@ -77,6 +82,47 @@ def test_a_wrong_multiplicity_is_excluded_at_the_first_attempt(name: str, k: int
     assert found.reason is not None
     words = ("no orbit branches off in the box", "there is no such point in the box")
     assert any(word in found.reason.message for word in words)
+
+
+@pytest.mark.parametrize(
+    ("name", "k", "returns"), [("fs2", 3, 2), ("fs2", 4, 2), ("fs3", 4, 2), ("fs4", 3, 2), ("fs3", 6, 3), ("em1", 3, 1)]
+)
+def test_a_wrong_multiplicity_is_refused_before_its_orbits_are_followed_to_the_end(
+    name: str, k: int, returns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[int] = []
+    plain = Returns.next_crossing
+
+    def counted(self: Returns, progress: Any = None) -> Any:
+        found = plain(self, progress)
+        seen.append(self.crossings)
+        return found
+
+    monkeypatch.setattr(Returns, "next_crossing", counted)
+    claim = replace(known(name), kind="touch_and_go" if k == 3 else "period_tupling", k=k, symmetry=None)
+    found = certify(claim, LIMITS)
+    assert not found.proved
+    assert found.computation.attempts == 1
+    assert seen == list(range(1, returns + 1))
+
+
+@pytest.mark.parametrize("name", ["fs3", "fs4", pytest.param("em3", marks=pytest.mark.slow)])
+def test_two_half_returns_give_the_derivatives_of_all(name: str) -> None:
+    claim = known(name)
+    half_returns: list[HalfReturns] = []
+    bits = first_precision(claim, DIGITS)
+    with guarded(bits):
+        settings = IntegratorSettings(bits, accuracy=(0, 0))
+        found = enclose_iterates(claim, settings, None, lambda _claim, returns: half_returns.append(returns))
+        assert [len(returns.kernels) for returns in half_returns] == list(range(1, claim.k))
+        problem = _problem(claim, half_returns[1])
+        for i, tables in enumerate(found.iterates, start=1):
+            derived = _iterate(replace(claim, k=i), problem, half_returns[1])
+            for row, table in enumerate(tables):
+                # At the centre, which is on the family but for its last digits.
+                for column, ball in enumerate(BoxFunction(table).gradient([arb(0)] * len(claim.radii), 0)):
+                    assert derived[row, column].overlaps(ball)
+                    assert derived[row, column].rad() < 1e-6 * (1 + abs(ball))
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ import pytest
 from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
+from support.claims import to_the_end
 
 from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates
 from orbitproof.shared.numbers import format_dyadic, parse_exact
@@ -41,6 +42,7 @@ TRUE: dict[str, Any] = {
 FALSE = {**TRUE, "id": "shifted", "centre": ["453.4425869", TRUE["centre"][1]]}
 HOPELESS = {**TRUE, "id": "singular frame", "kernel_frame": [["0"]]}
 EARLY = {**TRUE, "id": "too few bits"}
+EXCLUDED = {**TRUE, "id": "k=4", "k": 4, "kind": "period_tupling"}
 
 
 def certified(entry: dict[str, Any], **limits: Any) -> Certificate:
@@ -54,7 +56,8 @@ def proved() -> Certificate:
 
 @pytest.fixture(scope="module")
 def refuted() -> Certificate:
-    return certified(FALSE, max_precision=256)
+    """With tables: the orbits are followed to the end."""
+    return certify(candidate_from_json(FALSE, "test"), Limits(max_precision=256), integrate=to_the_end)
 
 
 Entry = dict[str, Any]
@@ -107,7 +110,7 @@ def no_integration(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("no_integration")
 def test_untouched_certificates_stand_without_integrating(proved: Certificate, refuted: Certificate) -> None:
-    for entry in (proved, refuted, certified(HOPELESS), certified(EARLY, max_precision=64)):
+    for entry in (proved, refuted, certified(HOPELESS), certified(EARLY, max_precision=64), certified(EXCLUDED)):
         result = recheck(entry)
         assert result.findings == ()
         assert result.stands

@@ -9,6 +9,7 @@ from orbitproof.verify.bifurcation.level_forms import (
     level_form,
     level_spread,
 )
+from orbitproof.verify.bifurcation.on_the_way import check_half_returns
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family, reduced_function
 from orbitproof.verify.bifurcation.theorem import (
     BifurcationResults,
@@ -31,6 +32,7 @@ __all__ = [
     "check_exactly",
     "check_family",
     "check_fold",
+    "check_half_returns",
     "check_own_box",
     "check_reduction",
     "coordinates_in_box",

@@ -5,16 +5,36 @@ Nothing here carries proof: it only decides whether a claim that is not proved i
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from flint import arb
 
 from orbitproof.verify.bifurcation.conditions import Problem
-from orbitproof.verify.evidence import DerivativeTable
+from orbitproof.verify.evidence import DerivativeTable, NotEstablishedError, Reason
 from orbitproof.verify.newton import BoxFunction
 
 _SAFETY = 2**10
 """An enclosure over the box may owe so many times more to rounding than the one at its centre."""
+
+
+def fails_sharpened(problem: Problem, reason: Reason, check: Callable[[Problem], object]) -> bool:
+    """Whether what failed for want of precision stays undecided however precisely the derivatives are enclosed."""
+    if not reason.needs_precision:
+        return False
+    try:
+        check(sharpened(problem))
+    except NotEstablishedError as error:
+        return error.reason.condition == reason.condition and error.reason.needs_precision
+    except ArithmeticError:
+        return False
+    return False
+
+
+def for_want_of_size(reason: Reason) -> Reason:
+    """The reason, of a condition that `fails_sharpened`."""
+    message = f"{reason.message}; that is due to the size of the box, which more precision does not change"
+    return replace(reason, message=message, needs_precision=False)
 
 
 def sharpened(problem: Problem) -> Problem:

@@ -22,8 +22,9 @@ from orbitproof.verify.bifurcation.conditions import (
 )
 from orbitproof.verify.bifurcation.fold import check_fold
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
+from orbitproof.verify.bifurcation.on_the_way import EXCLUDED, REMEDY
 from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
-from orbitproof.verify.bifurcation.sharpened import sharpened
+from orbitproof.verify.bifurcation.sharpened import fails_sharpened, for_want_of_size
 from orbitproof.verify.claim import (
     check_adapted_frames,
     check_frames,
@@ -211,15 +212,10 @@ def prove(
     except NotEstablishedError as error:
         reason = error.reason
         if reason.needs_precision and excludes_branches(candidate, problem):
-            message = (
-                f"{reason.message}; and no orbit branches off in the box: every matrix in the interval hull of "
-                f"D_(p_1, p_2) pi_q P^{candidate.k} over it is regular (section 8.2)"
-            )
-            remedy = "are k and the kind right, and is the centre at the bifurcation point?"
-            reason = replace(reason, message=message, remedy=remedy, needs_precision=False, excluded=True)
-        elif reason.needs_precision and _fails_sharpened(candidate, problem, reason.condition):
-            message = f"{reason.message}; that is due to the size of the box, which more precision does not change"
-            reason = replace(reason, message=message, needs_precision=False)
+            message = f"{reason.message}; and {EXCLUDED.format(k=candidate.k)}"
+            reason = replace(reason, message=message, remedy=REMEDY, needs_precision=False, excluded=True)
+        elif fails_sharpened(problem, reason, lambda sharper: _check(candidate, Checklist(), sharper)):
+            reason = for_want_of_size(reason)
         return NotProved(reason, tuple(checklist.hypotheses))
     except ArithmeticError as error:
         pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
@@ -246,17 +242,6 @@ def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
     """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
     check_symmetries(checklist, candidate.system, candidate.symmetry)
     prepare(candidate, checklist)
-
-
-def _fails_sharpened(candidate: Candidate, problem: Problem, condition: str) -> bool:
-    """Whether a condition stays undecided however precisely the derivatives are enclosed."""
-    try:
-        _check(candidate, Checklist(), sharpened(problem))
-    except NotEstablishedError as error:
-        return error.reason.condition == condition and error.reason.needs_precision
-    except ArithmeticError:
-        return False
-    return False
 
 
 def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:

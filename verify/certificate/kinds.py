@@ -28,9 +28,12 @@ def theorem_of(candidate: Candidate, form: Candidate | None = None) -> Theorem |
 def enclose(
     candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None = None
 ) -> Found:
-    """What its proof is evaluated from. Raises `IntegrationFailure` if something could not be enclosed."""
-    integrate = enclose_orbit if candidate.kind == ORBIT else enclose_iterates
-    return integrate(candidate, settings, progress)
+    """What its proof is evaluated from. Raises `IntegrationFailure` if something could not be enclosed, or another
+    `NotEstablishedError` if the claim is seen to be false on the way.
+    """
+    if candidate.kind == ORBIT:
+        return enclose_orbit(candidate, settings, progress)
+    return enclose_iterates(candidate, settings, progress, bifurcation.check_half_returns)
 
 
 def prove(candidate: Candidate, checklist: Checklist, found: Found | None) -> Outcome[Results]:

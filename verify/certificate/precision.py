@@ -163,6 +163,7 @@ def _farther(reason: Reason, previous: Verdict) -> bool:
 def _enclosures(outcome: NotProved) -> dict[str, arb]:
     condition = outcome.reason.condition
     found = [hypothesis.enclosures for hypothesis in outcome.hypotheses if hypothesis.name == condition]
+    found += [outcome.reason.enclosures] if outcome.reason.enclosures else []
     return {name: ball for name, ball in found[-1].items() if ball.is_finite()} if found else {}
 
 

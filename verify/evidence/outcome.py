@@ -56,6 +56,7 @@ class Reason:
         enough_precision: bits that are expected to be enough, where that is known.
         excluded: whether enclosures show that there is no such point in the box, whatever the form of the claim.
         reached: how far an integration came that broke off: its time.
+        enclosures: what the condition failed with, by name, where the outcome has no such hypothesis.
     """
 
     condition: str
@@ -65,6 +66,7 @@ class Reason:
     enough_precision: int | None = None
     excluded: bool = False
     reached: float | None = None
+    enclosures: Mapping[str, arb] = field(default_factory=dict, compare=False)
 
     def to_json(self) -> dict[str, str]:
         """The JSON object."""

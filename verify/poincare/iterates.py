@@ -6,7 +6,7 @@ and returns, for each, enclosures of the derivatives up to order 3 of the coordi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor, log2, log10
@@ -91,6 +91,23 @@ class Enclosures:
     coordinates: str = PHYSICAL
 
 
+@dataclass(frozen=True)
+class HalfReturns:
+    """What is known of a candidate's box after some half returns, P the map of one.
+
+    Attributes:
+        kernels: derivatives of the components of pi_q P, pi_q P^2, ..
+        image: after two of them, those of the candidate's coordinates at P^2, by name; a parameter is not among them.
+    """
+
+    kernels: tuple[tuple[DerivativeTable, ...], ...]
+    image: Mapping[str, DerivativeTable]
+
+
+Decide = Callable[[Candidate, HalfReturns], None]
+"""Looks at half returns; raises `NotEstablishedError` if there is no point in going on."""
+
+
 def grading_for(kind: str, k: int, dimension: int) -> Grading:
     """The weights of section 2.1: along the bifurcating branch p_0 and p_2 vary like p_1^2.
 
@@ -106,15 +123,19 @@ def grading_for(kind: str, k: int, dimension: int) -> Grading:
 
 
 def enclose_iterates(
-    candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None = None
+    candidate: Candidate,
+    settings: IntegratorSettings,
+    progress: Callable[[float], None] | None = None,
+    decide: Decide | None = None,
 ) -> Enclosures:
     """Enclose P, P^2, .., P^(m k) and their derivatives on the candidate's box.
 
-    `progress` is called after every step with a rough fraction of the work done; what it raises
-    passes through. Raises `IntegrationFailure` if something could not be enclosed.
+    `progress` is called after every step with a rough fraction of the work done, `decide` after every half
+    return but the last if the integration may be given up early; what they raise passes through.
+    Raises `IntegrationFailure` if something could not be enclosed.
     """
     with guarded(settings.precision):
-        return _Integration(candidate, settings, progress).run()
+        return _Integration(candidate, settings, progress, decide).run()
 
 
 def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
@@ -171,7 +192,11 @@ def regularised_steps(candidate: Candidate, precision: int) -> int:
 
 class _Integration:
     def __init__(
-        self, candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None
+        self,
+        candidate: Candidate,
+        settings: IntegratorSettings,
+        progress: Callable[[float], None] | None,
+        decide: Decide | None = None,
     ) -> None:
         order = settings.order if settings.order is not None else default_order(settings.precision)
         box = box_of(candidate, settings.precision, order)
@@ -186,13 +211,20 @@ class _Integration:
             self.first_integral = derivative_table(box.level, box.scales, BOX_RATIO)
         self.returns = Returns(candidate.system, box.arithmetic, box.point, settings.coordinates, box.level)
         self.accuracy = settings.accuracy
+        self.decide = decide if settings.accuracy is not None else None
         self.first_error_bits = (0.0, 0.0)
         self.return_times: list[arb] = []
 
     def run(self) -> Enclosures:
-        iterates = tuple(self._crossing(number) for number in range(1, self.crossings + 1))
+        iterates: list[tuple[DerivativeTable, ...]] = []
+        for number in range(1, self.crossings + 1):
+            state = self._crossing()
+            iterates.append(self._tables(kernel_components(self.candidate.system, self.candidate.kernel_frame, state)))
+            if number < self.crossings:
+                self._decide(number, iterates, state)
+                self._check_accuracy(number)
         return Enclosures(
-            iterates,
+            tuple(iterates),
             self.first_integral,
             tuple(self.return_times),
             self.arithmetic.degree,
@@ -207,16 +239,26 @@ class _Integration:
         if self.progress is not None:
             self.progress((len(self.return_times) + 0.5) / self.crossings)
 
-    def _crossing(self, number: int) -> tuple[DerivativeTable, ...]:
-        """Derivatives of the kernel coordinates at crossing `number`."""
+    def _crossing(self) -> Sequence[Series]:
+        """The state at the next crossing."""
         state, time = self.returns.next_crossing(self._after_step)
         self.return_times.append(time)
         if self.progress is not None:
-            self.progress(number / self.crossings)
-        if number < self.crossings:
-            self._check_accuracy(number)
-        kernel = kernel_components(self.candidate.system, self.candidate.kernel_frame, state)
-        return tuple(derivative_table(component, self.scales, BOX_RATIO) for component in kernel)
+            self.progress(len(self.return_times) / self.crossings)
+        return state
+
+    def _tables(self, elements: Sequence[Series]) -> tuple[DerivativeTable, ...]:
+        return tuple(derivative_table(element, self.scales, BOX_RATIO) for element in elements)
+
+    def _decide(self, number: int, iterates: Sequence[tuple[DerivativeTable, ...]], state: Sequence[Series]) -> None:
+        half, coordinates = self.candidate.crossings, self.candidate.system.state
+        if self.decide is None or number % half:
+            return
+        names = [name for name in self.candidate.coordinates if name in coordinates] if number == 2 * half else []
+        image = self._tables([state[coordinates.index(name)] for name in names])
+        self.decide(
+            self.candidate, HalfReturns(tuple(iterates[half - 1 :: half]), dict(zip(names, image, strict=True)))
+        )
 
     def _error_bits(self) -> tuple[float, float]:
         """Bits of the worst error of the state and of its derivative in the variable of weight 1."""
