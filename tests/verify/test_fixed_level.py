@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import arb, ctx
+from support.claims import to_the_end
 
 from orbitproof.explore.orbits.shooting import ShootingProblem
 from orbitproof.explore.refinement.newton import refine
@@ -25,7 +26,8 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import DescriptionError, FixedLevel, ReversibleSystem, describe, described
 from orbitproof.verify.certificate.certificate import Certificate, digest
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.certify import Integrator, certify
+from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 
@@ -67,8 +69,8 @@ def certified() -> Certificate:
     return certify(claimed(), Limits(max_precision=512))
 
 
-def refusal(candidate: Candidate) -> str:
-    certificate = certify(candidate, Limits(max_precision=256))
+def refusal(candidate: Candidate, integrate: Integrator = enclose) -> str:
+    certificate = certify(candidate, Limits(max_precision=256), integrate=integrate)
     return "proved" if certificate.reason is None else certificate.reason.condition
 
 
@@ -103,7 +105,9 @@ def test_beside_the_point_and_on_another_level_nothing_is_proved() -> None:
     assert refusal(replace(true, system=replace(true.system, fixed_level=near))) == "family"
     # With the other sign the orbit runs off to infinity.
     other = FixedLevel(F("-1.25227013"), -1)
-    assert refusal(replace(true, system=replace(true.system, fixed_level=other))) == "singularity"
+    runs_off = replace(true, system=replace(true.system, fixed_level=other))
+    assert refusal(runs_off) == "family"
+    assert refusal(runs_off, to_the_end) == "singularity"
     moved = (true.centre[0] + 8 * true.radii[0], true.centre[1])
     assert refusal(replace(true, centre=moved)) != "proved"
     # No point of Fix(R) lies on so high a level.

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from flint import arb
-from support.claims import known
+from support.claims import known, to_the_end
 
 from orbitproof.shared.formats import Candidate, read_candidates
 from orbitproof.verify.bifurcation import remedies
@@ -140,7 +140,7 @@ def test_radii_beyond_the_range_of_floats_are_no_trouble() -> None:
 
 def test_advice_on_precision_is_given_once() -> None:
     tiny = replace(TRUE, radii=(Fraction(1, 2**640), Fraction(1, 2**320)))
-    given = certify(tiny, Limits(max_precision=256)).reason
+    given = certify(tiny, Limits(max_precision=256), integrate=to_the_end).reason
     assert given is not None
     assert given.remedy.count("--max-precision") == 1
 

@@ -12,7 +12,7 @@ from orbitproof.verify.bifurcation.conditions import Problem, check_family, chec
 from orbitproof.verify.bifurcation.sharpened import fails_sharpened, for_want_of_size
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, Reason, enclose, symmetric
 from orbitproof.verify.newton import BoxFunction, is_regular
-from orbitproof.verify.poincare import HalfReturns
+from orbitproof.verify.poincare import HalfReturns, check_half_orbit
 
 EXCLUDED = "no orbit branches off in the box: every matrix in the interval hull of D_(p_1, p_2) pi_q P^{k} over it is "
 EXCLUDED += "regular (section 8.2)"
@@ -29,6 +29,8 @@ def check_half_returns(candidate: Candidate, found: HalfReturns) -> None:
     problem = _problem(candidate, found)
     checklist = Checklist()
     try:
+        if len(found.kernels) == 1:
+            check_half_orbit(checklist, found.before)
         _check(checklist, problem)
     except NotEstablishedError as error:
         reason = replace(error.reason, enclosures=dict(checklist.hypotheses[-1].enclosures))

@@ -96,10 +96,12 @@ class HalfReturns:
     """What is known of a candidate's box after some half returns, P the map of one.
 
     Attributes:
-        kernels: derivatives of the components of pi_q P, pi_q P^2, ..
+        before: derivatives of the kernel coordinates at the crossings before the end of the first one.
+        kernels: those of the components of pi_q P, pi_q P^2, ..
         image: after two of them, those of the candidate's coordinates at P^2, by name; a parameter is not among them.
     """
 
+    before: tuple[tuple[DerivativeTable, ...], ...]
     kernels: tuple[tuple[DerivativeTable, ...], ...]
     image: Mapping[str, DerivativeTable]
 
@@ -255,10 +257,8 @@ class _Integration:
         if self.decide is None or number % half:
             return
         names = [name for name in self.candidate.coordinates if name in coordinates] if number == 2 * half else []
-        image = self._tables([state[coordinates.index(name)] for name in names])
-        self.decide(
-            self.candidate, HalfReturns(tuple(iterates[half - 1 :: half]), dict(zip(names, image, strict=True)))
-        )
+        image = dict(zip(names, self._tables([state[coordinates.index(name)] for name in names]), strict=True))
+        self.decide(self.candidate, HalfReturns(tuple(iterates[: half - 1]), tuple(iterates[half - 1 :: half]), image))
 
     def _error_bits(self) -> tuple[float, float]:
         """Bits of the worst error of the state and of its derivative in the variable of weight 1."""
