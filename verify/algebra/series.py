@@ -25,6 +25,7 @@ Products = tuple[fmpz_poly, float]
 """An exact sum of products, with the fractional bits of both factors, and a bound for what it lacks."""
 
 ZERO = fmpz_poly([])
+_NOTHING: Products = (ZERO, 0.0)
 _HEAD = 8
 
 _CUTS_IN_A_UNIT = 16
@@ -124,7 +125,7 @@ class Arithmetic:
         length = polynomial.length()
         if length == 0:
             return 0.0
-        head = sum(abs(int(polynomial[n])) for n in range(min(length, _HEAD)))
+        head = int(sum(map(abs, polynomial.truncate(_HEAD).coeffs()), fmpz(0)))
         if length > _HEAD:
             head += (length - _HEAD) << int(polynomial.right_shift(_HEAD).height_bits())
         return float_above(head, -scale)
@@ -183,7 +184,8 @@ class Arithmetic:
         if inner is None:
             inner = self.inner_products(left, right, position)
         exact, lost = self._products(left, right, position, self.grading.outer_factors[position])
-        exact, lost = exact + inner[0], lost + inner[1]
+        if inner is not _NOTHING:
+            exact, lost = exact + inner[0], lost + inner[1]
         if not exact.length():
             return ZERO, inflate(lost) if lost else 0.0
         value, rounding = self.round_product(exact, position)
@@ -191,7 +193,8 @@ class Arithmetic:
 
     def inner_products(self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int) -> Products:
         """The part of one monomial of a product that comes from other monomials than it and the constant."""
-        return self._products(left, right, position, self.grading.inner_factors[position])
+        factors = self.grading.inner_factors[position]
+        return self._products(left, right, position, factors) if factors else _NOTHING
 
     def _products(
         self, left: Sequence[fmpz_poly], right: Sequence[fmpz_poly], position: int, factors: Pairs

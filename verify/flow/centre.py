@@ -20,6 +20,7 @@ from orbitproof.verify.algebra import PreparedProgram, Recurrence, integer_part
 from orbitproof.verify.evidence import IntegrationFailure, guarded
 
 _STEP_BITS = 12
+_SPARE_BITS = 16
 
 Coefficient = TypeVar("Coefficient")
 
@@ -136,6 +137,15 @@ def fixed_coefficients(
         )
     except ZeroDivisionError:
         raise _singular() from None
+
+
+def rescaled(coefficients: Sequence[Sequence[int]], bits: int, share: Fraction) -> list[list[int]]:
+    """The same orbit over a part of the step, 0 < share <= 1."""
+    unit = bits + _SPARE_BITS
+    powers = [1 << unit]
+    for _ in coefficients[0][1:]:
+        powers.append(powers[-1] * share.numerator // share.denominator)
+    return [[value * power >> unit for value, power in zip(row, powers, strict=True)] for row in coefficients]
 
 
 def _singular() -> IntegrationFailure:

@@ -22,6 +22,7 @@ from orbitproof.verify.flow.centre import (
     fixed_coefficients,
     float_coefficients,
     next_crossing,
+    rescaled,
     rough,
     step_size,
 )
@@ -77,9 +78,15 @@ class CentreExpansion:
         series = float_coefficients(program, rough(self._start, bits), _ROUGH_DEGREE)
         self.step_size = step_size(series, float(-bits), arithmetic.degree)
         self._coefficients = cache(self._centre)
+        self._longest: tuple[Fraction, Sequence[list[int]]] | None = None
 
     def _centre(self, step: Fraction) -> Sequence[list[int]]:
-        return fixed_coefficients(self.program, self._start, self.arithmetic.degree, self.arithmetic.bits, step)
+        degree, bits = self.arithmetic.degree, self.arithmetic.bits
+        if self._longest is not None and step <= self._longest[0]:
+            longest, coefficients = self._longest
+            return rescaled(coefficients, bits, step / longest)
+        self._longest = step, fixed_coefficients(self.program, self._start, degree, bits, step)
+        return self._longest[1]
 
     def shortened(self, step: Fraction) -> Fraction:
         """See `Expansion`."""
