@@ -8,10 +8,10 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from orbitproof.figures.certified import Curve
 from orbitproof.figures.collection.data_folder import DataFolder
 from orbitproof.figures.collection.proved import write_curves
 from orbitproof.figures.files import save
-from orbitproof.figures.model import Curve
 from orbitproof.figures.pictures import (
     draw_bifurcation,
     draw_closed_curves,

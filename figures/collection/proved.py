@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from orbitproof.figures.certified import CertifiedStability, Curve
 from orbitproof.figures.files import file_name, save
-from orbitproof.figures.model import CertifiedStability, Curve
 from orbitproof.figures.pictures import Surface, draw_certified_stability, draw_curves, draw_pieces, draw_surface
 from orbitproof.figures.style import close
 

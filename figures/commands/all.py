@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
     """Draw the pictures asked for; returns the exit code. Raises `InputError`."""
     # Matplotlib takes a second to load: not for --help.
     from orbitproof.figures.collection import PICTURES, DataFolder, MissingData
-    from orbitproof.figures.model import OrbitNotClosed
+    from orbitproof.figures.orbits import OrbitNotClosed
 
     known = {picture.name: picture for picture in PICTURES}
     chosen = [known[name] for name in select_ids(known, options.only, "picture")]

@@ -48,8 +48,8 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"two certificates of one atlas, {name!r}; give each atlas once")
 
     # Matplotlib takes a second to load: only after the input is known to be good.
+    from orbitproof.figures.certified import CertifiedStability, Curve
     from orbitproof.figures.collection.proved import write_curves, write_stability, write_surfaces
-    from orbitproof.figures.model import CertifiedStability, Curve
     from orbitproof.figures.pictures import surface_of
     from orbitproof.figures.style import use_style
 

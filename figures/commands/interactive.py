@@ -80,7 +80,7 @@ def _family(options: argparse.Namespace) -> Any:
 
 
 def _curve(options: argparse.Namespace) -> Any:
-    from orbitproof.figures.model import Curve
+    from orbitproof.figures.certified import Curve
     from orbitproof.figures.pictures.interactive import curve_lines, orbits_figure
 
     curve = Curve.read(options.file)

@@ -1,4 +1,4 @@
-"""What pictures are drawn from: families, certified curves and boxes, orbits."""
+"""What pictures of families are drawn from: sampled families, their marked points, their stability."""
 
 import lazy_loader
 

@@ -1,9 +1,3 @@
-from .certified_box import CertifiedCurves as CertifiedCurves
-from .certified_branch import Curve as Curve
-from .certified_branch import Stretch as Stretch
-from .certified_stability import CertifiedStability as CertifiedStability
-from .certified_stability import ListedPoint as ListedPoint
-from .family import Array as Array
 from .family import MarkedPoint as MarkedPoint
 from .family import Placement as Placement
 from .family import SampledFamily as SampledFamily
@@ -11,12 +5,7 @@ from .family import assign as assign
 from .family import interpolate as interpolate
 from .family import level_of as level_of
 from .family import mark_candidates as mark_candidates
-from .family import state_on_fixed_set as state_on_fixed_set
 from .family_file import read_families as read_families
-from .orbit import OrbitNotClosed as OrbitNotClosed
-from .orbit import orbit_through as orbit_through
-from .orbit import symmetric_orbit as symmetric_orbit
-from .orbit import symmetric_orbits as symmetric_orbits
 from .stability import Place as Place
 from .stability import SampledStability as SampledStability
 from .stability import read_curves as read_curves

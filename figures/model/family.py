@@ -14,12 +14,10 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from orbitproof.figures.orbits import Array, parameter_values, state_on_fixed_set
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_document
 from orbitproof.shared.systems import ReversibleSystem
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -187,26 +185,6 @@ def interpolate(nodes: Array, values: Array, positions: Array) -> Array:
         + values[i + 1] * u * u * (3 - 2 * u)
         + width * (slopes[i] * u * (1 - u) ** 2 - slopes[i + 1] * u * u * (1 - u))
     )
-
-
-def state_on_fixed_set(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]
-) -> list[float]:
-    """The full state, length m, of a point in the order of `ReversibleSystem.centre_coordinates`."""
-    values = list(point)[len(point) - len(system.fixed_coordinates) :]
-    state = [0.0] * len(system.state)
-    for index, value in zip(system.fixed_coordinates, values, strict=True):
-        state[index] = float(value)
-    return system.on_level(state, parameter_values(system, parameters, point))
-
-
-def parameter_values(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]
-) -> list[float]:
-    """All parameters of the vector field in its order, the family parameter taken from `point`."""
-    return [
-        float(point[0]) if name == system.family_parameter else float(parameters[name]) for name in system.parameters
-    ]
 
 
 def level_of(system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]) -> float:

@@ -12,7 +12,8 @@ import numpy as np
 
 from orbitproof.explore.records import ExtremumRecord, FamilyRecord, ResonanceRecord
 from orbitproof.explore.records import read_families as read_records
-from orbitproof.figures.model.family import Array, MarkedPoint, SampledFamily
+from orbitproof.figures.model.family import MarkedPoint, SampledFamily
+from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import InputError
 
 _SAME_ORBIT = 1e-3

@@ -22,32 +22,12 @@ from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.branches import BranchOrbit, BranchRecord, read_branches
 from orbitproof.figures.files import check_folder, save
-from orbitproof.figures.model import (
-    Array,
-    OrbitNotClosed,
-    SampledFamily,
-    interpolate,
-    orbit_through,
-    read_families,
-    state_on_fixed_set,
-)
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    SECOND_CURVE,
-    bounds_of,
-    close,
-    draw_point,
-    label_of,
-    legend_below,
-    legend_handles,
-    legend_row,
-    level_label,
-    marker_of,
-    set_box,
-    use_style,
-    verdict_handles,
-)
+from orbitproof.figures.model import SampledFamily, interpolate, read_families
+from orbitproof.figures.orbits import Array, OrbitNotClosed, orbit_through, state_on_fixed_set
+from orbitproof.figures.pictures.legends import legend_below, legend_handles, legend_row, verdict_handles
+from orbitproof.figures.pictures.marks import draw_point
+from orbitproof.figures.pictures.space import bounds_of, set_box
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, close, label_of, level_label, marker_of, use_style
 
 _WIDTH = 7.2
 _NEAR = 1e-2

@@ -16,19 +16,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
 from orbitproof.explore.branches import BranchRecord, read_branches
+from orbitproof.figures.certified import CertifiedCurves
 from orbitproof.figures.files import check_folder, save
-from orbitproof.figures.model import Array, CertifiedCurves
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    close,
-    draw_point,
-    label_of,
-    legend_row,
-    marker_of,
-    use_style,
-    verdict_handles,
-)
+from orbitproof.figures.orbits import Array
+from orbitproof.figures.pictures.legends import legend_row, verdict_handles
+from orbitproof.figures.pictures.marks import draw_point
+from orbitproof.figures.style import CURVE, INK, close, label_of, marker_of, use_style
 from orbitproof.shared.formats import FOLD, ORBIT, InputError
 from orbitproof.verify.certificate import read_certificates
 

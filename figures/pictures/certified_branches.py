@@ -14,19 +14,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.figures.model import Array, Curve, Stretch
+from orbitproof.figures.certified import Curve, Stretch
+from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.family import covered_by, crowds, free_corner
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    SECOND_CURVE,
-    draw_point,
-    label_of,
-    legend_below,
-    legend_height,
-    legend_row,
-    show_around,
-)
+from orbitproof.figures.pictures.legends import legend_below, legend_height, legend_row
+from orbitproof.figures.pictures.marks import draw_point, show_around
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
 from orbitproof.shared.systems import MASS_PARAMETERS
 from orbitproof.verify.poincare import PHYSICAL
 

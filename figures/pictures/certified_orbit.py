@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from orbitproof.explore.orbits import PeriodicSolution
-from orbitproof.figures.model import Array
+from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.orbit import OrbitResults

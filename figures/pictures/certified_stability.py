@@ -11,18 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from orbitproof.figures.model import CertifiedStability, ListedPoint
+from orbitproof.figures.certified import CertifiedStability, ListedPoint
 from orbitproof.figures.pictures.certified_branches import Along, title_of
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    SECOND_CURVE,
-    draw_resonance,
-    legend_row,
-    level_label,
-    marker_of,
-    resonances,
-)
+from orbitproof.figures.pictures.legends import legend_row
+from orbitproof.figures.pictures.marks import draw_resonance, resonances
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, level_label, marker_of
 
 _WIDTH, _HEIGHT = 7.2, 6.4
 _STABLE = "#d9ead3"

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from orbitproof.figures.model import Array
+from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK, label_of
 from orbitproof.shared.formats import Atlas, SurfacePiece
 from orbitproof.shared.numbers import parse_exact

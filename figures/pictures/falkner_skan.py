@@ -10,8 +10,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from orbitproof.figures.model import Array, MarkedPoint, SampledFamily, symmetric_orbit
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, draw_mark, label_of, legend_below, level_label, marker_of
+from orbitproof.figures.model import MarkedPoint, SampledFamily
+from orbitproof.figures.orbits import Array, symmetric_orbit
+from orbitproof.figures.pictures.legends import legend_below
+from orbitproof.figures.pictures.marks import draw_mark
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of
 
 _WIDTH = 7.2
 _LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}

@@ -13,33 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.figures.model import (
-    Array,
-    MarkedPoint,
-    OrbitNotClosed,
-    Placement,
-    SampledFamily,
-    state_on_fixed_set,
-    symmetric_orbit,
-)
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    SECOND_CURVE,
-    bottom_margin,
-    bounds_of,
-    draw_mark,
-    draw_resonance,
-    label_of,
-    legend_below,
-    level_label,
-    marker_of,
-    primary_handle,
-    resonances,
-    set_box,
-    show_around,
-    show_primaries,
-)
+from orbitproof.figures.model import MarkedPoint, Placement, SampledFamily
+from orbitproof.figures.orbits import Array, OrbitNotClosed, state_on_fixed_set, symmetric_orbit
+from orbitproof.figures.pictures.legends import bottom_margin, legend_below
+from orbitproof.figures.pictures.marks import draw_mark, draw_resonance, resonances, show_around
+from orbitproof.figures.pictures.space import bounds_of, primary_handle, set_box, show_primaries
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of
 from orbitproof.shared.systems import THREE_BODY
 
 _ORBITS_SHOWN = 6

@@ -9,9 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from orbitproof.figures.model import Array, SampledFamily, symmetric_orbits
+from orbitproof.figures.model import SampledFamily
+from orbitproof.figures.orbits import Array, symmetric_orbits
 from orbitproof.figures.pictures.halo_plane import family_title, mass_title
-from orbitproof.figures.style import CURVE, INK, bounds_of, legend_row, set_box
+from orbitproof.figures.pictures.legends import legend_row
+from orbitproof.figures.pictures.space import bounds_of, set_box
+from orbitproof.figures.style import CURVE, INK
 
 _WIDTH = 7.2
 _COLUMNS, _ROWS = 4, 3

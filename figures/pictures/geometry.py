@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from orbitproof.figures.model import Array
+from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK
 
 _WIDTH = 7.2

@@ -13,18 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.figures.model import Array, MarkedPoint, SampledFamily
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    SECOND_CURVE,
-    draw_mark,
-    label_of,
-    legend_below,
-    legend_height,
-    legend_row,
-    show_around,
-)
+from orbitproof.figures.model import MarkedPoint, SampledFamily
+from orbitproof.figures.orbits import Array
+from orbitproof.figures.pictures.legends import legend_below, legend_height, legend_row
+from orbitproof.figures.pictures.marks import draw_mark, show_around
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 _WIDTH = 7.2

@@ -12,8 +12,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from orbitproof.figures.model import Array, SampledFamily, symmetric_orbits
-from orbitproof.figures.style import CURVE, INK, bounds_of, legend_row, set_box
+from orbitproof.figures.model import SampledFamily
+from orbitproof.figures.orbits import Array, symmetric_orbits
+from orbitproof.figures.pictures.legends import legend_row
+from orbitproof.figures.pictures.space import bounds_of, set_box
+from orbitproof.figures.style import CURVE, INK
 
 _WIDTH = 7.2
 _HALO = "#b2182b"

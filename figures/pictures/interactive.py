@@ -16,15 +16,9 @@ import numpy as np
 
 from orbitproof.explore.invariants import ToriRecord
 from orbitproof.explore.orbits import correct_batch, stability_index
-from orbitproof.figures.model import (
-    Array,
-    Curve,
-    MarkedPoint,
-    OrbitNotClosed,
-    SampledFamily,
-    level_of,
-    symmetric_orbit,
-)
+from orbitproof.figures.certified import Curve
+from orbitproof.figures.model import MarkedPoint, SampledFamily, level_of
+from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit
 from orbitproof.shared.systems import ReversibleSystem
 
 SHOWN = 60

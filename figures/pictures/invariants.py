@@ -11,16 +11,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.invariants import ManifoldRecord, ToriRecord
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    bounds_of,
-    label_of,
-    legend_row,
-    primary_handle,
-    set_box,
-    show_primaries,
-)
+from orbitproof.figures.pictures.legends import legend_row
+from orbitproof.figures.pictures.space import bounds_of, primary_handle, set_box, show_primaries
+from orbitproof.figures.style import CURVE, INK, label_of
 from orbitproof.shared.systems import CR3BP
 
 _WIDTH = 7.2

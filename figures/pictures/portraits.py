@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.portraits import Portrait
-from orbitproof.figures.style import CURVE, INK, legend_row
+from orbitproof.figures.pictures.legends import legend_row
+from orbitproof.figures.style import CURVE, INK
 
 _WIDTH = 7.2
 _MANIFOLD = "#b2182b"

@@ -17,17 +17,9 @@ from matplotlib.ticker import MaxNLocator
 
 from orbitproof.explore.records import BAND, ExtremumRecord
 from orbitproof.figures.model import Place, SampledStability
-from orbitproof.figures.style import (
-    CURVE,
-    INK,
-    SECOND_CURVE,
-    bottom_margin,
-    draw_mark,
-    draw_resonance,
-    legend_below,
-    marker_of,
-    resonances,
-)
+from orbitproof.figures.pictures.legends import bottom_margin, legend_below
+from orbitproof.figures.pictures.marks import draw_mark, draw_resonance, resonances
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, marker_of
 
 _WIDTH, _HEIGHT = 7.2, 6.6
 _CROWD_GAP = 1.68

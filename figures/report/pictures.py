@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from matplotlib.figure import Figure
 
+from orbitproof.figures.certified import CertifiedCurves, Curve
 from orbitproof.figures.files import file_name
-from orbitproof.figures.model import CertifiedCurves, Curve
 from orbitproof.figures.pictures import draw_curves, draw_orbit, draw_pieces, draw_surface, surface_of
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture

@@ -1,4 +1,4 @@
-"""One style for all pictures: sheet, colours, marks, files."""
+"""One style for all pictures: sheet, colours, markers, labels."""
 
 import lazy_loader
 

@@ -20,7 +20,7 @@ from orbitproof.explore.flow.flow import flow_of
 from orbitproof.explore.orbits.multiple_shooting import MultipleShooting, SegmentedOrbit
 from orbitproof.explore.orbits.shooting import ShootingProblem
 from orbitproof.explore.refinement.newton import refine
-from orbitproof.figures.model.certified_box import CertifiedCurves
+from orbitproof.figures.certified.box import CertifiedCurves
 from orbitproof.figures.pictures.branches import write as write_pictures
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.pictures.certified_boxes import write as write_certified

@@ -17,7 +17,7 @@ from matplotlib.patches import Rectangle
 from support.chain_cases import Case, certificate, circle_point, concluded, parabola, parabola_piece, symmetric_loop
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.model.certified_branch import Curve
+from orbitproof.figures.certified.curve import Curve
 from orbitproof.figures.pictures.certified_branches import draw_curves, draw_pieces
 from orbitproof.figures.pictures.certified_surfaces import draw_surface, surface_of
 from orbitproof.figures.style.style import close, use_style

@@ -11,7 +11,7 @@ import pytest
 from support.stability_cases import atlas, listed, results
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.model.certified_stability import CertifiedStability
+from orbitproof.figures.certified.stability import CertifiedStability
 from orbitproof.figures.pictures.certified_stability import draw_certified_stability
 from orbitproof.figures.style.style import close, use_style
 from orbitproof.shared.numbers import parse_exact

@@ -24,7 +24,7 @@ from orbitproof.figures.collection.manifest import STEPS, Step, step_of
 from orbitproof.figures.collection.pictures import PICTURES
 from orbitproof.figures.model.family import MarkedPoint, SampledFamily, assign, mark_candidates
 from orbitproof.figures.model.family_file import read_families
-from orbitproof.figures.model.orbit import OrbitNotClosed, symmetric_orbit, symmetric_orbits
+from orbitproof.figures.orbits.orbit import OrbitNotClosed, symmetric_orbit, symmetric_orbits
 from orbitproof.figures.pictures.falkner_skan import draw_crossings, draw_resonant_orbits
 from orbitproof.figures.pictures.family import draw_marks
 from orbitproof.figures.pictures.gallery import draw_gallery

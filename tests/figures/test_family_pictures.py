@@ -17,19 +17,14 @@ from matplotlib.lines import Line2D
 from support.picture_texts import unreadable
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.model.family import (
-    MarkedPoint,
-    SampledFamily,
-    assign,
-    level_of,
-    mark_candidates,
-    state_on_fixed_set,
-)
+from orbitproof.figures.model.family import MarkedPoint, SampledFamily, assign, level_of, mark_candidates
 from orbitproof.figures.model.family_file import read_families
-from orbitproof.figures.model.orbit import OrbitNotClosed, symmetric_orbit
+from orbitproof.figures.orbits.fixed_set import state_on_fixed_set
+from orbitproof.figures.orbits.orbit import OrbitNotClosed, symmetric_orbit
 from orbitproof.figures.pictures.family import draw_family, draw_marks
-from orbitproof.figures.style.space import set_box
-from orbitproof.figures.style.style import close, marker_of, resonances, use_style
+from orbitproof.figures.pictures.marks import resonances
+from orbitproof.figures.pictures.space import set_box
+from orbitproof.figures.style.style import close, marker_of, use_style
 from orbitproof.shared.formats.candidates import InputError, read_candidates
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 

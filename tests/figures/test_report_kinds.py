@@ -17,8 +17,8 @@ from support import atlas_work, chain_cases
 from support.claims import known
 from support.forgeries import DATA, atlas_certificate, read
 
-from orbitproof.figures.model import Curve
-from orbitproof.figures.model.certified_branch import CertifiedPoint
+from orbitproof.figures.certified import Curve
+from orbitproof.figures.certified.curve import CertifiedPoint
 from orbitproof.figures.pictures import draw_curves, draw_surface, surface_of
 from orbitproof.figures.report.command import main
 from orbitproof.figures.report.margins import margin_on_atlas

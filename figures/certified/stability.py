@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.figures.model.certified_branch import Curve, Stretch
-from orbitproof.figures.model.family import Array
+from orbitproof.figures.certified.curve import Curve, Stretch
+from orbitproof.figures.orbits import Array
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.stability import REACH

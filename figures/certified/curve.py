@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orbitproof.figures.model.family import Array
+from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import Atlas, InputError, Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from orbitproof.figures.model.family import Array
+from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import FOLD, ORBIT, Candidate, InputError, candidate_from_json, validate_document
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,

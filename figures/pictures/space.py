@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, MaxNLocator
 
-from orbitproof.figures.model import Array
-from orbitproof.figures.style.style import INK, label_of
+from orbitproof.figures.orbits import Array
+from orbitproof.figures.style import INK, label_of
 from orbitproof.shared.systems import ReversibleSystem
 
 _MOST_TICKS = 4

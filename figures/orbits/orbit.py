@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from orbitproof.figures.model.family import Array, parameter_values, state_on_fixed_set
+from orbitproof.figures.orbits.fixed_set import Array, parameter_values, state_on_fixed_set
 from orbitproof.shared.systems import ReversibleSystem
 
 # Dormand and Prince, A family of embedded Runge-Kutta formulae (1980), orders 5 and 4.

@@ -1,0 +1,5 @@
+from .box import CertifiedCurves as CertifiedCurves
+from .curve import Curve as Curve
+from .curve import Stretch as Stretch
+from .stability import CertifiedStability as CertifiedStability
+from .stability import ListedPoint as ListedPoint

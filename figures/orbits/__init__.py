@@ -1,0 +1,5 @@
+"""Symmetric periodic orbits through points of Fix(R), for drawing."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

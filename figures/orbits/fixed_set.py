@@ -1,0 +1,33 @@
+"""Points of Fix(R) as states, in double precision."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orbitproof.shared.systems import ReversibleSystem
+
+Array = NDArray[np.float64]
+
+
+def state_on_fixed_set(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]
+) -> list[float]:
+    """The full state, length m, of a point in the order of `ReversibleSystem.centre_coordinates`."""
+    values = list(point)[len(point) - len(system.fixed_coordinates) :]
+    state = [0.0] * len(system.state)
+    for index, value in zip(system.fixed_coordinates, values, strict=True):
+        state[index] = float(value)
+    return system.on_level(state, parameter_values(system, parameters, point))
+
+
+def parameter_values(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[float]
+) -> list[float]:
+    """All parameters of the vector field in its order, the family parameter taken from `point`."""
+    return [
+        float(point[0]) if name == system.family_parameter else float(parameters[name]) for name in system.parameters
+    ]
