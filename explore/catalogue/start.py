@@ -13,6 +13,7 @@ from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import Family, in_fixed_space
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.systems import MASS_PARAMETERS
 
 MOST_LINES = 20
 """So many failed orbits are listed one by one."""
@@ -60,8 +61,10 @@ def catalogue_start(path: Path, number: int | None, tolerance: float, report: Re
         seed = _seed(corrected, number - 1)
     except CorrectionFailure as error:
         report.error(f"--catalogue-orbit {number}: no family is traced from it: {error}")
+    mass = catalogue.mass_ratio
+    label = next((name for name, value in MASS_PARAMETERS.items() if value == mass), decimal_text(mass))
     return CatalogueStart(
-        catalogue.title, decimal_text(catalogue.mass_ratio), seed, tuple(agreement_table(corrected)), not failed,
+        catalogue.title, label, seed, tuple(agreement_table(corrected)), not failed,
         corrected.result,
     )  # fmt: skip
 

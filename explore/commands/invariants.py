@@ -158,8 +158,9 @@ def run_manifold(options: argparse.Namespace) -> int:
             return 1
         write_manifold(options.output, trajectory, tube)
         count = int(tube.reached.sum())
+        drift = f"largest change of the Jacobi constant {tube.drift:.1e}" if count else "try the other --side"
         report.message(
             f"{len(tube.times)} orbits written to {options.output}, {count} of them reach {tube.plane}; multiplier "
-            f"{tube.multiplier:.6g}, largest change of the Jacobi constant {tube.drift:.1e}"
+            f"{tube.multiplier:.6g}, {drift}"
         )
     return 0 if count == len(tube.times) else 1

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats import InputError, check_writable, write_text
-from orbitproof.shared.systems import CR3BP
+from orbitproof.shared.systems import CR3BP, THREE_BODY
 
 _EXAMPLES = """\
 examples:
@@ -67,11 +67,13 @@ def _family(options: argparse.Namespace) -> Any:
 
     if options.certificates is not None and options.candidates is None:
         raise InputError("--certificates: need their candidates; add --candidates")
-    families = [family for family in read_families(options.file) if family.system is CR3BP]
+    families = [family for family in read_families(options.file) if family.system in THREE_BODY]
     fits = [family for family in families if options.family in (None, family.name)]
     if len(fits) != 1:
-        names = ", ".join(family.name for family in families) or "none of cr3bp"
-        raise InputError(f"--family: {options.family or 'missing'}; give one of {names}")
+        if not families:
+            raise InputError(f"{options.file}: has no family of {' or '.join(each.name for each in THREE_BODY)}")
+        said = "missing" if options.family is None else f"no {options.family!r} in {options.file}"
+        raise InputError(f"--family: {said}; give one of {', '.join(family.name for family in families)}")
     marks = []
     if options.candidates is not None:
         marks = mark_candidates(read_candidates(options.candidates), options.certificates, options.candidates)

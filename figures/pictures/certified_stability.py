@@ -59,6 +59,10 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
         x_at = axis.at(stretches[point.piece], point.s)
         _mark(upper, x_at, point.value, point)
         _mark(lower, x_at, point.half_period if axis.is_parameter else point.level, point)
+    values = np.concatenate([part.parameters.ravel() for part in found.parts])
+    if not (np.abs(values) <= _SHOWN).any():
+        text = f"outside of this panel: real parts from {values.real.min():.4g} to {values.real.max():.4g}"
+        upper.text(0.5, 0.6, text, transform=upper.transAxes, ha="center", color=INK)
     if axis.is_logarithmic:
         upper.set_xscale("log")
     upper.set_ylim(-_SHOWN, _SHOWN)
@@ -77,11 +81,11 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
 
 def _legend(found: CertifiedStability) -> list[list[Any]]:
     """The rows from the lowest one up."""
-    curves = [
-        Line2D([], [], color=CURVE, label="enclosed"),
-        Line2D([], [], color=SECOND_CURVE, linestyle="dotted", label="complex pair (real part)"),
-        Patch(facecolor=_STABLE, label="proved linearly stable"),
-    ]
+    curves: list[Any] = [Line2D([], [], color=CURVE, label="enclosed")]
+    if any((part.parameters.imag != 0).any() for part in found.parts):
+        curves.append(Line2D([], [], color=SECOND_CURVE, linestyle="dotted", label="complex pair (real part)"))
+    if found.stable:
+        curves.append(Patch(facecolor=_STABLE, label="proved linearly stable"))
     marks = {_label(point): Line2D([], [], label=_label(point), **_look(point)) for point in found.points}
     handles = [marks[name] for name in sorted(marks, key=lambda name: (len(name), name))]
     half = len(handles) if len(handles) <= _IN_A_ROW else (len(handles) + 1) // 2

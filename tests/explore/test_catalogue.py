@@ -217,6 +217,13 @@ def test_command_starts_from_a_catalogue_and_writes_one(tmp_path: Path, capsys: 
     assert "--catalogue-orbit 9" in capsys.readouterr().err
 
 
+def test_a_mass_that_has_a_name_gives_it_to_the_family(tmp_path: Path) -> None:
+    rows, family = HERE.parent / "docs" / "examples" / "gateway-rows.json", tmp_path / "family.json"
+    assert main(["family", "--from-catalogue", str(rows), "--max-orbits", "3", "-o", str(family), "--quiet"]) == 0
+    (record,) = read_families(family)
+    assert (record.label, record.name) == ("jpl-earth-moon", "L2-halo-S")
+
+
 def test_family_is_not_traced_from_the_orbit_at_which_it_is_born(tmp_path: Path, capsys: Any) -> None:
     path = tmp_path / "family.json"
     arguments = ["--from-catalogue", str(OWN["json"]), "--catalogue-orbit", "1", "-o", str(path), "--jobs", "1"]

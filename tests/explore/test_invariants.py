@@ -156,6 +156,15 @@ def test_a_plane_that_is_none_is_refused(plane: str, tmp_path: Path, capsys: pyt
     assert capsys.readouterr().err.startswith(f"orbitproof explore manifold: --plane {plane}")
 
 
+def test_a_tube_that_does_not_reach_the_plane_is_said_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = Path(__file__).parents[2] / "docs" / "examples" / "gateway-rows.json"
+    words = ["--orbit", "1", "--plane", "x=0.5", "--lines", "2", "--longest", "0.1"]
+    assert main(["manifold", str(rows), *words, "-o", str(tmp_path / "m.json")]) == 1
+    said = capsys.readouterr().err
+    assert "0 of them reach x = 0.5" in said
+    assert "nan" not in said
+
+
 @pytest.mark.parametrize("plane", ["y=0", "x=1.1"])
 def test_a_plane_through_the_periodic_orbit_is_refused(
     plane: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

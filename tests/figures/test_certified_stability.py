@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from support.picture_texts import unreadable
 from support.stability_cases import atlas, listed, results
 
 from orbitproof.figures.__main__ import main
@@ -56,7 +59,23 @@ def test_what_the_certificate_does_not_say_is_not_drawn() -> None:
     upper = figure.axes[0]
     assert not [line for line in upper.lines if str(line.get_gid()).startswith("listed")]
     assert not upper.patches
+    assert "linearly stable" not in words(figure)
     close(figure)
+
+
+def test_a_panel_without_a_curve_says_where_the_curve_is() -> None:
+    found = stability(points=[])
+    assert "outside of this panel" not in words(draw_certified_stability(found))
+    parts = tuple(replace(part, parameters=part.parameters + 700) for part in found.parts)
+    figure = draw_certified_stability(replace(found, parts=parts))
+    assert "outside of this panel: real parts from 69" in words(figure)
+    assert unreadable(figure) == []
+    close(figure)
+
+
+def words(figure: Figure) -> str:
+    entries = (text.get_text() for legend in figure.legends for text in legend.get_texts())
+    return " ".join([*entries, *(text.get_text() for text in figure.axes[0].texts)])
 
 
 def test_the_curve_lies_on_the_drawn_resonances() -> None:

@@ -111,10 +111,12 @@ def test_interactive_refuses_what_it_cannot_draw(
     files: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("plotly")
-    page = tmp_path / "page.html"
+    page, data = tmp_path / "page.html", Path(__file__).parents[1] / "data"
     for words, said in (
         ([str(files[1])], "give families, the certificate of an atlas, or tori"),
         ([str(files[0]), "--family", "L1"], "leave them out"),
+        ([str(data / "figures-halo-family.json"), "--family", "L7"], "--family: no 'L7' in"),
+        ([str(data / "figures-falkner-skan-family.json")], "has no family of cr3bp or cr3bp-axial"),
     ):
         assert main(["interactive", *words, "-o", str(page)]) == 2
         (line,) = capsys.readouterr().err.splitlines()
