@@ -25,8 +25,8 @@ from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.stability.functions import REACH, bounded, function, function_from_json
-from orbitproof.verify.stability.matrix import OtherPoint, orbit_functions
+from orbitproof.verify.stability.functions import REACH, bounded, function, function_from_json, restricted
+from orbitproof.verify.stability.matrix import SHARE, OtherPoint, orbit_functions
 from orbitproof.verify.stability.units import scales
 
 DATA = Path(__file__).parents[1] / "data"
@@ -157,20 +157,25 @@ def test_a_curve_beside_its_tube_is_refused(tube: Fraction) -> None:
         orbit_functions(atlas().system, {}, moved, interval, PieceLimits(60, 24, 16), "physical")
 
 
-def other_point(*rows: list[Fraction]) -> OtherPoint:
+def other_point(*rows: list[Fraction], error: Fraction = Fraction(0)) -> OtherPoint:
     """A curve with these coordinates as polynomials in sigma, and coordinates across it."""
     algebra = WideArithmetic(Grading((1,), 0), 120, 0, 0, width=32)
-    return OtherPoint.of([function(algebra, row, Fraction(0)) for row in rows])
+    return OtherPoint.of([function(algebra, row, error) for row in rows])
 
 
-@pytest.mark.parametrize("turn", [Fraction(0), Fraction(1, 2), Fraction(-1, 4)])
+@pytest.mark.parametrize("turn", [Fraction(0), Fraction(1, 2), Fraction(-1, 4), Fraction(-51, 50)])
 def test_directions_are_known_across_a_curve_that_turns_back(turn: Fraction) -> None:
-    """The curve (sigma/100, (sigma - turn)^2) comes back to almost where it came from."""
+    """The curve (sigma/100, (sigma - turn)^2) comes back to almost where it came from, or would beyond its end."""
     curve = other_point([Fraction(0), Fraction(1, 100)], [turn**2, -2 * turn, Fraction(1)])
     algebra = curve.point[0].arithmetic
     assert isinstance(algebra, WideArithmetic)
-    along = [function(algebra, row, Fraction(0)) for row in ([Fraction(1, 100)], [-2 * turn, Fraction(2)])]
-    across = [function(algebra, row, Fraction(0)) for row in ([2 * turn, Fraction(-2)], [Fraction(1, 100)])]
+    along, across = (
+        [restricted(function(algebra, row, Fraction(0)), SHARE) for row in rows]
+        for rows in (
+            ([Fraction(1, 100)], [-2 * turn, Fraction(2)]),
+            ([2 * turn, Fraction(-2)], [Fraction(1, 100)]),
+        )
+    )
     (zero,), (other,) = ([bounded(element) for element in vector] for vector in curve.modulo([along, across]))
     for n in range(-16, 17):
         tau = arb(n) / 16
@@ -182,11 +187,11 @@ def test_directions_are_known_across_a_curve_that_turns_back(turn: Fraction) -> 
 def test_a_curve_that_stops_has_no_directions_across() -> None:
     """At sigma = 1/2 the point (sigma - 1/2)^2 (1, 2 + sigma) does not move."""
     square = [Fraction(1, 4), Fraction(-1), Fraction(1)]
-    curve = other_point(square, [Fraction(1, 2), Fraction(-7, 4), Fraction(1), Fraction(1)])
+    for rows in ((square, [Fraction(1, 2), Fraction(-7, 4), Fraction(1), Fraction(1)]), ([Fraction(1)], [Fraction(2)])):
+        with pytest.raises(IntegrationFailure, match="may not move"):
+            other_point(*rows)
     with pytest.raises(IntegrationFailure, match="singular"):
-        curve.modulo([])
-    with pytest.raises(IntegrationFailure, match="does not move"):
-        other_point([Fraction(1)], [Fraction(2)])
+        other_point([Fraction(0), Fraction(1)], [Fraction(0), Fraction(2)], error=Fraction(1)).modulo([])
 
 
 # The CR3BP

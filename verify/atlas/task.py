@@ -55,8 +55,8 @@ def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
 
 
 _MORE_BITS, _MORE_ORDER, _MORE_WIDTH = 48, 8, 8
-_FOR_STABILITY = {"precision": 96, "order": 40, "width": 48}
-"""More digits than a proof takes: of n parameters of stability one may be small and the others large."""
+_FOR_STABILITY = {"precision": 96, "order": 40, "width": 60}
+"""More than a proof takes: of n parameters of stability one may be small and the others large."""
 
 
 def task_of(

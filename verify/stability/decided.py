@@ -13,12 +13,14 @@ from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.stability.complete_list import PRECISION, orders, resonant_value, segment_of
 from orbitproof.verify.stability.zeros import Zeros, zeros_beside_double_one, zeros_on
 
+_HOPELESS = 2**10
+"""Where the sum of the stability parameters is known worse, a shorter interval helps, and more precision little."""
 _BESIDE = Fraction(1, 64)
 """By so much of tau intervals overlap at least."""
 
 
 def open_on(piece: Piece, result: Mapping[str, Any], order: int) -> str:
-    """Why the list is not decided on a proved interval: "stability" or "zeros"; empty if it is.
+    """Why the list is not decided on a proved interval: "stability", the stability matrix, or "zeros"; empty if it is.
 
     Args:
         result: of the interval, as JSON.
@@ -28,7 +30,9 @@ def open_on(piece: Piece, result: Mapping[str, Any], order: int) -> str:
     if "characteristic" not in entry:
         return "stability"
     try:
-        return _open(piece, result, order)
+        reason = _open(piece, result, order)
+        hopeless = parse_exact(entry["characteristic"][0]["error"]) > _HOPELESS
+        return "stability" if reason and hopeless else reason
     except (ArithmeticError, ValueError):
         return "zeros"
 

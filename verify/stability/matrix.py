@@ -45,6 +45,7 @@ from orbitproof.verify.stability.functions import (
     function_to_json,
     inverse,
     known_part,
+    norm_of,
     restricted,
     slope,
 )
@@ -66,8 +67,9 @@ _PARTS = [(arb(2 * part - 31) + arb(0, 1)) / 32 for part in range(32)]
 """Balls that cover |tau| <= 1."""
 _FRAME = 2**16
 """Denominator of the frame at the other point."""
-_NOISE = 1 / (2 * _FRAME)
-"""What the frame rounds to zero."""
+_ALONG = np.linspace(-1, 1, 9)
+_CIRCLE = np.exp(2j * np.pi * np.arange(257) / 256)
+"""Real and complex tau at which directions at the other point are compared."""
 
 
 @dataclass(frozen=True)
@@ -221,10 +223,13 @@ class _Integration:
         curve = self._curve(half)
         there = self._named(half.start, half.state)
         other = OtherPoint.of([curve.value(element) for element in there])
-        out = other.modulo(
-            [[curve.across(element, j).scaled(1 / width) for element in there] for j, width in enumerate(widths)]
-        )
-        begun = {**half.start, **other.tube(flow, system.centre_coordinates, widths)}
+        images = [
+            [restricted(curve.across(element, j).scaled(1 / width), SHARE) for element in there]
+            for j, width in enumerate(widths)
+        ]
+        out = other.modulo(images)
+        around = _as_wide(out, max(widths))
+        begun = {**half.start, **other.tube(flow, system.centre_coordinates, around)}
 
         returns = Returns(system, flow, begun, self.coordinates)
         along = DistanceAlongCurve(returns, SHARE) if is_distance_of_orbits(system, self.symmetry) else None
@@ -236,14 +241,14 @@ class _Integration:
                 progress(half.steps + number)
 
         second, _ = returns.half_orbit(self.crossings, after_step)
-        back = self._back(curve, widths, self._named(begun, second))
+        back = self._back(curve, widths, around, self._named(begun, second))
         sigma = _stability_matrix(out, back)
         points = self._initial(curve, half.start), self._initial(curve, half.start, there)
         return OrbitFunctions(
             tuple(_minors(sigma, order) for order in range(1, len(widths) + 1)),
             restricted(curve.value(level), SHARE),
             restricted(curve.value(half.time), SHARE),
-            determinant(out),
+            determinant([other.along, *images]),
             None if along is None else along.functions(system, *points),
             self._across(curve, half, flow),
         )
@@ -285,8 +290,13 @@ class _Integration:
             named.update(in_own_units(self.system, named))
         return [named[name] for name in self.system.centre_coordinates]
 
-    def _back(self, curve: CurveInTube, widths: Sequence[Fraction], second: Sequence[Series]) -> list[list[Series]]:
-        """The columns of A': vectors at x modulo the direction of the curve, p_1, .., p_n (section 18.3)."""
+    def _back(
+        self, curve: CurveInTube, widths: Sequence[Fraction], around: Sequence[Fraction], second: Sequence[Series]
+    ) -> list[list[Series]]:
+        """The columns of A': vectors at x modulo the direction of the curve, p_1, .., p_n (section 18.3).
+
+        `widths` are those of the tubes at x, `around` at y.
+        """
         piece, scale = self.piece, 1 / self.piece.half_width
         turns = []
         for polynomial, width, omega in zip(piece.polynomial, widths, curve.omega, strict=True):
@@ -294,7 +304,7 @@ class _Integration:
             along = function(self.arithmetic, recentred(slopes, self.middle, self.radius * SHARE), Fraction(0))
             turns.append(along.scaled(scale) + slope(omega, SHARE).scaled(scale * width / self.radius))
         columns = []
-        for j, width in enumerate(widths):
+        for j, width in enumerate(around):
             image = [restricted(at_origin(element, j, self.arithmetic), SHARE).scaled(1 / width) for element in second]
             p = [_combined(row, image) for row in inverse_of(piece.frame)]
             columns.append([value - turn * p[0] for value, turn in zip(p[1:], turns, strict=True)])
@@ -315,15 +325,9 @@ class OtherPoint:
 
     @classmethod
     def of(cls, point: Sequence[Series]) -> OtherPoint:
-        """With a frame of rounded numbers, so that other settings of the integrator give the same one."""
+        """With a frame that is chosen in float64; no result depends on it."""
         slopes = [[float(value) for value in known_part(slope(element, SHARE), 0)] or [0.0] for element in point]
-        ends = [np.array([polyval(end, row) for row in slopes]) for end in (-1.0, 1.0)]
-        # Where the curve of these points turns back, its directions at the ends are opposite, and it is transversal to
-        # what lies between them.
-        unit = _unit(_unit(ends[0]) + _unit(ends[1]))
-        # A rounding error has no certain sign, on which the signs of the columns would depend.
-        unit = np.where(np.abs(unit) < _NOISE, 0.0, unit)
-        start = np.column_stack([unit, np.eye(len(point))])
+        start = np.column_stack([_direction(slopes), np.eye(len(point))])
         columns = np.linalg.qr(start)[0]
         return cls(
             tuple(point),
@@ -341,25 +345,62 @@ class OtherPoint:
             result[name] = arithmetic.polynomial(terms).widened(error_of(element))
         return result
 
+    @cached_property
+    def along(self) -> list[Series]:
+        """y', functions of tau."""
+        return [slope(element, SHARE) for element in self.point]
+
     def modulo(self, vectors: Sequence[Sequence[Series]]) -> list[list[Series]]:
-        """Vectors at y(s), functions of sigma, modulo y'(s): functions of tau, n for each vector(section 18.3)."""
+        """Vectors at y(s) modulo y'(s): functions of tau, n for each vector (section 18.3)."""
         rows = inverse_of(self.frame)
-        along = [_combined(row, [slope(element, SHARE) for element in self.point]) for row in rows]
+        along = [_combined(row, self.along) for row in rows]
         share = inverse(along[0])
         turns = [element * share for element in along[1:]]
         result = []
         for vector in vectors:
-            local = [_combined(row, [restricted(element, SHARE) for element in vector]) for row in rows]
+            local = [_combined(row, vector) for row in rows]
             result.append([value - turn * local[0] for value, turn in zip(local[1:], turns, strict=True)])
         return result
 
 
-def _unit(vector: Floats) -> Floats:
-    """The unit vector. Raises `IntegrationFailure` if there is none."""
-    norm = np.linalg.norm(vector)
-    if not 0 < norm < np.inf:
-        raise IntegrationFailure("stability", "the other point of the orbit does not move", "give a narrower piece")
-    return vector / norm
+def _direction(slopes: Sequence[Sequence[float]]) -> Floats:
+    """A unit vector whose product with y'(tau), of these coefficients, is as far from 0 for |tau| <= 1 as can be found.
+
+    Tried are the axes, the directions of y' at real tau and those halfway between two of them, or of one and the
+    opposite of another. Raises `IntegrationFailure` if there is none.
+    """
+    along = np.array([polyval(_ALONG, row) for row in slopes]).T
+    directions = [unit for unit in map(_unit, along) if unit is not None]
+    sums = [_unit(first + sign * second) for first, second in combinations(directions, 2) for sign in (1, -1)]
+    units = [*np.eye(len(slopes)), *directions, *(unit for unit in sums if unit is not None)]
+    on_circle = np.array([polyval(_CIRCLE, row) for row in slopes])
+    scores = [_distance_from_zero(unit @ on_circle) for unit in units]
+    if not max(scores) > 0:
+        raise IntegrationFailure("stability", "the other point of the orbit may not move", "give a narrower piece")
+    return units[int(np.argmax(scores))]
+
+
+def _unit(vector: Floats) -> Floats | None:
+    """The unit vector, or `None` if there is none."""
+    norm = float(np.linalg.norm(vector))
+    unit: Floats = vector / (norm or 1.0)
+    return unit if 0 < norm < np.inf else None
+
+
+def _distance_from_zero(values: Floats) -> float:
+    """The least over the greatest size of a function on the circle; 0 if it has a zero inside (argument principle)."""
+    sizes = np.abs(values)
+    if not 0 < sizes.min() <= sizes.max() < np.inf:
+        return 0.0
+    angles = np.unwrap(np.angle(values))
+    turns = round(float(angles[-1] - angles[0]) / (2 * np.pi))
+    return float(sizes.min() / sizes.max()) if turns == 0 else 0.0
+
+
+def _as_wide(vectors: Sequence[Sequence[Series]], width: Fraction) -> list[Fraction]:
+    """Widths of a tube in proportion to the components of vectors, powers of two, the largest of this width."""
+    sizes = [max(norm_of(element) for element in row) for row in zip(*vectors, strict=True)]
+    return [width * Fraction(2) ** floor(log2(size / max(sizes))) if size else width for size in sizes]
 
 
 def _stability_matrix(out: Sequence[Sequence[Series]], back: Sequence[Sequence[Series]]) -> list[list[Series]]:
