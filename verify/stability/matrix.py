@@ -372,7 +372,7 @@ def _direction(slopes: Sequence[Sequence[float]]) -> Floats:
     along = np.array([polyval(_ALONG, row) for row in slopes]).T
     directions = [unit for unit in map(_unit, along) if unit is not None]
     sums = [_unit(first + sign * second) for first, second in combinations(directions, 2) for sign in (1, -1)]
-    units = [*np.eye(len(slopes)), *directions, *(unit for unit in sums if unit is not None)]
+    units: list[Floats] = [*np.eye(len(slopes)), *directions, *(unit for unit in sums if unit is not None)]
     on_circle = np.array([polyval(_CIRCLE, row) for row in slopes])
     scores = [_distance_from_zero(unit @ on_circle) for unit in units]
     if not max(scores) > 0:
