@@ -398,9 +398,11 @@ def _distance_from_zero(values: Floats) -> float:
 
 
 def _as_wide(vectors: Sequence[Sequence[Series]], width: Fraction) -> list[Fraction]:
-    """Widths of a tube in proportion to the components of vectors, powers of two, the largest of this width."""
+    """Widths of a tube in proportion to the components of vectors, powers of two, about this width in the mean."""
     sizes = [max(norm_of(element) for element in row) for row in zip(*vectors, strict=True)]
-    return [width * Fraction(2) ** floor(log2(size / max(sizes))) if size else width for size in sizes]
+    logarithms = [log2(size) if size else 0.0 for size in sizes]
+    mean = sum(logarithms) / len(sizes)
+    return [width * Fraction(2) ** round(logarithm - mean) for logarithm in logarithms]
 
 
 def _stability_matrix(out: Sequence[Sequence[Series]], back: Sequence[Sequence[Series]]) -> list[list[Series]]:
