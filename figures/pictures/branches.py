@@ -24,6 +24,7 @@ from orbitproof.explore.branches import BranchOrbit, BranchRecord, read_branches
 from orbitproof.figures.files import check_folder, save
 from orbitproof.figures.model import SampledFamily, interpolate, read_families
 from orbitproof.figures.orbits import Array, OrbitNotClosed, orbit_through, state_on_fixed_set
+from orbitproof.figures.pictures.family import parameter_scale
 from orbitproof.figures.pictures.legends import legend_below, legend_handles, legend_row, verdict_handles
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.pictures.space import bounds_of, set_box
@@ -91,9 +92,12 @@ def draw_overview(family: SampledFamily, branches: Sequence[BranchRecord]) -> Fi
                     _add(axes, branch, lambda points, levels: (levels, points[:, 1]))
             axes.set_xlabel(level_label(family.system))
             axes.set_ylabel(label_of(names[1]))
+            parameter_scale(axes, curve[:, 0])
         titles = ("starting points on Fix($R$)", "the other points on Fix($R$)")
     for axes, letter, title in ((left, "a", titles[0]), (right, "b", titles[1])):
-        axes.margins(0.06)
+        if family.system.family_parameter is None:
+            axes.margins(x=0.06)
+        axes.margins(y=0.06)
         axes.set_title(f"({letter})  {title}", color=INK)
     _legend(figure, branches)
     return figure
@@ -214,6 +218,11 @@ def _section(axes: Axes, branch: BranchRecord) -> None:
     axes.set_ylabel(label_of(system.state[kept[1]]))
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.margins(0.12)
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    if right - left < 1e-9 * (high - low):
+        # All points have the same first coordinate, but for rounding.
+        middle, half = 0.5 * (left + right), 0.5 * (high - low)
+        axes.set_xlim(middle - half, middle + half)
     axes.set_title("(b)  in the section", color=INK)
 
 

@@ -89,7 +89,7 @@ def _parameter_figure(family: SampledFamily, placements: Sequence[Placement]) ->
     second.set_xlabel(level_label(family.system))
     _stability_curves(stability, family, placements, family.levels)
     bounded = family.levels[(np.abs(family.stability) < _STABILITY_SHOWN).any(axis=1)]
-    _parameter_scale(stability, bounded if bounded.size > 1 else family.levels)
+    parameter_scale(stability, bounded if bounded.size > 1 else family.levels)
     stability.set_xlabel(level_label(family.system))
     _orbits_in_plane(orbits, family, placements)
     _title(first, "a", "crossings of Fix($R$)")
@@ -247,7 +247,7 @@ def _fixed_line(axes: Axes, family: SampledFamily, placements: Sequence[Placemen
     for placement in placements:
         if placement.second == second:
             draw_mark(axes, placement.mark.point[:2], placement.mark)
-    _parameter_scale(axes, family.levels)
+    parameter_scale(axes, family.levels)
     axes.margins(y=0.15)
     axes.set_ylabel(label_of(family.system.centre_coordinates[1], unit=False))
     axes.annotate(
@@ -261,7 +261,8 @@ def _fixed_line(axes: Axes, family: SampledFamily, placements: Sequence[Placemen
     )
 
 
-def _parameter_scale(axes: Axes, values: Array) -> None:
+def parameter_scale(axes: Axes, values: Array) -> None:
+    """A horizontal axis for values of a parameter: logarithmic where they are positive and far apart."""
     low, high = float(values.min()), float(values.max())
     if low > 0 and high > 20 * low:
         axes.set_xscale("log")

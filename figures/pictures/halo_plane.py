@@ -116,7 +116,11 @@ def draw_resonant_families(halos: Mapping[str, SampledFamily], marks: Mapping[st
     of Fix(R) only, which the paper does not list. Keys are L1, L2, L3.
     """
     figure = plt.figure(figsize=(_WIDTH, 6.5))
-    grid = figure.add_gridspec(2, 2, left=0.09, right=0.985, top=0.955, bottom=0.195, wspace=0.26, hspace=0.3)
+    drawn = [mark for own in marks.values() for mark in own]
+    foot = legend_height({(m.k, m.candidate.kind) for m in drawn}, [m.certified for m in drawn])
+    height = figure.get_figheight()
+    bottom = (foot + 0.86) / height
+    grid = figure.add_gridspec(2, 2, left=0.09, right=0.985, top=0.955, bottom=bottom, wspace=0.26, hspace=0.3)
     axes = figure.add_subplot(grid[0, 0])
     for name, family in halos.items():
         for sign in (1, -1):
@@ -141,8 +145,7 @@ def draw_resonant_families(halos: Mapping[str, SampledFamily], marks: Mapping[st
         title = f"$L_1$ halo orbits, {text}"
         shown += _resonance_panel(figure.add_subplot(cell), halos["L1"], part, letter, title)
     _legend(figure, [_primary_handle()], [spot.mark for spot in shown])
-    height = figure.get_figheight()
-    figure.text(0.5, 0.72 / height, _WHERE, ha="center", va="bottom", fontsize=7.5, color=INK)
+    figure.text(0.5, (foot + 0.22) / height, _WHERE, ha="center", va="bottom", fontsize=7.5, color=INK)
     return figure
 
 

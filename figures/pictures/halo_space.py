@@ -45,8 +45,8 @@ def draw_bifurcation(lyapunov: SampledFamily, halo: SampledFamily) -> Figure:
     low, high = bounds_of([*planar, *halos, *(orbit * mirror for orbit in halos)])
 
     figure = plt.figure(figsize=(_WIDTH, 3.9))
-    left = figure.add_axes((-0.02, 0.195, 0.52, 0.8), projection="3d", computed_zorder=False)
-    right = figure.add_axes((0.48, 0.195, 0.52, 0.8), projection="3d", computed_zorder=False)
+    left = figure.add_axes((-0.02, 0.22, 0.52, 0.77), projection="3d", computed_zorder=False)
+    right = figure.add_axes((0.48, 0.22, 0.52, 0.77), projection="3d", computed_zorder=False)
     for orbit in planar:
         left.plot(*orbit[:, :3].T, color=CURVE, linewidth=0.8)
     for orbit in halos:
@@ -55,7 +55,7 @@ def draw_bifurcation(lyapunov: SampledFamily, halo: SampledFamily) -> Figure:
     for axes in (left, right):
         axes.plot(*first[:, :3].T, color=INK, linewidth=1.6)
         _primary(axes, halo)
-        set_box(axes, halo.system, low, high, view=(22, -55), zoom=1.1)
+        set_box(axes, halo.system, low, high, view=(22, -55), zoom=1.0)
     figure.text(0.02, 0.95, "(a)  planar Lyapunov orbits", fontsize=8.5, color=INK)
     figure.text(0.52, 0.95, "(b)  halo orbits", fontsize=8.5, color=INK)
     handles = [

@@ -21,6 +21,8 @@ from orbitproof.explore.orbits.multiple_shooting import MultipleShooting, Segmen
 from orbitproof.explore.orbits.shooting import ShootingProblem
 from orbitproof.explore.refinement.newton import refine
 from orbitproof.figures.certified.box import CertifiedCurves
+from orbitproof.figures.model.family_file import read_families as read_sampled
+from orbitproof.figures.pictures.branches import draw_branch, draw_overview
 from orbitproof.figures.pictures.branches import write as write_pictures
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.pictures.certified_boxes import write as write_certified
@@ -294,3 +296,28 @@ def test_certified_curves_contain_the_leading_parabola_and_the_family_is_thin(ce
 def test_nothing_certified_is_drawn_without_a_proof(certificate: Certificate) -> None:
     with pytest.raises(InputError, match="not proved"):
         CertifiedCurves.of({**certificate.to_json(), "verdict": "not proved"}, "certificate")
+
+
+def test_points_with_one_coordinate_in_common_are_not_drawn_across_rounding_errors(branches: Any) -> None:
+    """Both points of the new orbits at 1:2 resonance have x = 0, up to rounding: no scale of 1e-17."""
+    with use_style():
+        figure = draw_branch(branches(FIRST_K2).record("proved", "below"), None)
+        (section,) = (axes for axes in figure.axes if "section" in axes.get_title(loc="left"))
+        (left, right), (low, high) = section.get_xlim(), section.get_ylim()
+        assert right - left == pytest.approx(high - low)
+        close(figure)
+
+
+def test_a_family_over_decades_of_its_parameter_is_drawn_over_its_logarithm(branches: Any) -> None:
+    (family,) = read_sampled(DATA / "figures-falkner-skan-family.json")
+    stretched = np.linspace(1.0, 1e4, len(family.levels))
+    wide = replace(
+        family,
+        points=np.column_stack([stretched, family.points[:, 1]]),
+        second_points=np.column_stack([stretched, family.second_points[:, 1]]),
+    )
+    with use_style():
+        for drawn, scale in ((family, "linear"), (wide, "log")):
+            figure = draw_overview(drawn, [branches(FIRST_K2).record("proved", "below")])
+            assert {axes.get_xscale() for axes in figure.axes} == {scale}
+            close(figure)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from support.picture_texts import unreadable
 
 import orbitproof.figures.commands.data as data_command
 import orbitproof.verify.__main__
@@ -298,6 +299,13 @@ def test_halo_plane_pictures_mark_each_orbit_once_and_fill_it_if_certified(
     by_name = {"L1": family, "L2": family, "L3": family}
     figure = draw_resonant_families(by_name, dict.fromkeys(by_name, halo_marks))
     assert verdicts_drawn(figure) == verdicts
+    assert unreadable(figure) == []
+    close(figure)
+    first = next(mark for mark in halo_marks if mark.k == 1)
+    place = family.points[len(family.points) // 3]
+    folds = [replace(first, candidate=replace(first.candidate, kind="fold", id="fold"), point=place)]
+    figure = draw_resonant_families(by_name, {name: [*halo_marks, *folds] for name in by_name})
+    assert unreadable(figure) == []
     close(figure)
     figure = draw_resonant_families(by_name, {name: [] for name in by_name})
     assert verdicts_drawn(figure) == {}
