@@ -38,7 +38,7 @@ def unconfirmed(stored: Mapping[str, Any], fresh: Mapping[str, Any]) -> Iterator
     pairs += [(name.replace("_", " "), stored[name], fresh[name]) for name in _FUNCTIONS]
     with ctx.workprec(_BITS):
         for name, old, new in pairs:
-            if not function_from_json(old).contains(function_from_json(new)):
+            if not function_from_json(old).contains(function_from_json(new).as_found):
                 yield f"the stored bounds of the {name} are not confirmed"
         yield from _unconfirmed_variations(stored.get("out_of_plane"), fresh.get("out_of_plane"))
         yield from _unconfirmed_distances(stored.get("distance"), fresh.get("distance"))

@@ -165,6 +165,11 @@ class BoundedFunction:
         """The function of -tau."""
         return BoundedFunction(self.polynomial(arb_poly([0, -1])), self.error)
 
+    @property
+    def as_found(self) -> BoundedFunction:
+        """The same with the bound that was found, if this is what `function_to_json` has made of it."""
+        return BoundedFunction(self.polynomial, self.error / _SPARE)
+
     def contains(self, other: BoundedFunction) -> bool:
         """Whether what the other one encloses certainly is enclosed by this one."""
         difference = total(abs(c) for c in (self.polynomial - other.polynomial).coeffs())
