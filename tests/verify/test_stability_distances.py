@@ -147,6 +147,17 @@ def test_another_integration_confirms_the_bounds(found: tuple[str, dict[str, Any
         assert list(unconfirmed(entry, enclosed(name, PieceLimits(104, 32, 22)))) == []
 
 
+def test_an_integration_confirms_itself_and_one_that_rounds_another_way(found: tuple[str, dict[str, Any]]) -> None:
+    _, entry = found
+    assert list(unconfirmed(entry, entry)) == []
+    fresh = copy.deepcopy(entry)
+    for share, confirmed in ((Fraction(1, 2**14), True), (Fraction(1, 2**6), False)):
+        for part, old in zip(fresh["distance"]["parts"], entry["distance"]["parts"], strict=True):
+            low, high = (parse_exact(bound) for bound in old["greatest"])
+            part["greatest"] = [format_exact(low * (1 - share)), format_exact(high * (1 + share))]
+        assert (list(unconfirmed(entry, fresh)) == []) == confirmed
+
+
 def narrow_least(distance: dict[str, Any]) -> None:
     part = distance["parts"][5]
     part["least"] = [part["least"][1], part["least"][1]]

@@ -50,7 +50,7 @@ def _unconfirmed_variations(stored: Mapping[str, Any] | None, fresh: Mapping[str
         return
     if new is None:
         yield "variations out of the plane are not enclosed again"
-    elif not all(held.contains(found) for held, found in zip(old.entries, new.entries, strict=True)):
+    elif not all(held.contains(found.as_found) for held, found in zip(old.entries, new.entries, strict=True)):
         yield "the stored bounds of variations out of the plane are not confirmed"
 
 
@@ -62,10 +62,10 @@ def _unconfirmed_distances(stored: Mapping[str, Any] | None, fresh: Mapping[str,
         yield "distances are not enclosed again"
         return
     for name, before, after in (("this point", old.here, new.here), ("the other point", old.there, new.there)):
-        if not before.contains(after):
+        if not before.contains(after.as_found):
             yield f"the stored bounds of the distance at {name} are not confirmed"
     for number, (held_part, found_part) in enumerate(zip(old.parts, new.parts, strict=True), start=1):
         for word in ("least", "greatest"):
-            held, found = getattr(held_part, word), getattr(found_part, word)
+            held, found = getattr(held_part, word), getattr(found_part, word).as_found
             if held.where not in (ALONG, found.where) or not held.square.contains(found.square):
                 yield f"the {word} distance on part {number} is not confirmed"

@@ -45,7 +45,7 @@ _GRID = 32
 _TIMES = tuple((Fraction(2 * number + 1, 2 * _GRID), Fraction(1, 2 * _GRID)) for number in range(_GRID))
 _ACROSS = tuple((Fraction(2 * number + 1 - PARTS, PARTS) / BEYOND, 1 / BEYOND / PARTS) for number in range(PARTS))
 """Middles and radii of the cells in theta and sigma."""
-_SLACK = Fraction(1, 2**9)
+SLACK = Fraction(1, 2**9)
 """Stored bounds are weaker by this share of them: another integration has to find bounds inside of them."""
 _SHORTEST = 2.0**-20
 """Half the length at least of the step that leads beyond the other point on Fix(R)."""
@@ -296,4 +296,4 @@ def _outward(low: float, high: float) -> Bounds:
         raise IntegrationFailure("stability", "the distance is not enclosed", "give a narrower piece")
     below, above = max(Fraction(low), Fraction(0)), max(Fraction(high), Fraction(0))
     unit = Fraction(2) ** (floor(log2(above)) - 16) if above else Fraction(1)
-    return (below * (1 - _SLACK) // unit) * unit, -(-above * (1 + _SLACK) // unit) * unit
+    return (below * (1 - SLACK) // unit) * unit, -(-above * (1 + SLACK) // unit) * unit

@@ -14,7 +14,7 @@ from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import parities
 from orbitproof.verify.evidence import ball_to_json, enclose, hull, is_positive, up_to
-from orbitproof.verify.stability.distances import ALONG, HERE, PARTS, THERE
+from orbitproof.verify.stability.distances import ALONG, HERE, PARTS, SLACK, THERE
 from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
 
 _PIECES = 4
@@ -32,6 +32,12 @@ class Extreme:
 
     square: arb
     where: str
+
+    @property
+    def as_found(self) -> Extreme:
+        """The same with the bounds that were found, if these are what `DistanceAlongCurve` has made of them."""
+        low, high = self.square.lower() / enclose(1 - SLACK), self.square.upper() / enclose(1 + SLACK)
+        return Extreme(hull(low, high), self.where)
 
 
 @dataclass(frozen=True)
