@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches examples report figures docs test lint test-slow campaign bench clean
+.PHONY: help demo branches examples report figures docs test lint test-slow campaign faults bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -28,6 +28,7 @@ help:
 	@echo "make test       everything that has to pass: lint, format, types, tests"
 	@echo "make test-slow  the longer proofs and campaigns (20 minutes)"
 	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
+	@echo "make faults     faults made on purpose, one line each: which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make bench      benchmarks; each prints its numbers"
 	@echo "make clean      remove $(VENV), $(OUT), $(SITE) and caches"
 
@@ -150,6 +151,9 @@ test-slow: $(VENV)/dev.stamp
 
 campaign: $(VENV)/dev.stamp
 	@$(BOUND) $(BIN)/python tests/soundness/campaign.py --jobs $(JOBS) --output campaign.json
+
+faults: $(VENV)/dev.stamp
+	@$(BOUND) $(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --output faults.json
 
 bench: $(VENV)/dev.stamp
 	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done

@@ -1,0 +1,243 @@
+"""Faults made on purpose, one line each: ``python tests/faults/run.py --output faults.json``.
+
+The files beside this one are the table, one for each room of the trusted modules (`read`). Every fault is applied to a
+copy of the package, and the tests of its room run on the copy until one of them fails; those that `make test` runs, and
+with ``--slow`` those that `make test-slow` runs where no other has noticed the fault. Results are kept one by one, and
+the same command goes on; it tries a fault again when its patch, the modules beside it or its tests have changed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import hashlib
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+TRUSTED = ("shared", "verify")
+LINKED = ("explore", "figures", "tests", "docs", "README.md", "pyproject.toml", "setup.py", "Makefile")
+
+Result = dict[str, Any]
+"""How a fault fared: ``verdict`` (found, timed out, survives), ``by`` which test, ``slow``, ``seconds``."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One entry of the table.
+
+    Attributes:
+        room: its file in the table.
+        breaks: what is no longer true, in a sentence; no two entries of a room have the same.
+        section: the section of the chapter that says it, ``7.4``; ``certificate 13.1`` in the chapter of another room.
+        file: the module, from the root of the checkout.
+        old, new: the text that is replaced, which occurs once, and what it becomes.
+        first: tests that run before those of the room.
+        tests: tests of the room, those that most likely notice first.
+        harmless: why nothing false can follow, if no test can notice it.
+    """
+
+    room: str
+    breaks: str
+    section: str
+    file: str
+    old: str
+    new: str
+    first: tuple[str, ...]
+    tests: tuple[str, ...]
+    harmless: str | None
+
+    @property
+    def name(self) -> str:
+        return f"{self.room}: {self.breaks}"
+
+    def key(self) -> str:
+        """Digest of what the result depends on: the patch, the modules beside it, the tests."""
+        files = [*sorted((ROOT / self.file).parent.glob("*.py")), *(ROOT / name for name in self.files())]
+        parts = [self.file, self.old, self.new, *(path.read_text(encoding="utf-8") for path in files)]
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:20]
+
+    def files(self) -> tuple[str, ...]:
+        """Files of the tests."""
+        return tuple(dict.fromkeys(name.partition("::")[0] for name in (*self.first, *self.tests)))
+
+    def applied(self, text: str) -> str:
+        """The module with the fault. Raises `ValueError` unless the old text occurs once and the new one differs."""
+        if text.count(self.old) != 1 or self.old == self.new:
+            raise ValueError(f"{self.name}: the text to be changed occurs {text.count(self.old)} times in {self.file}")
+        return text.replace(self.old, self.new)
+
+
+def read(folder: Path = HERE) -> list[Fault]:
+    """All faults of the table, by room."""
+    faults = []
+    for path in sorted(folder.glob("*.toml")):
+        room = tomllib.loads(path.read_text(encoding="utf-8"))
+        for entry in room["faults"]:
+            rest = {"first": tuple(entry.pop("tests", ())), "harmless": entry.pop("harmless", None)}
+            faults.append(Fault(room=path.stem, tests=tuple(room["tests"]), **entry, **rest))
+    return faults
+
+
+def copied(folder: Path) -> None:
+    """A checkout in a folder whose trusted modules may be changed; everything else is a link."""
+    shutil.copytree(ROOT / "src", folder / "src", symlinks=True, ignore=shutil.ignore_patterns("*.egg-info"))
+    for room in (*TRUSTED, "explore", "figures"):
+        link = folder / "src" / "orbitproof" / room
+        link.unlink(missing_ok=True)
+        link.symlink_to(Path("..", "..", room), target_is_directory=True)
+    for name in TRUSTED:
+        shutil.copytree(ROOT / name, folder / name)
+    for name in LINKED:
+        (folder / name).symlink_to(ROOT / name)
+
+
+def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool) -> Result:
+    """Run tests on a copy until one fails."""
+    command = [sys.executable, "-m", "pytest", "-x", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist"]
+    command += ["--hypothesis-seed=0", "-m", "slow" if slow else "not slow", *tests]
+    settings = {**os.environ, "PYTHONPATH": str(folder / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+    begin = time.monotonic()
+    # A session of its own, which ends with all processes that a fault may leave waiting.
+    process = subprocess.Popen(
+        command, cwd=folder, env=settings, text=True, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        output, _ = process.communicate(timeout=limit)
+        verdict = "survives" if process.returncode in (0, 5) else "found"
+    except subprocess.TimeoutExpired:
+        output, verdict = "", "timed out"
+    finally:
+        end(process)
+    if process.returncode in (3, 4):
+        raise RuntimeError(f"pytest did not run:\n{output}")
+    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", output, re.MULTILINE)
+    by = failed[1] if failed else "end of the process" if verdict == "found" else ""
+    return {"verdict": verdict, "by": by, "slow": slow, "seconds": round(time.monotonic() - begin, 1)}
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    """End a process and all of its session."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+
+
+def tried(fault: Fault, limit: float, slow: bool) -> Result:
+    """Apply a fault to a copy and run its tests; the slow ones only where no other has noticed it."""
+    result: Result = {}
+    with tempfile.TemporaryDirectory(prefix="orbitproof-fault-") as name:
+        folder = Path(name)
+        copied(folder)
+        module = folder / fault.file
+        module.write_text(fault.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
+        for tests in filter(None, (fault.first, fault.tests)):
+            result = tested(folder, tests, limit, False)
+            if result["verdict"] != "survives":
+                return result
+        return tested(folder, fault.tests, 10 * limit, True) if slow else result
+
+
+def without_fault(tests: Sequence[str]) -> Result:
+    """Run the tests of a room on a true copy: a fault counts as found only by tests that pass there."""
+    with tempfile.TemporaryDirectory(prefix="orbitproof-fault-") as name:
+        copied(Path(name))
+        return tested(Path(name), tests, 3600, False)
+
+
+def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Callable[[str], None]) -> list[Result]:
+    """Try what is not known yet; returns what is known of each fault, in their order."""
+    known: dict[str, Result] = json.loads(output.read_text()) if output.exists() else {}
+    missing = [
+        fault for fault in faults
+        if (before := known.get(fault.key())) is None
+        or (slow and before["verdict"] == "survives" and not before["slow"])
+    ]  # fmt: skip
+    limits: dict[str, float] = {}
+    for room in dict.fromkeys(fault.room for fault in missing):
+        tests = dict.fromkeys(test for fault in missing if fault.room == room for test in (*fault.first, *fault.tests))
+        honest = without_fault(tuple(tests))
+        tell(f"{room}: without a fault {honest['verdict']} in {honest['seconds']} s {honest['by']}")
+        if honest["verdict"] == "survives":
+            limits[room] = 60 + 10 * honest["seconds"]
+    missing = [fault for fault in missing if fault.room in limits]
+    with ThreadPoolExecutor(jobs) as pool:
+        waiting = {pool.submit(tried, fault, limits[fault.room], slow): fault for fault in missing}
+        try:
+            for number, future in enumerate(as_completed(waiting), 1):
+                fault, result = waiting[future], future.result()
+                known[fault.key()] = {"name": fault.name, **result}
+                output.write_text(json.dumps(known, indent=1), encoding="utf-8")
+                tell(
+                    f"{number}/{len(missing)} {result['verdict']:9} {fault.name}  {result['by']} {result['seconds']} s"
+                )
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return [known.get(fault.key(), {"verdict": "not tried", "by": "", "slow": False}) for fault in faults]
+
+
+def table(faults: Sequence[Fault], results: Sequence[Result]) -> str:
+    """Counts by room, and each fault that no test has noticed, with its reason."""
+    heads = ("faults", "make test", "slow", "harmless", "survive", "not tried")
+    rows: dict[str, list[int]] = {}
+    lines = []
+    for fault, result in zip(faults, results, strict=True):
+        found, untried = result["verdict"] in ("found", "timed out"), result["verdict"] == "not tried"
+        place = 2 if found and result["slow"] else 1 if found else 5 if untried else 3 if fault.harmless else 4
+        for name in (fault.room, "all"):
+            rows.setdefault(name, [0] * len(heads))
+            rows[name][0] += 1
+            rows[name][place] += 1
+        if result["verdict"] == "timed out":
+            lines.append(f"found by its time only: {fault.name}")
+        elif place in (3, 4):
+            lines.append(f"not found: {fault.name}{': ' if fault.harmless else ''}{fault.harmless or ''}")
+        elif place == 1 and fault.harmless:
+            lines.append(f"said to be harmless, and found: {fault.name}")
+    if "all" in rows:
+        rows["all"] = rows.pop("all")
+    counted = [f"{name:14}" + "".join(f"{n:11}" for n in row) + _percent(row) for name, row in rows.items()]
+    return "\n".join([f"{'room':14}" + "".join(f"{head:>11}" for head in heads), *counted, *lines])
+
+
+def _percent(row: Sequence[int]) -> str:
+    tried = row[0] - row[5]
+    return f"   {100 * row[1] / tried:.1f} % by make test" if tried else ""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; 0 if every fault is found or has its reason."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--output", type=Path, default=Path("faults.json"))
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", default="", metavar="TEXT", help="faults with this text in 'room: what it breaks'")
+    parser.add_argument("--slow", action="store_true", help="the slow tests too, where no other has noticed the fault")
+    options = parser.parse_args(arguments)
+    faults = [fault for fault in read() if options.only in fault.name]
+    results = run(faults, options.output, options.jobs, options.slow, lambda line: print(line, file=sys.stderr))
+    print(table(faults, results))
+    good = [
+        result["verdict"] in ("found", "timed out") or fault.harmless
+        for fault, result in zip(faults, results, strict=True)
+    ]
+    return 0 if all(good) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
