@@ -83,15 +83,23 @@ def _minors(matrix: arb_mat, order: int) -> arb:
 
 
 def _roots(trace: arb, determinant: arb) -> list[acb]:
-    """The zeros of c^2 - trace c + determinant; both enclosures contain both where they are not known to differ."""
+    """The zeros of c^2 - trace c + determinant, the smaller real one first.
+
+    Both enclosures contain both where these are not known to be real or to be conjugate.
+    """
     middle = trace / 2
     discriminant = middle * middle - determinant
     known = sign(discriminant)
     if known > 0:
         root = discriminant.sqrt()
-        larger = middle + (root if sign(middle) >= 0 else -root)
-        smaller = determinant / larger if sign(middle) else middle + root
-        return sorted((acb(larger), acb(smaller)), key=lambda value: float(value.real.mid()))
+        low, high = middle - root, middle + root
+        # Without cancellation, where it is known in which of the two it would be.
+        match sign(middle):
+            case 1:
+                low = determinant / high
+            case -1:
+                high = determinant / low
+        return [acb(low), acb(high)]
     if known < 0:
         root = (-discriminant).sqrt()
         return [acb(middle, root), acb(middle, -root)]
