@@ -10,7 +10,7 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_document, select_ids
 from orbitproof.shared.systems import SYSTEMS
-from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, conclusion_of, order_of, recheck_atlas
+from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, recheck_atlas
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import Certificate, Recheck, digest, read_certificates, recheck, systems_with
 from orbitproof.verify.engines import Display
@@ -125,16 +125,10 @@ def _examine(certificate: Certificate, examined: dict[str, Recheck]) -> Recheck:
 
 
 def _examine_atlas(document: Mapping[str, Any], examined: dict[str, Recheck]) -> Recheck:
-    def conclude_again(
-        atlas: Atlas, results: Sequence[Mapping[str, Any]], carried: Sequence[Certificate]
-    ) -> Mapping[str, Any]:
-        return conclusion_of(atlas, results, carried, lambda entry: _examine(entry, examined), order_of(document))
+    def check(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:
+        return [_examine(entry, examined) for entry in entries]
 
-    return recheck_atlas(document, (), False, Means(conclude_again, _no_integration, _no_integration))
-
-
-def _no_integration(*_: Any) -> Any:
-    raise AssertionError("nothing is integrated up to the conclusion")
+    return recheck_atlas(document, (), False, Means(check))
 
 
 def _checked(path: Path, entry: Certificate | Mapping[str, Any], check: Recheck) -> Checked:

@@ -148,18 +148,11 @@ def test_certificates_beside_the_file_have_to_be_those_in_it(curve: Document, po
         assert [finding.place for finding in checked(curve, given=given).findings] == ["rests_on"]
 
 
-def test_an_older_file_says_what_it_lacks(curve: Document, point: Certificate) -> None:
-    older = forged(curve, lambda d: (d.pop("rests_on"), d["statement"].pop("names")))
-    found = checked(older)
-    assert not found.findings
-    assert found.word == "cannot be checked here"
-    assert "give them with --bifurcations" in found.obstacle
-    found = checked(older, given=[point])
-    assert found.stands
-    assert "does not record" in found.notes[0]
-    with_more = forged(older, _infinitely_many)
-    assert not checked(with_more, given=[point]).stands
-    assert not checked(with_more).stands
+@pytest.mark.parametrize("key", ["rests_on"])
+def test_a_file_that_lacks_what_it_rests_on_is_malformed(curve: Document, key: str) -> None:
+    found = checked(forged(curve, lambda d: (d if key in d else d["statement"]).pop(key)))
+    assert found.level is Level.NONE
+    assert repr(key) in found.findings[0].message
 
 
 # What is stored is integrated again

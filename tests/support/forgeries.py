@@ -13,11 +13,10 @@ from typing import Any
 from orbitproof.shared.formats.atlas import Atlas, read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
-from orbitproof.verify.atlas.recheck import Means, order_of, recheck_atlas
+from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.engines import Answer, Task
-from orbitproof.verify.stability import with_complete_list
 from orbitproof.verify.surface import conclude_surface
 
 DATA = Path(__file__).parents[1] / "data"
@@ -55,13 +54,7 @@ def checked(document: Mapping[str, Any], prover: Prover | None = None, given: Se
         for task in tasks:
             finished(Answer(task, prover(task.argument, lambda fraction, label: None), 0.0))
 
-    def conclude_again(atlas: Atlas, results: Sequence[Mapping[str, Any]], rests_on: Sequence[Certificate]) -> Document:
-        order = order_of(document)
-        if order is None:
-            return conclusion_of(atlas, results, rests_on)
-        return with_complete_list(atlas, results, conclude(atlas, results, rests_on), order)
-
-    means = Means(conclude_again, prove, lambda entries: [recheck(entry, True) for entry in entries])
+    means = Means(lambda entries, integrate: [recheck(entry, integrate) for entry in entries], prove)
     return recheck_atlas(document, given, prover is not None, means)
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +20,8 @@ from orbitproof.verify.atlas.certificate import (
     reusable,
     write_atlas_certificate,
 )
-from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.recheck import Means, order_of, recheck_atlas
+from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
+from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.atlas.report import conclusion_text, piece_table
 from orbitproof.verify.atlas.run import AtlasRun
 from orbitproof.verify.atlas.splitting import Settings
@@ -213,22 +214,29 @@ def _conclude(
 
     With an `order`, all resonances up to it as well.
     """
-    checks = {check.id: check for check in _checked(bifurcations, False, options)}
-    placing = Display({entry.id: 1.0 for entry in bifurcations}, options.quiet)
-    placed: list[str] = []
+    return conclusion_of(
+        atlas, results, bifurcations, lambda entries: _checked(entries, False, options), order, _placing(options.quiet)
+    )
 
-    def examine(certificate: Certificate) -> Recheck:
-        # Called for one certificate after the other.
-        if placed:
-            placing.finish(placed[-1], "looked for on the curve")
-        placed.append(certificate.id)
-        return checks[certificate.id]
 
-    with placing.shown():
-        conclusion = conclusion_of(atlas, results, bifurcations, examine, order)
-        for name in placed[-1:]:
-            placing.finish(name, "looked for on the curve")
-    return conclusion
+def _placing(quiet: bool) -> Placing:
+    """Shows which certificates are looked for on a curve, one after the other."""
+
+    @contextmanager
+    def shown(names: Sequence[str]) -> Iterator[Callable[[str], None]]:
+        display = Display(dict.fromkeys(names, 1.0), quiet)
+        begun: list[str] = []
+
+        def begin(name: str) -> None:
+            for before in begun[-1:]:
+                display.finish(before, "looked for on the curve")
+            begun.append(name)
+
+        with display.shown():
+            yield begin
+            begin("")
+
+    return shown
 
 
 def _recheck(options: argparse.Namespace, work: Work) -> int:
@@ -253,9 +261,6 @@ def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Wor
     is_surface = document["statement"]["atlas"].get("claim", {}).get("kind") == SURFACE
     given = _bifurcations(options, is_surface)
 
-    def conclude_again(atlas: Atlas, results: Sequence[Result], entries: Sequence[Certificate]) -> Mapping[str, Any]:
-        return _conclude(atlas, results, entries, options, order_of(document))
-
     def prove_again(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
         display = Display(dict.fromkeys([task.name for task in tasks], 1.0), options.quiet)
         waiting = deque(tasks)
@@ -266,10 +271,10 @@ def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Wor
         with engine_of(options.scheduler, options.jobs, options.timeout) as engine, display.shown():
             engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)
 
-    def integrate_again(entries: Sequence[Certificate]) -> Sequence[Recheck]:
-        return _checked(entries, True, options)
+    def check_again(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:
+        return _checked(entries, integrate, options)
 
-    means = Means(conclude_again, prove_again, integrate_again, options.timeout)
+    means = Means(check_again, prove_again, options.timeout, _placing(options.quiet))
     return recheck_atlas(document, given, options.integrate, means)
 
 

@@ -3,30 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.certificate import Certificate, Recheck
+from orbitproof.verify.certificate import Certificate, Recheck, repeated
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.stability import with_complete_list
 from orbitproof.verify.surface import conclude_surface
+
+Placing = Callable[[Sequence[str]], AbstractContextManager[Callable[[str], None]]]
+"""For the ids of certificates a context in which a function is called with each before it is looked for."""
 
 
 def conclusion_of(
     atlas: Atlas,
     results: Sequence[Mapping[str, Any]],
     bifurcations: Sequence[Certificate],
-    examine: Callable[[Certificate], Recheck],
+    check: Callable[[Sequence[Certificate]], Sequence[Recheck]],
     order: int | None,
+    placing: Placing = lambda names: nullcontext(lambda name: None),
 ) -> dict[str, Any]:
     """The conclusion as JSON.
 
     Args:
         bifurcations: certificates that are looked for on a curve.
-        examine: checks such a certificate again.
+        check: checks such certificates again, in their order.
         order: with one, all resonances on a curve up to it as well.
+        placing: shows which of them is looked for.
+
+    Raises `ValueError` if an id appears twice: the theorem speaks of certificates by their ids.
     """
+    for name in repeated(bifurcations):
+        raise ValueError(f"the certificates of bifurcations: {name!r} appears twice")
     if atlas.is_surface:
         return conclude_surface(atlas, results).to_json()
-    conclusion = conclude(atlas, results, bifurcations, examine)
+    # By the whole certificate: what was found of one says nothing of another that has its id.
+    checks = dict(zip(bifurcations, check(bifurcations), strict=True))
+
+    with placing([entry.id for entry in bifurcations]) as begin:
+
+        def examine(certificate: Certificate) -> Recheck:
+            begin(certificate.id)
+            return checks[certificate]
+
+        conclusion = conclude(atlas, results, bifurcations, examine)
     return conclusion.to_json() if order is None else with_complete_list(atlas, results, conclusion, order)

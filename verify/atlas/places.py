@@ -6,10 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certificate import AtlasCertificate
-from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.recheck import Means, order_of, recheck_atlas
+from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import PLACE_IS_OPEN, Certificate, Finding, Level, Recheck, differences, recheck
 from orbitproof.verify.curve import Bifurcation, conclude
 from orbitproof.verify.evidence import ball_to_json, located
@@ -41,12 +39,11 @@ def places_on(curve: AtlasCertificate, orbits: Sequence[Certificate]) -> list[Pl
 
 def check_of_conclusion(curve: AtlasCertificate) -> Recheck:
     """Whether the certificate of a curve stands, up to its conclusion."""
-    order = order_of(curve.document)
+    return recheck_atlas(curve.document, (), False, Means(_checked))
 
-    def again(atlas: Atlas, results: Sequence[Mapping[str, Any]], entries: Sequence[Certificate]) -> Mapping[str, Any]:
-        return conclusion_of(atlas, results, entries, recheck, order)
 
-    return recheck_atlas(curve.document, (), False, Means(again, _nothing, _nothing))
+def _checked(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:
+    return [recheck(entry, integrate) for entry in entries]
 
 
 def recheck_places(
@@ -139,7 +136,3 @@ def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
 
 def _rests_on(curve: AtlasCertificate) -> dict[str, Any]:
     return {"id": curve.document["id"], "digest": curve.document["digest"]}
-
-
-def _nothing(*_: Any) -> Any:
-    raise ValueError("nothing is integrated here")

@@ -10,6 +10,7 @@ have the certificates of the bifurcations on the curve.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
@@ -18,11 +19,11 @@ from orbitproof.shared.formats import Atlas, atlas_from_json, validate_document
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS
 from orbitproof.verify.atlas.certificate import SCHEMA, Result, make_atlas_certificate
+from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
 from orbitproof.verify.atlas.splitting import covers, interval_of
 from orbitproof.verify.atlas.task import RunLimits, result_of, task_of
 from orbitproof.verify.certificate import (
     UNKNOWN,
-    CannotBeCheckedError,
     Certificate,
     Examination,
     Finding,
@@ -36,6 +37,7 @@ from orbitproof.verify.certificate import (
     other_hypotheses,
     other_software,
     overlap,
+    repeated,
     statement_differences,
     systems_with,
 )
@@ -62,26 +64,32 @@ class Means:
     """How a check has done what takes time.
 
     Attributes:
-        conclude: what results and certificates of bifurcations give together, as JSON.
-        prove: does tasks, in any order; the second argument is called with each answer.
-        recheck: certificates of bifurcations, with another integration.
+        check: certificates of bifurcations, again, in their order; with another integration if that is asked for.
+        prove: does tasks, in any order, and calls the second argument with each answer; for the integration only.
         timeout: seconds for an interval, or `None`.
+        placing: shows which bifurcation is looked for on a curve.
     """
 
-    conclude: Callable[[Atlas, Sequence[Result], Sequence[Certificate]], Document]
-    prove: Callable[[Sequence[Task], Callable[[Answer], str]], None]
-    recheck: Callable[[Sequence[Certificate]], Sequence[Recheck]]
+    check: Callable[[Sequence[Certificate], bool], Sequence[Recheck]]
+    prove: Callable[[Sequence[Task], Callable[[Answer], str]], None] | None = None
     timeout: float | None = None
+    placing: Placing = lambda names: nullcontext(lambda name: None)
+
+    def conclude(
+        self, atlas: Atlas, results: Sequence[Result], rests_on: Sequence[Certificate], order: int | None
+    ) -> Document:
+        """What results and certificates of bifurcations give together."""
+        return conclusion_of(atlas, results, rests_on, lambda entries: self.check(entries, False), order, self.placing)
 
 
 def recheck_atlas(document: Document, given: Sequence[Certificate], integrate: bool, means: Means) -> Recheck:
     """Check the certificate of an atlas that fits the schema again.
 
-    `given` are certificates of bifurcations from elsewhere: a file of before, which carries none, rests on them.
+    `given` are certificates of bifurcations from elsewhere, which have to be those that the file carries.
     """
     steps = [partial(_form, document), partial(_conclusion, document, given, means)]
     if integrate:
-        steps.append(partial(_integration, document, given, means))
+        steps.append(partial(_integration, document, means))
     return climb(str(document["id"]), str(document["verdict"]), steps)
 
 
@@ -91,7 +99,7 @@ def order_of(document: Document) -> int | None:
     if listed is None:
         return None
     order = listed["order"]
-    if not isinstance(order, int) or not 1 <= order <= _LARGEST_ORDER:
+    if type(order) is not int or not 1 <= order <= _LARGEST_ORDER:
         raise ValueError("the order of the complete list is no number from 1 to 99")
     return order
 
@@ -108,9 +116,15 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
     validate_document(document, SCHEMA, "the certificate")
     atlas = atlas_of(document)
     known = {piece.id for piece in atlas.pieces}
+    symmetric = {piece.id for piece in atlas.pieces if piece.kind == "symmetric"}
     for index, result in enumerate(document["results"]):
         if result["piece"] not in known:
             yield Finding(f"results[{index}].piece", "no such piece in the atlas")
+        if result["piece"] in symmetric and result["verdict"] == "proved":
+            start, end = interval_of(result)
+            # What is proved about 0 there is proved of both halves together.
+            if start <= 0 <= end and start != -end:
+                yield Finding(f"results[{index}].interval", "contains the symmetric point and is not centred there")
         settings = (result["computation"].get(name, 1) for name in ("precision", "order", "width", "top", "steps"))
         if not all(0 <= value <= _LARGEST for value in settings):
             yield Finding(f"results[{index}].computation", "the settings of the integrator are not possible")
@@ -118,13 +132,12 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
     if conclusion is None:
         yield Finding("conclusion", "the run was not finished, so there is none; run the same command again")
         return
-    for index, entry in enumerate(document.get("rests_on", ())):
-        Certificate.from_json(entry, f"rests_on[{index}]")
-    if "rests_on" in document:
-        listed = [entry["id"] for entry in conclusion["bifurcations"]]
-        carried = [entry["id"] for entry in document["rests_on"]]
-        if listed != carried:
-            yield Finding("rests_on", f"carries {', '.join(carried) or 'nothing'}; listed: {', '.join(listed)}")
+    carried = _rests_on(document)
+    for name in repeated(carried):
+        yield Finding("rests_on", f"{name!r} appears twice: nothing says which of them the theorem is about")
+    names, listed = [entry.id for entry in carried], [entry["id"] for entry in conclusion["bifurcations"]]
+    if listed != names:
+        yield Finding("rests_on", f"carries {', '.join(names) or 'nothing'}; listed: {', '.join(listed)}")
     names = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
     expected = list((surface_hypotheses if atlas.is_surface else curve_hypotheses)(atlas))
     if document["verdict"] == "proved":
@@ -137,7 +150,7 @@ def _conclusion(
     atlas = atlas_of(document)
     if atlas.system.name not in BRANCH_SYSTEMS:
         examination.notes += (f"{atlas.system.name}: {UNKNOWN}",)
-    bifurcations = _rests_on(document, given, examination)
+    bifurcations = _rests_on(document)
     yield from _other_certificates(document, given)
     yield from decimals(document["results"], "results")
     if atlas.is_surface:
@@ -149,10 +162,10 @@ def _conclusion(
                     yield Finding(place, "the piece is not one of the surface")
                     continue
                 yield from (Finding(place, text) for text in unshown(pieces[result["piece"]], part))
-    conclusion = means.conclude(atlas, document["results"], bifurcations)
+    conclusion = means.conclude(atlas, document["results"], bifurcations, order_of(document))
     examination.hypotheses = len(conclusion["hypotheses"])
     again = make_atlas_certificate(atlas, document["results"], conclusion, bifurcations)
-    # The statement is compared by itself; what made the file may differ; of older files the notes say what they lack.
+    # The statement is compared by itself; what made the file may differ.
     apart = ("verdict", "statement", "software", "digest", "rests_on")
     old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, again))
     found = [
@@ -165,25 +178,14 @@ def _conclusion(
         yield from other_software(document)
 
 
-def _rests_on(document: Document, given: Sequence[Certificate], examination: Examination) -> Sequence[Certificate]:
+def _rests_on(document: Document) -> Sequence[Certificate]:
     """The certificates of bifurcations that the conclusion was made with."""
-    if "rests_on" in document:
-        return [Certificate.from_json(entry, "rests_on") for entry in document["rests_on"]]
-    listed = document["conclusion"]["bifurcations"]
-    if listed and not given:
-        raise CannotBeCheckedError(
-            f"it rests on the certificates of {len(listed)} bifurcations and, an older file, does not carry them: "
-            "give them with --bifurcations FILE"
-        )
-    if given:
-        note = "an older file, it does not record which certificates it rests on; those that were given are used"
-        examination.notes += (note,) if note not in examination.notes else ()
-    return given
+    return [Certificate.from_json(entry, f"rests_on[{index}]") for index, entry in enumerate(document["rests_on"])]
 
 
 def _other_certificates(document: Document, given: Sequence[Certificate]) -> Iterator[Finding]:
     """Where a file carries other certificates than those that were given beside it."""
-    if "rests_on" not in document or not given:
+    if not given:
         return
     carried = {entry["id"]: entry["digest"] for entry in document["rests_on"]}
     beside = {entry.id: entry.to_json().get("digest") for entry in given}
@@ -192,9 +194,8 @@ def _other_certificates(document: Document, given: Sequence[Certificate]) -> Ite
             yield Finding("rests_on", f"{name}: the certificate is {carried.get(name)}, given is {beside.get(name)}")
 
 
-def _integration(
-    document: Document, given: Sequence[Certificate], means: Means, examination: Examination
-) -> Iterator[Finding]:
+def _integration(document: Document, means: Means, examination: Examination) -> Iterator[Finding]:
+    assert means.prove is not None
     atlas = atlas_of(document)
     results: dict[str, Result] = {}
     findings: dict[str, list[Finding]] = {}
@@ -215,12 +216,12 @@ def _integration(
     yield from (finding for found in findings.values() for finding in found)
     if contradictions or any(findings.values()) or document["verdict"] != "proved":
         return
-    conclusion = means.conclude(atlas, list(results.values()), [])
+    conclusion = means.conclude(atlas, list(results.values()), [], order_of(document))
     if conclusion["verdict"] != "proved":
         yield Finding("integration", f"the theorem is not proved again: {conclusion['reason']['message']}")
     on_curve = {entry["id"] for entry in document["conclusion"]["bifurcations"] if entry["on_curve"]}
-    bifurcations = [entry for entry in _rests_on(document, given, examination) if entry.id in on_curve]
-    for check in means.recheck(bifurcations):
+    bifurcations = [entry for entry in _rests_on(document) if entry.id in on_curve]
+    for check in means.check(bifurcations, True):
         problems = check.findings or ((Finding("the certificate", check.obstacle),) if check.obstacle else ())
         yield from (Finding(f"bifurcation {check.id}, {entry.place}", entry.message) for entry in problems)
 
@@ -298,6 +299,10 @@ def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
                 )
                 yield Finding(f"{place}, {key} {j}", sizes)
     if "stability" in stored:
+        # Functions of s are written in a variable that runs over the interval: on another one they are others.
+        if "reason" not in stored["stability"] and interval_of(fresh) != interval_of(stored):
+            ends = ", ".join(fresh["interval"])
+            yield Finding(f"{place}, stability", f"its functions are of another interval: that is proved on [{ends}]")
         found = unconfirmed(stored["stability"], fresh.get("stability", {"reason": {"message": "it is missing"}}))
         yield from (Finding(f"{place}, stability", text) for text in found)
     for part in stored.get("parts", ()):

@@ -6,6 +6,7 @@ from orbitproof.verify.certificate.certificate import (
     digest,
     is_proof_of,
     read_certificates,
+    repeated,
     theorem_in_full,
     write_certificates,
 )
@@ -69,6 +70,7 @@ __all__ = [
     "recheck",
     "recheck_all",
     "recheck_table",
+    "repeated",
     "statement_differences",
     "system_names",
     "systems_with",

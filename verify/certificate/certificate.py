@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -343,10 +344,15 @@ def read_certificates(path: Path) -> dict[str, Certificate]:
         Certificate.from_json(entry, f"{path}: field certificates[{index}]")
         for index, entry in enumerate(document["certificates"])
     ]
-    result = {entry.id: entry for entry in entries}
-    if len(result) != len(entries):
-        raise InputError(f"{path}: field certificates: an id appears twice; write the file again with --fresh")
-    return result
+    for name in repeated(entries):
+        raise InputError(f"{path}: field certificates: id {name!r} appears twice; write the file again with --fresh")
+    return {entry.id: entry for entry in entries}
+
+
+def repeated(certificates: Iterable[Certificate]) -> list[str]:
+    """The ids that more than one certificate has, once each."""
+    counts = Counter(entry.id for entry in certificates)
+    return [name for name, count in counts.items() if count > 1]
 
 
 def write_certificates(path: Path, certificates: Iterable[Certificate]) -> None:

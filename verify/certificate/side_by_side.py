@@ -9,9 +9,9 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from orbitproof.shared.formats import Candidate, candidate_from_json
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json
 from orbitproof.shared.processes import answers
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate.certificate import Certificate, repeated
 from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
 from orbitproof.verify.certificate.levels import Finding, Recheck
 from orbitproof.verify.certificate.precision import Limits, first_precision
@@ -93,8 +93,10 @@ def recheck_all(
     """Check every certificate again and hand each `Recheck` to `finished`, as they are done.
 
     What became of a process that ended by itself is the finding about its certificate. Without integration there is
-    no need for a process.
+    no need for a process. Raises `InputError` if an id appears twice.
     """
+    for name in repeated(certificates):
+        raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
     if jobs <= 1 and not integrate:
         for entry in certificates:
             finished(recheck(entry))
