@@ -21,7 +21,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,19 +67,22 @@ class Fault:
 
     def key(self) -> str:
         """Digest of what the result depends on: the patch, the modules beside it, the tests."""
-        files = [*sorted((ROOT / self.file).parent.glob("*.py")), *(ROOT / name for name in self.files())]
-        parts = [self.file, self.old, self.new, *(path.read_text(encoding="utf-8") for path in files)]
-        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:20]
-
-    def files(self) -> tuple[str, ...]:
-        """Files of the tests."""
-        return tuple(dict.fromkeys(name.partition("::")[0] for name in (*self.first, *self.tests)))
+        return _digest([self.old, self.new], [self.file], [*self.first, *self.tests])
 
     def applied(self, text: str) -> str:
         """The module with the fault. Raises `ValueError` unless the old text occurs once and the new one differs."""
         if text.count(self.old) != 1 or self.old == self.new:
             raise ValueError(f"{self.name}: the text to be changed occurs {text.count(self.old)} times in {self.file}")
         return text.replace(self.old, self.new)
+
+
+def _digest(texts: Sequence[str], modules: Iterable[str], tests: Iterable[str]) -> str:
+    """Digest of texts, of all modules beside the named ones, and of the files of tests."""
+    folders = sorted({(ROOT / name).parent for name in modules})
+    files = [path for folder in folders for path in sorted(folder.glob("*.py"))]
+    files += [ROOT / name for name in dict.fromkeys(test.partition("::")[0] for test in tests)]
+    parts = [*texts, *modules, *tests, *(path.read_text(encoding="utf-8") for path in files)]
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:20]
 
 
 def read(folder: Path = HERE) -> list[Fault]:
@@ -108,13 +111,17 @@ def copied(folder: Path) -> None:
 
 def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool) -> Result:
     """Run tests on a copy until one fails."""
-    command = [sys.executable, "-m", "pytest", "-x", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist"]
-    command += ["--hypothesis-seed=0", "-m", "slow" if slow else "not slow", *tests]
-    settings = {**os.environ, "PYTHONPATH": str(folder / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-m", "pytest", "-x", "--tb=no", "-p", "no:cacheprovider"]
+    command += ["-p", "_hypothesis_pytestplugin", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow", *tests]
+    settings = {
+        "PYTHONPATH": str(folder / "src"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+    }
     begin = time.monotonic()
     # A session of its own, which ends with all processes that a fault may leave waiting.
     process = subprocess.Popen(
-        command, cwd=folder, env=settings, text=True, start_new_session=True,
+        command, cwd=folder, env={**os.environ, **settings}, text=True, start_new_session=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
     )  # fmt: skip
     try:
@@ -170,11 +177,14 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
     ]  # fmt: skip
     limits: dict[str, float] = {}
     for room in dict.fromkeys(fault.room for fault in missing):
-        tests = dict.fromkeys(test for fault in missing if fault.room == room for test in (*fault.first, *fault.tests))
-        honest = without_fault(tuple(tests))
-        tell(f"{room}: without a fault {honest['verdict']} in {honest['seconds']} s {honest['by']}")
-        if honest["verdict"] == "survives":
-            limits[room] = 60 + 10 * honest["seconds"]
+        own = [fault for fault in faults if fault.room == room]
+        tests = list(dict.fromkeys(test for fault in own for test in (*fault.first, *fault.tests)))
+        key = _digest(["no fault"], [fault.file for fault in own], tests)
+        if known.get(key, {}).get("verdict") != "survives":
+            known[key] = {"name": f"{room}: no fault", **without_fault(tests)}
+            tell("{name} {verdict} {by} {seconds} s".format(**known[key]))
+        if known[key]["verdict"] == "survives":
+            limits[room] = 60 + 10 * known[key]["seconds"]
     missing = [fault for fault in missing if fault.room in limits]
     with ThreadPoolExecutor(jobs) as pool:
         waiting = {pool.submit(tried, fault, limits[fault.room], slow): fault for fault in missing}
