@@ -13,7 +13,6 @@ import contextlib
 import hashlib
 import json
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -21,7 +20,7 @@ import sys
 import tempfile
 import time
 import tomllib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,7 +32,7 @@ TRUSTED = ("shared", "verify")
 LINKED = ("explore", "figures", "tests", "docs", "README.md", "pyproject.toml", "setup.py", "Makefile")
 
 Result = dict[str, Any]
-"""How a fault fared: ``verdict`` (found, timed out, survives), ``by`` which test, ``slow``, ``seconds``."""
+"""How a fault fared: ``verdict`` (found, timed out, survives), ``by`` which test, ``slow``, ``seconds``, ``times``."""
 
 
 @dataclass(frozen=True)
@@ -109,14 +108,17 @@ def copied(folder: Path) -> None:
         (folder / name).symlink_to(ROOT / name)
 
 
-def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool) -> Result:
-    """Run tests on a copy until one fails."""
-    command = [sys.executable, "-m", "pytest", "-x", "--tb=no", "-p", "no:cacheprovider"]
+def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool, times: Mapping[str, float]) -> Result:
+    """Run tests on a copy, those that took little of the `times` first, until one fails."""
+    command = [sys.executable, "-m", "pytest", "-x", "--tb=no", "-p", "no:cacheprovider", "-p", "quick_first"]
     command += ["-p", "_hypothesis_pytestplugin", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow", *tests]
+    told = folder / "times.json"
+    told.write_text(json.dumps(dict(times)), encoding="utf-8")
     settings = {
-        "PYTHONPATH": str(folder / "src"),
+        "PYTHONPATH": os.pathsep.join((str(folder / "src"), str(HERE))),
         "PYTHONDONTWRITEBYTECODE": "1",
         "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+        "ORBITPROOF_TIMES": str(told),
     }
     begin = time.monotonic()
     # A session of its own, which ends with all processes that a fault may leave waiting.
@@ -133,9 +135,10 @@ def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool) -> Resu
         end(process)
     if process.returncode in (3, 4):
         raise RuntimeError(f"pytest did not run:\n{output}")
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", output, re.MULTILINE)
-    by = failed[1] if failed else "end of the process" if verdict == "found" else ""
-    return {"verdict": verdict, "by": by, "slow": slow, "seconds": round(time.monotonic() - begin, 1)}
+    found = json.loads(told.read_text(encoding="utf-8"))
+    by = found["failed"][0] if found.get("failed") else "the end of the process" if verdict == "found" else ""
+    seconds = round(time.monotonic() - begin, 1)
+    return {"verdict": verdict, "by": by, "slow": slow, "seconds": seconds, "times": found.get("seconds", {})}
 
 
 def end(process: subprocess.Popen[str]) -> None:
@@ -145,26 +148,30 @@ def end(process: subprocess.Popen[str]) -> None:
     process.wait()
 
 
-def tried(fault: Fault, limit: float, slow: bool) -> Result:
-    """Apply a fault to a copy and run its tests; the slow ones only where no other has noticed it."""
-    result: Result = {}
+def tried(fault: Fault, honest: Result, slow: bool) -> Result:
+    """Apply a fault to a copy and run its tests; the slow ones only where no other has noticed it.
+
+    Args:
+        honest: what the tests of its room did without a fault.
+    """
+    limit, times, result = 60 + 10 * honest["seconds"], honest["times"], Result()
     with tempfile.TemporaryDirectory(prefix="orbitproof-fault-") as name:
         folder = Path(name)
         copied(folder)
         module = folder / fault.file
         module.write_text(fault.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
         for tests in filter(None, (fault.first, fault.tests)):
-            result = tested(folder, tests, limit, False)
+            result = tested(folder, tests, limit, False, times)
             if result["verdict"] != "survives":
                 return result
-        return tested(folder, fault.tests, 10 * limit, True) if slow else result
+        return tested(folder, fault.tests, 10 * limit, True, {}) if slow else result
 
 
 def without_fault(tests: Sequence[str]) -> Result:
     """Run the tests of a room on a true copy: a fault counts as found only by tests that pass there."""
     with tempfile.TemporaryDirectory(prefix="orbitproof-fault-") as name:
         copied(Path(name))
-        return tested(Path(name), tests, 3600, False)
+        return tested(Path(name), tests, 3600, False, {})
 
 
 def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Callable[[str], None]) -> list[Result]:
@@ -175,7 +182,7 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
         if (before := known.get(fault.key())) is None
         or (slow and before["verdict"] == "survives" and not before["slow"])
     ]  # fmt: skip
-    limits: dict[str, float] = {}
+    honest: dict[str, Result] = {}
     for room in dict.fromkeys(fault.room for fault in missing):
         own = [fault for fault in faults if fault.room == room]
         tests = list(dict.fromkeys(test for fault in own for test in (*fault.first, *fault.tests)))
@@ -184,14 +191,14 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
             known[key] = {"name": f"{room}: no fault", **without_fault(tests)}
             tell("{name} {verdict} {by} {seconds} s".format(**known[key]))
         if known[key]["verdict"] == "survives":
-            limits[room] = 60 + 10 * known[key]["seconds"]
-    missing = [fault for fault in missing if fault.room in limits]
+            honest[room] = known[key]
+    missing = [fault for fault in missing if fault.room in honest]
     with ThreadPoolExecutor(jobs) as pool:
-        waiting = {pool.submit(tried, fault, limits[fault.room], slow): fault for fault in missing}
+        waiting = {pool.submit(tried, fault, honest[fault.room], slow): fault for fault in missing}
         try:
             for number, future in enumerate(as_completed(waiting), 1):
                 fault, result = waiting[future], future.result()
-                known[fault.key()] = {"name": fault.name, **result}
+                known[fault.key()] = {"name": fault.name, **result, "times": {}}
                 output.write_text(json.dumps(known, indent=1), encoding="utf-8")
                 tell(
                     f"{number}/{len(missing)} {result['verdict']:9} {fault.name}  {result['by']} {result['seconds']} s"
