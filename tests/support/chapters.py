@@ -20,11 +20,11 @@ NUMBER = r"\d{1,2}(?:\.\d{1,2})?"
 _LIST = rf"{NUMBER}(?:(?:,? and |,? or | to |, |,\n){NUMBER}(?!\.?\d))*"
 _SECTIONS = re.compile(rf"\b[Ss]ections? ({_LIST})")
 _BRACKETS = re.compile(r"\((\d{1,2}\.\d(?:(?:,? and | to |, )\d{1,2}\.\d)*)\)")
-_RESULTS = re.compile(rf"\b(?:Lemma|Theorem)s? ({_LIST})")
+_RESULTS = re.compile(rf"\b(?:Lemma|Proposition|Theorem)s? ({_LIST})")
 _FOREIGN = re.compile(r"\[WW[^\]]*\]|https?://\S+|`[^`\n]*`")
 _SECTION_HEADING = re.compile(rf"^(?:#{{2,3}} (?={NUMBER}\.? \S)|\*\*(?=\d+\.\d))({NUMBER})", re.MULTILINE)
 """A heading, or a paragraph that begins with its number in bold."""
-_RESULT_HEADING = re.compile(rf"^\*\*(Lemma|Theorem) ({NUMBER})(?: \([^)]*\))?\.\*\*", re.MULTILINE)
+_RESULT_HEADING = re.compile(rf"^\*\*(Lemma|Proposition|Theorem) ({NUMBER})(?: \([^)]*\))?\.\*\*", re.MULTILINE)
 _FORMULA = re.compile(r"^ .*\s{2,}\((\d{1,2}\.\d)\)$", re.MULTILINE)
 _ARGUMENT = re.compile(r'(?<=[(,\s=])"([1-9]\d?\.\d{1,2})"(?=[,)])')
 """The section of a hypothesis, as it is handed to the checklist."""
@@ -69,7 +69,7 @@ def sections(root: Path, apart: bool = False) -> Counter[str]:
 
 
 def results(root: Path, apart: bool = False) -> Counter[str]:
-    """How often each number of a lemma or theorem is given."""
+    """How often each number of a lemma, proposition or theorem is given."""
     found = (match for text in _book(root, apart) for match in _RESULT_HEADING.finditer(text))
     return Counter(match[2] for match in found)
 
@@ -233,7 +233,7 @@ def ill_formed(root: Path) -> list[str]:
 
 
 def _unproved(prose: str) -> Iterator[str]:
-    marks = list(re.finditer(r"^\*\*(?:Lemma|Theorem) [\d.]+|^#+ |\*Proof\b|\bQED\b", prose, re.MULTILINE))
+    marks = list(re.finditer(r"^\*\*(?:Lemma|Proposition|Theorem) [\d.]+|^#+ |\*Proof\b|\bQED\b", prose, re.MULTILINE))
     claimed, open_ = "", False
     for mark in marks:
         word = mark[0]

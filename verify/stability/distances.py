@@ -1,4 +1,4 @@
-"""Distances from a body along the orbits of an interval of a piece (section 18.11).
+"""Distances from a body along the orbits of an interval of a piece (section 20).
 
 The half orbits that the stability matrix takes are looked at once more, for omega = 0: the orbits of the curve alone.
 """
@@ -219,7 +219,7 @@ class _Side:
         return cls(name, ordered, rows, np.concatenate(away))
 
     def has_extreme(self, part: int, sign: int) -> bool:
-        """Whether the distance is least (sign 1) or greatest (-1) at this end of the orbits (Lemma 18.7)."""
+        """Whether the distance is least (sign 1) or greatest (-1) at this end of the orbits (Lemma 20.1)."""
         beside = 1 + int(np.flatnonzero(self.away[:, part] != sign).max(initial=0))
         # The second derivative is found for a step when it is asked for: few steps are.
         return beside < len(self.away) and all(self._curvature(cell)[part] == sign for cell in range(beside))
@@ -236,7 +236,7 @@ def _taken(sides: Sequence[_Side], sign: int) -> list[str]:
 
 @dataclass(frozen=True)
 class Cells:
-    """Bounds of a function of theta and sigma on the cells of a grid, and at the middle times of these (section 18.11).
+    """Bounds of a function of theta and sigma on the cells of a grid, and at the middle times of these (section 20.2).
 
     All of shape (grid, parts).
     """
@@ -254,7 +254,7 @@ class Cells:
         known = arithmetic.unpack(element.coefs[0], arithmetic.scales[0], arithmetic.degree + 1)
         in_time, across = _recentring(arithmetic.degree, _TIMES), _recentring(arithmetic.width, _ACROSS)
         local = (in_time @ known)[:, None] @ across.transpose(0, 2, 1)[None]
-        # More than what is lost by rounding, of a recentring and of a sum of bounds (section 18.11).
+        # More than what is lost by rounding, of a recentring and of a sum of bounds (section 20.2).
         share = (known.size + 64) * 2.0**-52
         unknown = inflate(total([*element.errors, float(np.abs(known).sum()) * 2 * share]))
         sizes = np.abs(local)

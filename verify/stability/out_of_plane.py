@@ -1,4 +1,4 @@
-"""Variations out of the plane of motion along the half orbits of a curve (section 18.12)."""
+"""Variations out of the plane of motion along the half orbits of a curve (section 21)."""
 
 from __future__ import annotations
 

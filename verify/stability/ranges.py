@@ -1,4 +1,4 @@
-"""Half periods and distances over parts of a curve, from stored functions (section 18.11)."""
+"""Half periods and distances over parts of a curve, from stored functions (section 20)."""
 
 from __future__ import annotations
 
