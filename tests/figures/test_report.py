@@ -215,10 +215,10 @@ def test_a_complete_list_of_resonances_is_told_as_it_is_certified(tmp_path: Path
     target = tmp_path / "report.html"
     assert main(words(certificate, "-o", target, "--quiet")) == 0
     page = Page(target.read_text("utf-8"))
-    assert "1:11 (j = 5): beta in [347.21" in page.text
+    assert "1:11, a stability parameter is cos(2 pi 5/11): beta in [347.21" in page.text
     assert page.pictures == 2
     document = json.loads(certificate.read_text())
-    theorem = document["statement"]["theorem"].replace("(j = 5): beta in [347.21", "(j = 5): beta in [347.22")
+    theorem = document["statement"]["theorem"].replace("5/11): beta in [347.21", "5/11): beta in [347.22")
     false = forged(document, lambda entry: entry["statement"].update(theorem=theorem))
     certificate.write_text(json.dumps(false))
     assert main(words(certificate, "-o", tmp_path / "false.html", "--quiet")) == 1

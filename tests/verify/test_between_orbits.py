@@ -14,8 +14,9 @@ from support.flow_checks import ball
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.stability.between_orbits import between_orbits
-from orbitproof.verify.stability.extrema import extrema_on
+from orbitproof.verify.stability.extrema import extrema_on, is_in_band
 from orbitproof.verify.stability.functions import REACH, BoundedFunction
+from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.places import Extremum, Gap, Segment
 
 ERROR = 1e-5
@@ -45,8 +46,8 @@ class Curve:
             0, -1 / REACH, -1 / REACH, 1 / REACH, Fraction(0), Fraction(1), characteristic, flat, flat, flat
         )
         found, undecided = extrema_on(self.segment, 0)
-        self.gaps = [Gap(0, "p", low, high, "extrema", "") for low, high in undecided]
-        self.extrema = [Extremum(0, "p", height, tau, arb(0), arb(1)) for tau, height in found]
+        self.gaps = [Gap(0, "p", low, high, Matter.EXTREMA, "") for low, high in undecided]
+        self.extrema = [Extremum(0, "p", height, is_in_band(height), tau, arb(0), arb(1)) for tau, height in found]
 
     @property
     def listed(self) -> Extremum:
@@ -131,13 +132,13 @@ def test_an_extremum_that_is_not_listed_is_a_contradiction_unless_it_is_open_the
     curve.extrema = [entry for entry in curve.extrema if entry is not curve.listed]
     with pytest.raises(EmptyIntersectionError, match="the list does not have"):
         curve.narrowed(orbits)
-    curve.gaps.append(Gap(0, "p", curve.place - 1, curve.place + 1, "extrema", "bounds too wide"))
+    curve.gaps.append(Gap(0, "p", curve.place - 1, curve.place + 1, Matter.EXTREMA, "bounds too wide"))
     assert curve.narrowed(orbits) == curve.extrema
 
 
 def test_an_extremum_is_left_as_it_is_where_there_may_be_more() -> None:
     curve = Curve(6)
-    curve.gaps.append(Gap(0, "p", curve.place, curve.place + APART, "extrema", "bounds too wide"))
+    curve.gaps.append(Gap(0, "p", curve.place, curve.place + APART, Matter.EXTREMA, "bounds too wide"))
     assert curve.narrowed(curve.beside()) == curve.extrema
     curve.gaps.clear()
     curve.extrema += [curve.listed]

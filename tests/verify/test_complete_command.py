@@ -23,10 +23,10 @@ def test_the_list_is_part_of_the_theorem_and_stands(tmp_path: Path, capsys: Any)
     assert "complete" not in read_atlas_certificate(Path(target)).document["conclusion"]
     assert main([SOURCE, "-o", target, "--quiet", "--complete", "12"], atlas_work.stored) == 0
     printed = capsys.readouterr().out
-    assert "- 1:11 (j = 5): beta in [347.21" in printed
+    assert "- 1:11, a stability parameter is cos(2 pi 5/11): beta in [347.21" in printed
     document = read_atlas_certificate(Path(target)).document
     assert document["conclusion"]["complete"]["order"] == 12
-    assert "1:11 (j = 5)" in document["statement"]["theorem"]
+    assert "cos(2 pi 5/11)" in document["statement"]["theorem"]
     assert main(["--recheck", target, "--quiet"]) == 0
     assert "stands  2 conclusion" in capsys.readouterr().out
     assert main([SOURCE, "-o", target, "--complete", "4"], atlas_work.endless) == 0

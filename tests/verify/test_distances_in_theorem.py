@@ -17,7 +17,7 @@ from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.piece import PieceLimits
 from orbitproof.verify.curve.theorem import conclude
-from orbitproof.verify.stability.distances import ALONG, HERE
+from orbitproof.verify.stability.distances import Where
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.stability.theorem import with_complete_list
 
@@ -111,12 +111,12 @@ def farther(distance: dict[str, Any]) -> None:
     for name in ("least", "greatest"):
         bounds = [parse_exact(bound) * Fraction(3, 2) for bound in distance["parts"][4][name]]
         distance["parts"][4][name] = [format_exact(bound) for bound in bounds]
-    distance["parts"][4] |= {"least_at": ALONG, "greatest_at": ALONG}
+    distance["parts"][4] |= {"least_at": Where.ALONG.value, "greatest_at": Where.ALONG.value}
 
 
 def at_this_point(distance: dict[str, Any]) -> None:
     for part in distance["parts"]:
-        part["least_at"] = HERE
+        part["least_at"] = Where.HERE.value
 
 
 @pytest.mark.parametrize("change", [None, farther, at_this_point])

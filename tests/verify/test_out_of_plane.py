@@ -154,8 +154,8 @@ def test_the_halo_orbits_are_born_at_exactly_one_point() -> None:
     assert abs(float(parse_exact(birth["jacobi_constant"]["mid"])) - constant) < 1e-12
     assert "Jacobi constant in [3.174" in document["statement"]
     (stable,) = across["stable"]
-    assert stable["from"]["what"] == "birth out of the plane"
-    assert stable["to"]["what"] == "the end of the curve"
+    assert stable["from"]["what"] == ["birth out of the plane"]
+    assert stable["to"]["what"] == ["the end of the curve"]
     assert across["gaps"] == across["undecided"] == []
     assert (
         "a curve of orbits out of the plane, symmetric under R, begins here: eps in [-0.013524226"

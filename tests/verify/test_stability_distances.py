@@ -23,7 +23,7 @@ from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.curve.piece import PieceLimits
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.stability.confirmation import unconfirmed
-from orbitproof.verify.stability.distances import ALONG, HERE, PARTS, THERE, Cells
+from orbitproof.verify.stability.distances import PARTS, Cells, Where
 from orbitproof.verify.stability.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.stability.places import Segment
@@ -102,10 +102,10 @@ def test_distances_of_independent_orbits_lie_within_the_bounds(found: tuple[str,
         for extreme, value, at_end in zip(extremes, (along.min(), along.max()), (np.argmin, np.argmax), strict=True):
             assert (extreme.square.sqrt() + arb(0, 1e-8)).contains(arb(value))
             assert float(extreme.square.sqrt().rad()) < 0.02 * value
-            expected = {0: HERE, len(along) - 1: THERE}.get(int(at_end(along)), ALONG)
-            assert extreme.where in (expected, ALONG)
+            expected = {0: Where.HERE, len(along) - 1: Where.THERE}.get(int(at_end(along)), Where.ALONG)
+            assert extreme.where in (expected, Where.ALONG)
             places.add(extreme.where)
-    assert places - {ALONG}
+    assert places - {Where.ALONG}
 
 
 def test_bounds_hold_on_cells_and_are_about_as_narrow_as_the_values() -> None:
@@ -170,7 +170,7 @@ def lower_greatest(distance: dict[str, Any]) -> None:
 
 def taken_elsewhere(distance: dict[str, Any]) -> None:
     part = distance["parts"][3]
-    part["least_at"] = THERE if part["least_at"] == HERE else HERE
+    part["least_at"] = "the other point" if part["least_at"] == "this point" else "this point"
 
 
 def moved_function(distance: dict[str, Any]) -> None:
@@ -242,10 +242,15 @@ def segment_with(distances: KnownDistances | None, stretch: int = 0) -> Segment:
     )
 
 
-def stored(places: list[str]) -> KnownDistances:
+def stored(places: list[Where]) -> KnownDistances:
     """The distance is 2 + tau at this point, 7 - tau at the other one, between 1 and 9 in any case."""
     parts = [
-        {"least": ["0x1", "0x2"], "greatest": ["0x40", "0x51"], "least_at": least, "greatest_at": ALONG}
+        {
+            "least": ["0x1", "0x2"],
+            "greatest": ["0x40", "0x51"],
+            "least_at": least.value,
+            "greatest_at": "along the orbit",
+        }
         for least in places
     ]
     shapes = {"here": ["0x4", "0x4", "0x1"], "there": ["0x31", "-0xe", "0x1"]}
@@ -256,35 +261,35 @@ def stored(places: list[str]) -> KnownDistances:
 
 
 def test_ranges_over_a_part_of_a_curve_are_those_of_its_segments() -> None:
-    halves = [HERE] * 8 + [ALONG] * 8
+    halves = [Where.HERE] * 8 + [Where.ALONG] * 8
     segment = segment_with(stored(halves))
     left = ranges_between([segment], (0, Fraction(-1, 2)), (0, Fraction(-1, 4)))
     assert left is not None
     least, where = left.distances["least"]
-    assert where == HERE
+    assert where == Where.HERE
     assert least.contains(arb(1.5))
     assert least.contains(arb(1.75))
     assert float(least.lower()) > 1.45
     assert float(least.upper()) < 1.8
-    assert left.distances["greatest"][1] == ALONG
+    assert left.distances["greatest"][1] == Where.ALONG
     assert left.distances["greatest"][0].contains(arb(8))
     assert left.distances["greatest"][0].contains(arb(9))
     assert left.half_period.contains(arb(2.5))
     assert left.half_period.contains(arb(2.75))
     both = ranges_between([segment], (0, Fraction(-1, 2)), (0, Fraction(1, 2)))
     assert both is not None
-    assert both.distances["least"][1] == ALONG
+    assert both.distances["least"][1] == Where.ALONG
     assert both.distances["least"][0].contains(arb(1))
     assert both.distances["least"][0].contains(arb(1.99))
     mirrored = segment_with(stored(halves).mirrored())
     right = ranges_between([mirrored], (0, Fraction(1, 4)), (0, Fraction(1, 2)))
     assert right is not None
-    assert right.distances["least"][1] == HERE
+    assert right.distances["least"][1] == Where.HERE
     assert right.distances["least"][0].contains(arb(1.5))
 
 
 def test_ranges_over_several_stretches_are_known_if_they_are_on_each() -> None:
-    parts = [segment_with(stored([THERE] * PARTS), 0), segment_with(stored([THERE] * PARTS), 1)]
+    parts = [segment_with(stored([Where.THERE] * PARTS), 0), segment_with(stored([Where.THERE] * PARTS), 1)]
     whole = ranges_between(parts, (0, Fraction(0)), (1, Fraction(0)))
     assert whole is not None
     assert whole.half_period.contains(arb(3))

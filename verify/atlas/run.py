@@ -11,6 +11,7 @@ from orbitproof.verify.atlas.splitting import Plan, interval_of, plan, whole
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task, result_of, task_of
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.engines import Answer, Display, Engine, Task, Work
+from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.stability import open_on
 
 _STEPS_AT_FIRST = 16
@@ -129,5 +130,5 @@ class AtlasRun:
             message = result["reason"]["message"]
             again = any(interval == (start, end) for interval, _ in state.missing)
             word = "again with more precision" if again else "split"
-            display.message(f"{name}: {word}, not proved for s in [{float(start):g}, {float(end):g}]: {message}")
+            display.message(f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}: {message}")
         display.advance(name, self._share(name, 0.0), "next interval")

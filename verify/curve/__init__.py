@@ -5,7 +5,7 @@ from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import hypotheses_of as curve_hypotheses
 from orbitproof.verify.curve.equation import BEYOND, HalfReturn, divided_by_wide, tube_points
 from orbitproof.verify.curve.gluing import Chain, Stretch
-from orbitproof.verify.curve.libration_point import parameter_series
+from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
 from orbitproof.verify.curve.lyapunov_family import jacobi_constant, point_name
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import (
@@ -39,6 +39,7 @@ __all__ = [
     "broken_off",
     "conclude",
     "curve_hypotheses",
+    "derived_parameter",
     "divided_by_wide",
     "interval_to_json",
     "jacobi_constant",

@@ -12,7 +12,16 @@ from flint import arb
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.curve.proved_intervals import Run
 from orbitproof.verify.curve.tube import Tube, lower_end, upper_end
-from orbitproof.verify.evidence import Evidence, all_finite, ball_to_json, enclose, is_below, is_positive, show
+from orbitproof.verify.evidence import (
+    Evidence,
+    all_finite,
+    ball_to_json,
+    enclose,
+    exact_interval_text,
+    is_below,
+    is_positive,
+    show,
+)
 
 _TRIALS = 32
 """Places along a piece where the next one is looked for, from its end backwards."""
@@ -171,7 +180,7 @@ def _enter(tube: Tube, run: Run, s: Fraction, after: Tube) -> tuple[Joint, Run] 
         (r for r in after.runs if is_below(enclose(r.start), where) and is_below(where, enclose(r.end))), None
     )
     if next_run is None:
-        proved = ", ".join(f"[{_decimal(r.start)}, {_decimal(r.end)}]" for r in after.runs)
+        proved = ", ".join(exact_interval_text(r.start, r.end, inward=True) for r in after.runs)
         reason = after.refusal(lower_end(where))
         why = f"; {reason}" if reason else ""
         return 1, f"there is a gap: {place}, where nothing is proved (proved: {proved or 'nothing'}{why})"

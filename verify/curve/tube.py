@@ -19,7 +19,16 @@ from orbitproof.verify.algebra import ball_polynomial, values_around
 from orbitproof.verify.claim import inverse
 from orbitproof.verify.curve.piece_result import Interval
 from orbitproof.verify.curve.proved_intervals import Run, read_results
-from orbitproof.verify.evidence import Reason, dot, enclose, exact_value, is_inside, is_positive, symmetric
+from orbitproof.verify.evidence import (
+    Reason,
+    dot,
+    enclose,
+    exact_interval_text,
+    exact_value,
+    is_inside,
+    is_positive,
+    symmetric,
+)
 
 _BISECTIONS = 12
 """How often an interval is halved at most to find the sign of a function on it."""
@@ -45,7 +54,7 @@ class Tube:
         if not tried:
             return ""
         _, start, end, reason = min(tried, key=lambda entry: entry[0])
-        return f"s in [{float(start):.6g}, {float(end):.6g}]: {reason.message}"
+        return f"s in {exact_interval_text(start, end)}: {reason.message}"
 
     @property
     def is_symmetric(self) -> bool:

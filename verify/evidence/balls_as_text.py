@@ -107,6 +107,26 @@ def range_text(ball: arb, digits: int) -> str:
     return f"[{_decimal(floor(lower * _ten(low)), low)}, {_decimal(ceil(upper * _ten(high)), high)}]"
 
 
+def exact_interval_text(lower: Fraction, upper: Fraction, digits: int = 9, inward: bool = False) -> str:
+    """``[lower, upper]`` in decimals that contain all of an exact interval, or with `inward` nothing beyond it.
+
+    `digits` significant digits are written, and more where it takes them to show two digits of the width.
+    """
+    size = max(abs(lower), abs(upper))
+    places = digits - 1 - _floor_log10(size) if size else 0
+    if lower < upper:
+        places = max(places, 1 - _floor_log10(upper - lower))
+    down, up = (ceil, floor) if inward and lower < upper else (floor, ceil)
+    return f"[{_short(down(lower * _ten(places)), places)}, {_short(up(upper * _ten(places)), places)}]"
+
+
+def _short(scaled: int, places: int) -> str:
+    """As `_decimal`, without zeros at the end."""
+    while scaled and scaled % 10 == 0 and places > 0:
+        scaled, places = scaled // 10, places - 1
+    return _decimal(scaled, places)
+
+
 def exact_text(value: Fraction) -> str:
     """A number exactly: in decimals where these are short, else dyadic with an approximate decimal before it."""
     if value.denominator == 1:

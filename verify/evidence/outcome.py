@@ -193,14 +193,16 @@ def outcome_to_json(outcome: Outcome[object]) -> dict[str, Any]:
     return {
         "verdict": "proved" if isinstance(outcome, Proved) else "not proved",
         "reason": None if isinstance(outcome, Proved) else outcome.reason.to_json(),
-        "hypotheses": [
-            {
-                "name": hypothesis.name,
-                "statement": hypothesis.statement,
-                "section": hypothesis.section,
-                "holds": hypothesis.holds,
-                "enclosures": balls_to_json(hypothesis.enclosures),
-            }
-            for hypothesis in outcome.hypotheses
-        ],
+        "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in outcome.hypotheses],
+    }
+
+
+def hypothesis_to_json(hypothesis: Hypothesis) -> dict[str, Any]:
+    """The JSON object of a hypothesis with its enclosures."""
+    return {
+        "name": hypothesis.name,
+        "statement": hypothesis.statement,
+        "section": hypothesis.section,
+        "holds": hypothesis.holds,
+        "enclosures": balls_to_json(hypothesis.enclosures),
     }

@@ -13,23 +13,14 @@ from orbitproof.verify.claim import parities
 from orbitproof.verify.curve import Bifurcation, Chain, jacobi_constant
 from orbitproof.verify.evidence import ball_to_json, excludes_zero
 from orbitproof.verify.stability.complete_list import Finder, orders, resonant_value
+from orbitproof.verify.stability.kinds import Kind, Matter
 from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
 from orbitproof.verify.stability.matching import with_certificates
-from orbitproof.verify.stability.places import (
-    ACROSS_AXIAL,
-    ACROSS_DOUBLING,
-    ACROSS_SYMMETRIC,
-    RESONANCE,
-    UNKNOWN,
-    CompleteList,
-    Gap,
-    Point,
-    Segment,
-)
+from orbitproof.verify.stability.places import CompleteList, Gap, Point, Segment
 
 _ENTRIES = {
-    (1, 0): ((ACROSS_AXIAL, 1), (ACROSS_SYMMETRIC, 2)),
-    (2, 1): ((ACROSS_DOUBLING, 0), (ACROSS_DOUBLING, 3)),
+    (1, 0): ((Kind.ACROSS_AXIAL, 1), (Kind.ACROSS_SYMMETRIC, 2)),
+    (2, 1): ((Kind.ACROSS_DOUBLING, 0), (Kind.ACROSS_DOUBLING, 3)),
 }
 """For the values 1 and -1 of the stability parameter, the entries of V that vanish there."""
 
@@ -64,8 +55,8 @@ class ListAcross:
 
 def _away_from_centre(point: Point) -> Point:
     """At the libration point itself, where the size of the orbit is 0, nothing begins."""
-    is_birth = point.kind in (ACROSS_AXIAL, ACROSS_SYMMETRIC)
-    return replace(point, kind=UNKNOWN) if is_birth and not excludes_zero(point.level) else point
+    is_birth = point.kind in (Kind.ACROSS_AXIAL, Kind.ACROSS_SYMMETRIC)
+    return replace(point, kind=Kind.UNDECIDED) if is_birth and not excludes_zero(point.level) else point
 
 
 def list_across(
@@ -79,19 +70,19 @@ def list_across(
     if program is None or parities(program, atlas.system.reversing_symmetry) != [1]:
         return None
     points: list[Point] = []
-    gaps = [gap for gap in plane.gaps if gap.about == "everything"]
+    gaps = [gap for gap in plane.gaps if gap.subject is Matter.EVERYTHING]
     segments: list[Segment] = []
     for segment in plane.segments:
         stretch = chain.stretches[segment.stretch]
         known = segment.out_of_plane
         if known is None:
             why = "variations out of the plane are not enclosed"
-            gaps.append(Gap(segment.stretch, stretch.tube.piece.id, segment.start, segment.end, "everything", why))
+            gaps.append(Gap(segment.stretch, stretch.tube.piece.id, segment.start, segment.end, Matter.EVERYTHING, why))
             continue
         across = replace(segment, characteristic=(known.parameter,))
         finder = Finder(atlas, stretch, across)
         for k, j in orders(plane.order):
-            for kind, entry in _ENTRIES.get((k, j), ((RESONANCE, None),)):
+            for kind, entry in _ENTRIES.get((k, j), ((Kind.RESONANCE, None),)):
                 function = across.at(resonant_value(k, j)) if entry is None else known.entries[entry]
                 finder.add(function, k, j, kind)
         points += finder.points
@@ -100,10 +91,10 @@ def list_across(
     points = [_away_from_centre(point) for point in points]
     points.sort(key=lambda entry: (entry.stretch, entry.s.mid()))
     births = [entry for entry in bifurcations if entry.kind == "symmetry_breaking"]
-    symmetric = [number for number, point in enumerate(points) if point.kind == ACROSS_SYMMETRIC]
+    symmetric = [number for number, point in enumerate(points) if point.kind is Kind.ACROSS_SYMMETRIC]
     for number, point in zip(symmetric, with_certificates([points[n] for n in symmetric], gaps, births), strict=True):
         points[number] = point
-    found = CompleteList(plane.order, tuple(points), tuple(gaps), tuple(segments))
+    found = CompleteList(plane.order, 1, tuple(points), tuple(gaps), tuple(segments))
     stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
     constants = tuple(jacobi_constant(atlas.system, atlas.parameters, point.point) for point in points)
     return ListAcross(found, tuple(stable), tuple(unknown), constants)

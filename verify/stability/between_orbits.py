@@ -11,7 +11,7 @@ from flint import arb
 from orbitproof.shared.formats import ORBIT
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, hull, is_below, is_positive
-from orbitproof.verify.stability.extrema import BAND
+from orbitproof.verify.stability.extrema import BAND, is_in_band
 from orbitproof.verify.stability.places import Extremum, Gap, Segment
 
 
@@ -137,6 +137,7 @@ def _narrowed(entry: Extremum, turn: _Turn, segment: Segment) -> Extremum:
         entry,
         s=s,
         value=value,
+        in_band=is_in_band(value),
         level=segment.level.value(tau),
         half_period=segment.half_period.value(tau),
         certificates=tuple(dict.fromkeys((*entry.certificates, *turn.certificates))),

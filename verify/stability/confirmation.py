@@ -7,7 +7,7 @@ from typing import Any
 
 from flint import ctx
 
-from orbitproof.verify.stability.distances import ALONG
+from orbitproof.verify.stability.distances import Where
 from orbitproof.verify.stability.functions import function_from_json
 from orbitproof.verify.stability.out_of_plane import variations_from_json
 from orbitproof.verify.stability.ranges import distances_from_json
@@ -67,5 +67,5 @@ def _unconfirmed_distances(stored: Mapping[str, Any] | None, fresh: Mapping[str,
     for number, (held_part, found_part) in enumerate(zip(old.parts, new.parts, strict=True), start=1):
         for word in ("least", "greatest"):
             held, found = getattr(held_part, word), getattr(found_part, word).as_found
-            if held.where not in (ALONG, found.where) or not held.square.contains(found.square):
+            if held.where not in (Where.ALONG, found.where) or not held.square.contains(found.square):
                 yield f"the {word} distance on part {number} is not confirmed"

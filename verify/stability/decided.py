@@ -10,7 +10,8 @@ from flint import ctx
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.stability.complete_list import PRECISION, orders, resonant_value, segment_of
+from orbitproof.verify.stability.complete_list import PRECISION, orders, resonant_value
+from orbitproof.verify.stability.segments import segment_of
 from orbitproof.verify.stability.zeros import Zeros, zeros_beside_double_one, zeros_on
 
 _HOPELESS = 2**10
@@ -46,7 +47,7 @@ def _open(piece: Piece, result: Mapping[str, Any], order: int) -> str:
         segment = segment_of(0, (start, start, high), (low, high), entry, False)
         first, last = segment.tau(start), segment.tau(high)
         inner = first if symmetric else first + _BESIDE, last - _BESIDE
-        for k, j in orders(order):
+        for k, j in orders(max(order, 2)):
             function = segment.at(resonant_value(k, j))
             if symmetric and k == 1:
                 _, found = zeros_beside_double_one(function, last)

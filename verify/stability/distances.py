@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from enum import Enum, unique
 from fractions import Fraction
 from functools import cache, cached_property
 from math import comb, floor, lcm, log2
@@ -35,8 +36,15 @@ from orbitproof.verify.orbit import distance_rates
 from orbitproof.verify.poincare import InTime, Returns, at_start
 from orbitproof.verify.stability.functions import error_of, function_to_json, known_part, restricted
 
-HERE, THERE, ALONG = "this point", "the other point", "along the orbit"
-"""Where on the orbit the least or the greatest distance is: on Fix(R), or it is not shown to be there."""
+
+@unique
+class Where(Enum):
+    """Where on an orbit a distance is taken: at one of its two points on Fix(R), or it is not shown to be there."""
+
+    HERE = "this point"
+    THERE = "the other point"
+    ALONG = "along the orbit"
+
 
 PARTS = 16
 """An interval is divided into so many parts of equal length."""
@@ -65,16 +73,16 @@ class Extremes:
 
     least: Bounds
     greatest: Bounds
-    least_at: str
-    greatest_at: str
+    least_at: Where
+    greatest_at: Where
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object."""
         return {
             "least": [format_exact(bound) for bound in self.least],
-            "least_at": self.least_at,
+            "least_at": self.least_at.value,
             "greatest": [format_exact(bound) for bound in self.greatest],
-            "greatest_at": self.greatest_at,
+            "greatest_at": self.greatest_at.value,
         }
 
 
@@ -177,7 +185,10 @@ class DistanceAlongCurve:
         cells = [Cells.of(step.value) for step in steps]
         inside = np.array([(cell.lower.min(axis=0), cell.upper.max(axis=0)) for cell in cells])
         at_times = np.array([(cell.upper_at_times.min(axis=0), cell.lower_at_times.max(axis=0)) for cell in cells])
-        sides = [_Side.of(HERE, steps, self._known(end), True), _Side.of(THERE, steps, self._known(start), False)]
+        sides = [
+            _Side.of(Where.HERE, steps, self._known(end), True),
+            _Side.of(Where.THERE, steps, self._known(start), False),
+        ]
         nearest, farthest = _taken(sides, 1), _taken(sides, -1)
         return tuple(
             Extremes(
@@ -199,24 +210,24 @@ class _Side:
     """The cells of all steps, in their order from one end of the half orbits.
 
     Attributes:
-        name: of the point of Fix(R) at this end.
+        where: the point of Fix(R) at this end.
         steps: in this order.
         rows: of the cells of a step, in this order.
         away: signs of the distance less that at this end; shape (cells, parts).
     """
 
-    name: str
+    where: Where
     steps: Sequence[_Step]
     rows: range
     away: Floats
 
     @classmethod
-    def of(cls, name: str, steps: Sequence[_Step], distance: Series, backwards: bool) -> _Side:
+    def of(cls, where: Where, steps: Sequence[_Step], distance: Series, backwards: bool) -> _Side:
         """With the distance at this end, that of `x(s)` if `backwards`."""
         ordered = list(reversed(steps)) if backwards else steps
         rows = range(_GRID - 1, -1, -1) if backwards else range(_GRID)
         away = [np.array(Cells.of(step.value - distance).signs, dtype=float)[rows] for step in ordered]
-        return cls(name, ordered, rows, np.concatenate(away))
+        return cls(where, ordered, rows, np.concatenate(away))
 
     def has_extreme(self, part: int, sign: int) -> bool:
         """Whether the distance is least (sign 1) or greatest (-1) at this end of the orbits (Lemma 20.1)."""
@@ -229,9 +240,9 @@ class _Side:
         return self.steps[step].curvature[self.rows[row]]
 
 
-def _taken(sides: Sequence[_Side], sign: int) -> list[str]:
+def _taken(sides: Sequence[_Side], sign: int) -> list[Where]:
     """At which end of the orbits the distance is least (sign 1) or greatest (-1), for each part."""
-    return [next((side.name for side in sides if side.has_extreme(part, sign)), ALONG) for part in range(PARTS)]
+    return [next((side.where for side in sides if side.has_extreme(part, sign)), Where.ALONG) for part in range(PARTS)]
 
 
 @dataclass(frozen=True)

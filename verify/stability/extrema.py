@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from orbitproof.verify.evidence import enclose, excludes_zero, is_below
+from orbitproof.verify.evidence import enclose, excludes_zero, is_below, is_inside
 from orbitproof.verify.stability.functions import BoundedFunction
 from orbitproof.verify.stability.places import Segment
 from orbitproof.verify.stability.zeros import between, zeros_on
@@ -73,22 +73,22 @@ class _Stationary:
 def extrema_on(segment: Segment, at_end: int) -> tuple[list[Turn], list[Part]]:
     """The extrema of stability parameters with values in [-BAND, BAND], and the parts on which that is not decided.
 
+    For n <= 2. Those with enclosures that meet the band are there too: see `is_in_band`.
+
     `at_end` is -1 or 1 if the segment begins or ends at a symmetric point, which is not counted.
     """
-    if len(segment.characteristic) > 2:
-        return [], [(segment.tau(segment.start), segment.tau(segment.end))]
     trace, *others = segment.characteristic
     function = _Stationary(trace, others[0] if others else None)
     first, start, end = (segment.tau(s) for s in (segment.start, segment.entered, segment.end))
     found: list[Turn] = []
     undecided: list[Part] = []
+    if first < start and function.may_turn(between(first, start)):
+        undecided.append((first, start))
     if at_end:
         beside = _free_beside_zero(function, end if at_end < 0 else start)
         start, end = (beside, end) if at_end < 0 else (start, beside)
         if not beside:
             undecided.append((Fraction(0), end) if at_end < 0 else (start, Fraction(0)))
-    elif first < start and function.may_turn(between(first, start)):
-        undecided.append((first, start))
     for low, high in _where_it_may_turn(function, start, end):
         zeros = zeros_on(function, low, high)
         undecided += [part for part in zeros.undecided if function.may_turn(between(*part))]
@@ -101,6 +101,11 @@ def extrema_on(segment: Segment, at_end: int) -> tuple[list[Turn], list[Part]]:
             elif not is_below(enclose(BAND), abs(value)):
                 found.append((zero.place, value))
     return found, undecided
+
+
+def is_in_band(value: arb) -> bool:
+    """Whether a value certainly is in the band, its ends not included."""
+    return is_inside(value, BAND)
 
 
 def _free_beside_zero(function: _Stationary, far: Fraction) -> Fraction:

@@ -13,11 +13,10 @@ from flint import arb
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.curve import Chain
 from orbitproof.verify.evidence import ball_to_json, enclose, is_positive
-from orbitproof.verify.stability.places import SYMMETRIC, CompleteList, Point, Segment, shortened
+from orbitproof.verify.stability.kinds import CurveEnd, Kind, What, may_change_stability, name_of
+from orbitproof.verify.stability.places import CompleteList, Point, Segment, shortened
 from orbitproof.verify.stability.ranges import Ranges, ranges_between, together
 from orbitproof.verify.stability.zeros import ends_of
-
-BEGINNING, END = "the beginning of the curve", "the end of the curve"
 
 
 @dataclass(frozen=True)
@@ -26,8 +25,8 @@ class Bound:
 
     Attributes:
         stretch, lower, upper: where on the curve; s of the two sides of it.
-        what: in words.
-        point: if it is one of the list.
+        what: is there, in order along the curve; several where they are not separated.
+        point: if it is one of the list, and nothing else.
         is_one_point: whether all orbits but one between `lower` and `upper` are as those on the same side of it.
         ranges: half period and distances there, if it is a point of the list.
     """
@@ -35,7 +34,7 @@ class Bound:
     stretch: int
     lower: Fraction
     upper: Fraction
-    what: str
+    what: tuple[What, ...]
     point: Point | None = None
     is_one_point: bool = True
     ranges: Ranges | None = None
@@ -46,7 +45,7 @@ class Bound:
         known = {} if self.ranges is None else self.ranges.to_json()
         if self.point is not None:
             known |= {"level": ball_to_json(self.point.level), "half_period": ball_to_json(self.point.half_period)}
-        return {"what": self.what, "piece": piece, "interval": ends, **known}
+        return {"what": [name_of(what) for what in self.what], "piece": piece, "interval": ends, **known}
 
 
 @dataclass(frozen=True)
@@ -75,11 +74,13 @@ def stable_intervals(
 ) -> tuple[list[StableInterval], list[StableInterval]]:
     """The intervals between which the orbits are linearly stable, and those of which nothing is known.
 
-    All in order along the curve; on the rest of it no orbit is stable.
+    All in order along the curve; on the rest of it no orbit is stable. For n >= 3 there are none of either.
 
     Args:
         closed: whether the curve is a loop, which has no ends where it begins and ends.
     """
+    if not found.has_few_parameters:
+        return [], []
     bounds = list(_bounds(chain, found))
     result: list[StableInterval] = []
     unknown: list[StableInterval] = []
@@ -96,7 +97,7 @@ def stable_intervals(
     if not bounds[-1].is_one_point:
         name = chain.stretches[bounds[-1].stretch].tube.piece.id
         unknown.append(StableInterval(bounds[-1], bounds[-1], (name, name)))
-    if closed and len(result) > 1 and result[0].begin.what == BEGINNING and result[-1].end.what == END:
+    if closed and len(result) > 1 and _is_cut(result[0].begin, result[-1].end):
         first, last = result[0], result.pop()
         known = [entry.ranges for entry in (last, first) if entry.ranges is not None]
         ranges = together(known) if len(known) == 2 else None
@@ -104,20 +105,25 @@ def stable_intervals(
     return result, unknown
 
 
+def _is_cut(begin: Bound, end: Bound) -> bool:
+    """Whether these are the two sides of the place where a loop is cut, and nothing else is there."""
+    return begin.what == (CurveEnd.BEGINNING,) and end.what == (CurveEnd.END,)
+
+
 def _bounds(chain: Chain, found: CompleteList) -> Iterator[Bound]:
     """All places at which stability may change, disjoint, in order."""
     places = []
     for point in found.points:
-        if point.k <= 2:
+        if not point.k > 2:
             low, high = ends_of(point.s)
             ranges = ranges_between(found.segments, (point.stretch, low), (point.stretch, high))
-            places.append(Bound(point.stretch, low, high, point.kind, point, True, ranges))
+            places.append(Bound(point.stretch, low, high, (point.kind,), point, True, ranges))
     for gap in found.gaps:
-        if gap.about in ("everything", "Krein collision", "k = 1, j = 0", "k = 2, j = 1"):
-            places.append(Bound(gap.stretch, gap.start, gap.end, f"not covered: {gap.about}", None, False))
+        if may_change_stability(gap.subject):
+            places.append(Bound(gap.stretch, gap.start, gap.end, (gap.subject,), None, False))
     first, last = chain.stretches[0], chain.stretches[-1]
-    places.append(Bound(0, first.enters, first.entered, BEGINNING))
-    places.append(Bound(len(chain.stretches) - 1, last.leaves, last.leaves, END))
+    places.append(Bound(0, first.enters, first.entered, (CurveEnd.BEGINNING,)))
+    places.append(Bound(len(chain.stretches) - 1, last.leaves, last.leaves, (CurveEnd.END,)))
     places.sort(key=lambda bound: (bound.stretch, bound.lower, bound.upper))
     held = places[0]
     for bound in places[1:]:
@@ -131,12 +137,13 @@ def _bounds(chain: Chain, found: CompleteList) -> Iterator[Bound]:
 
 def _together(first: Bound, second: Bound) -> Bound:
     """Two places that are not separated."""
-    names = {first.what, second.what}
-    if SYMMETRIC in names and names & {BEGINNING, END} and first.lower == second.upper:
-        return first if first.what == SYMMETRIC else second
-    what = first.what if len(names) == 1 else f"{first.what}, {second.what}"
+    for bound, other in ((first, second), (second, first)):
+        at_end = len(other.what) == 1 and isinstance(other.what[0], CurveEnd)
+        if bound.what == (Kind.SYMMETRIC,) and at_end and first.lower == second.upper:
+            return bound
+    what = tuple(dict.fromkeys((*first.what, *second.what)))
     upper = max(first.upper, second.upper)
-    return Bound(first.stretch, first.lower, upper, what, first.point or second.point, False)
+    return Bound(first.stretch, first.lower, upper, what, None, False)
 
 
 def _are_stable_between(chain: Chain, segments: Sequence[Segment], before: Bound, after: Bound) -> bool | None:
@@ -153,7 +160,9 @@ def _are_stable_between(chain: Chain, segments: Sequence[Segment], before: Bound
 
 
 def is_stable(segment: Segment, tau: arb) -> bool | None:
-    """Whether all eigenvalues of Sigma lie in (-1, 1) and differ; `None` if that is not known."""
+    """Whether all eigenvalues of Sigma lie in (-1, 1) and differ; `None` if that is not known. For n <= 2."""
+    if not segment.has_few_parameters:
+        return None
     above, below = (segment.at(arb(c)).value(tau) for c in (1, -1))
     discriminant = segment.discriminant
     if discriminant is None:

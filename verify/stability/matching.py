@@ -7,12 +7,13 @@ from dataclasses import replace
 
 from flint import arb
 
-from orbitproof.shared.formats import ORBIT, Atlas
+from orbitproof.shared.formats import FOLD, ORBIT, Atlas
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
-from orbitproof.verify.stability.places import FOLD, HERE, LOSS, SYMMETRIC, THERE, Gap, Point
+from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
+from orbitproof.verify.stability.places import Gap, Point
 
-_KINDS = {"fold": FOLD, "symmetry_breaking": SYMMETRIC}
+_KINDS = {FOLD: Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC}
 """What is found where a bifurcation of a kind is certified, for k = 1."""
 
 
@@ -35,19 +36,23 @@ def with_certificates(
             for index, point in enumerate(result)
             if point.k == entry.k and point.piece == place.piece and point.s.overlaps(place.s)
         ]
-        if len(here) == 1:
+        is_open = any(_may_hide(gap, entry.k, place.piece, place.s) for gap in gaps)
+        if len(here) == 1 and not is_open:
             found = result[here[0]]
-            if found.kind == (HERE if place.other_point else THERE):
+            if found.kind is (Kind.HERE if place.other_point else Kind.THERE):
                 raise EmptyIntersectionError(f"{entry.id} is certified at one point of the orbit, found at the other")
-            if found.kind in (FOLD, LOSS, SYMMETRIC) and found.kind != _KINDS.get(entry.kind):
-                raise EmptyIntersectionError(f"{entry.id} is certified as a {entry.kind}, found is: {found.kind}")
+            known = found.kind in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC)
+            if known and found.kind is not _KINDS.get(entry.kind):
+                names = f"certified as a {entry.kind}, found is: {name_of(found.kind)}"
+                raise EmptyIntersectionError(f"{entry.id} is {names}")
             result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))
-        elif not here and not _in_gap(place.piece, place.s, gaps):
+        elif not here and not is_open:
             raise EmptyIntersectionError(f"{entry.id} is certified on the curve, but is no zero of its characteristic")
     return tuple(result)
 
 
-def _in_gap(piece: str, s: arb, gaps: Sequence[Gap]) -> bool:
-    return any(
-        gap.piece == piece and not is_below(s, enclose(gap.start)) and not is_below(enclose(gap.end), s) for gap in gaps
-    )
+def _may_hide(gap: Gap, k: int, piece: str, s: arb) -> bool:
+    """Whether a resonance of order k at s may be one that is not listed."""
+    is_about = gap.subject is Matter.EVERYTHING or (isinstance(gap.subject, Resonance) and gap.subject.k == k)
+    beside = is_below(s, enclose(gap.start)) or is_below(enclose(gap.end), s)
+    return is_about and gap.piece == piece and not beside

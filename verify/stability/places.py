@@ -10,19 +10,17 @@ from typing import Any
 
 from flint import arb
 
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.algebra import ball_polynomial
-from orbitproof.verify.evidence import ball_to_json, enclose
+from orbitproof.verify.evidence import Hypothesis, ball_to_json, enclose
 from orbitproof.verify.stability.functions import BoundedFunction
+from orbitproof.verify.stability.kinds import Kind, Subject, name_of
 from orbitproof.verify.stability.out_of_plane import KnownVariations
 from orbitproof.verify.stability.ranges import KnownDistances
 
-FOLD, LOSS, SYMMETRIC = "fold", "loss of R", "symmetric point"
-HERE, THERE, RESONANCE, UNKNOWN = "doubling at this point", "doubling at the other point", "resonance", "undecided"
-COLLISION = "Krein collision"
-ACROSS_SYMMETRIC, ACROSS_AXIAL = "birth out of the plane", "axial birth out of the plane"
-ACROSS_DOUBLING = "doubling out of the plane"
-EXTREMUM = "extrema of stability parameters"
+_FEW = 2
+"""For more stability parameters only resonances are listed."""
 
 
 @dataclass(frozen=True)
@@ -71,10 +69,15 @@ class Segment:
             result = result.scaled(c) + coefficient.scaled(arb(-1 if number % 2 else 1))
         return result
 
+    @property
+    def has_few_parameters(self) -> bool:
+        """As `CompleteList.has_few_parameters`."""
+        return len(self.characteristic) <= _FEW
+
     @cached_property
     def discriminant(self) -> BoundedFunction | None:
-        """That of the characteristic polynomial for n = 2; `None` for n = 1, where it is 1."""
-        if len(self.characteristic) == 1:
+        """That of the characteristic polynomial for n = 2; `None` for n = 1, where it is 1, and n >= 3."""
+        if len(self.characteristic) != 2:
             return None
         trace, determinant = self.characteristic
         return trace * trace - determinant.scaled(arb(4))
@@ -94,21 +97,21 @@ class Gap:
     Attributes:
         stretch: number of the stretch.
         start, end: of s.
-        about: what is not known there: k and j of a resonance, or in words.
-        reason: why.
+        subject: what is not known there.
+        reason: why, in words.
     """
 
     stretch: int
     piece: str
     start: Fraction
     end: Fraction
-    about: str
+    subject: Subject
     reason: str
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object."""
         ends = [format_exact(shortened(self.start, -1)), format_exact(shortened(self.end, 1))]
-        return {"piece": self.piece, "interval": ends, "about": self.about, "reason": self.reason}
+        return {"piece": self.piece, "interval": ends, "about": name_of(self.subject), "reason": self.reason}
 
 
 @dataclass(frozen=True)
@@ -122,14 +125,14 @@ class Point:
         s: a ball that contains it.
         level, half_period: enclosures.
         point: enclosures of the coordinates.
-        certificate: ids of the certificates of bifurcations at this point.
+        certificates: ids of the certificates of bifurcations at this point.
     """
 
     stretch: int
     piece: str
     k: int
     j: int
-    kind: str
+    kind: Kind
     s: arb
     level: arb
     half_period: arb
@@ -142,7 +145,7 @@ class Point:
             "piece": self.piece,
             "k": self.k,
             "j": self.j,
-            "kind": self.kind,
+            "kind": name_of(self.kind),
             "s": ball_to_json(self.s),
             "level": ball_to_json(self.level),
             "half_period": ball_to_json(self.half_period),
@@ -158,6 +161,7 @@ class Extremum:
     Attributes:
         stretch, piece: where on the curve.
         value: encloses the stability parameter.
+        in_band: whether it is certainly in the band (`extrema.BAND`); else it may be in it or beyond.
         s: a ball that contains the point's.
         level, half_period: enclosures.
         certificates: ids of the certificates of the orbits beside it that show its value.
@@ -166,6 +170,7 @@ class Extremum:
     stretch: int
     piece: str
     value: arb
+    in_band: bool
     s: arb
     level: arb
     half_period: arb
@@ -175,7 +180,8 @@ class Extremum:
         """The JSON object: exact balls with decimals beside them."""
         balls = {"value": self.value, "s": self.s, "level": self.level, "half_period": self.half_period}
         known = {"certificates": list(self.certificates)} if self.certificates else {}
-        return {"piece": self.piece, **{name: ball_to_json(ball) for name, ball in balls.items()}, **known}
+        place = {"piece": self.piece, "in_band": self.in_band}
+        return {**place, **{name: ball_to_json(ball) for name, ball in balls.items()}, **known}
 
 
 @dataclass(frozen=True)
@@ -184,19 +190,28 @@ class CompleteList:
 
     Attributes:
         order: the largest k.
+        parameters: n, the number of stability parameters.
         points: in order along the curve, those of Krein collisions included.
         gaps: what is not covered; the list is complete on the rest.
         segments: the parts of the curve with the functions known on them.
         extrema: of the stability parameters, close to the resonant values, in order along the curve.
         open_extrema: where it is not decided whether there are more of them.
+        hypotheses: those of the list beside those of the curve.
     """
 
     order: int
+    parameters: int
     points: tuple[Point, ...]
     gaps: tuple[Gap, ...]
     segments: tuple[Segment, ...]
     extrema: tuple[Extremum, ...] = ()
     open_extrema: tuple[Gap, ...] = ()
+    hypotheses: tuple[Hypothesis, ...] = ()
+
+    @property
+    def has_few_parameters(self) -> bool:
+        """Whether n <= 2: then collisions, extrema and linear stability are looked at (18.6, 18.10)."""
+        return self.parameters <= _FEW
 
 
 def shortened(value: Fraction, side: int) -> Fraction:
@@ -204,3 +219,8 @@ def shortened(value: Fraction, side: int) -> Fraction:
     scaled = value * 2**60
     whole = scaled.numerator // scaled.denominator
     return Fraction(whole + (1 if side > 0 and whole != scaled else 0), 2**60)
+
+
+def level_name(atlas: Atlas) -> str:
+    """What the level along the curve is called."""
+    return str(atlas.system.family_parameter or atlas.system.first_integral_name or "first integral")

@@ -14,7 +14,7 @@ from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import parities
 from orbitproof.verify.evidence import ball_to_json, enclose, hull, is_positive, up_to
-from orbitproof.verify.stability.distances import ALONG, HERE, PARTS, SLACK, THERE
+from orbitproof.verify.stability.distances import PARTS, SLACK, Where
 from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
 
 _PIECES = 4
@@ -27,11 +27,11 @@ class Extreme:
 
     Attributes:
         square: encloses it.
-        where: on the orbits it is taken there, `HERE`, `THERE`, or this is not shown, `ALONG`.
+        where: on the orbits it is taken.
     """
 
     square: arb
-    where: str
+    where: Where
 
     @property
     def as_found(self) -> Extreme:
@@ -82,9 +82,9 @@ class KnownDistances:
         return joined(least), joined(greatest)
 
     def _values(self, extreme: Extreme, lower: Fraction, upper: Fraction) -> Extreme:
-        if extreme.where == ALONG:
+        if extreme.where is Where.ALONG:
             return extreme
-        function = self.here if extreme.where == HERE else self.there
+        function = self.here if extreme.where is Where.HERE else self.there
         return Extreme(_values(function, lower, upper), extreme.where)
 
 
@@ -104,7 +104,7 @@ def _hull(balls: Iterable[arb]) -> arb:
 def joined(extremes: Sequence[Extreme]) -> Extreme:
     """What holds of several parts together."""
     places = {extreme.where for extreme in extremes}
-    return Extreme(_hull(extreme.square for extreme in extremes), places.pop() if len(places) == 1 else ALONG)
+    return Extreme(_hull(extreme.square for extreme in extremes), places.pop() if len(places) == 1 else Where.ALONG)
 
 
 def is_distance_of_orbits(system: ReversibleSystem, symmetry: str | None) -> bool:
@@ -130,9 +130,9 @@ def distances_from_json(entry: Mapping[str, Any] | None) -> KnownDistances | Non
 
 def _extreme(bounds: Sequence[str], where: str) -> Extreme:
     low, high = (parse_exact(bound) for bound in bounds)
-    if not 0 <= low <= high or where not in (HERE, THERE, ALONG):
+    if not 0 <= low <= high:
         raise ValueError("bounds of a distance are none")
-    return Extreme(hull(enclose(low), enclose(high)), where)
+    return Extreme(hull(enclose(low), enclose(high)), Where(where))
 
 
 class Known(Protocol):
@@ -175,7 +175,7 @@ class Ranges:
     greatest: Extreme | None
 
     @property
-    def distances(self) -> dict[str, tuple[arb, str]]:
+    def distances(self) -> dict[str, tuple[arb, Where]]:
         """Enclosures of the distances, and where they are taken, by name."""
         found = {"least": self.least, "greatest": self.greatest}
         return {name: (_root(each.square), each.where) for name, each in found.items() if each is not None}
@@ -184,7 +184,7 @@ class Ranges:
         """The JSON object."""
         entry: dict[str, Any] = {"half_period": ball_to_json(self.half_period)}
         for name, (distance, where) in self.distances.items():
-            entry |= {f"{name}_distance": ball_to_json(distance), f"{name}_distance_at": where}
+            entry |= {f"{name}_distance": ball_to_json(distance), f"{name}_distance_at": where.value}
         return entry
 
 

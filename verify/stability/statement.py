@@ -5,69 +5,93 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.evidence import decimal_interval, interval_text
+from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
 from orbitproof.verify.stability.across_list import ListAcross
-from orbitproof.verify.stability.distances import ALONG
+from orbitproof.verify.stability.distances import Where
 from orbitproof.verify.stability.extrema import BAND
+from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance, What
 from orbitproof.verify.stability.linear_stability import Bound, StableInterval
-from orbitproof.verify.stability.places import (
-    ACROSS_AXIAL,
-    ACROSS_DOUBLING,
-    ACROSS_SYMMETRIC,
-    COLLISION,
-    FOLD,
-    HERE,
-    LOSS,
-    RESONANCE,
-    SYMMETRIC,
-    THERE,
-    CompleteList,
-    Gap,
-    Point,
-)
+from orbitproof.verify.stability.places import CompleteList, Extremum, Gap, Point, level_name
 from orbitproof.verify.stability.ranges import Ranges
 
 _DIGITS, _MOST_DIGITS = 14, 24
 
-_WORDS = {
-    FOLD: "extremum of {level} along the curve",
-    LOSS: "1:1, branches of orbits without the symmetry R may be born here",
-    HERE: "1:2, orbits of twice the period at this point of the orbit on Fix(R)",
-    THERE: "1:2, orbits of twice the period at the other point of the orbit on Fix(R)",
-    COLLISION: "Krein collision: two stability parameters are equal",
-    SYMMETRIC: "symmetric point of the curve, 1:1",
-    ACROSS_SYMMETRIC: "1:1, a curve of orbits out of the plane, symmetric under R, begins here",
-    ACROSS_AXIAL: "1:1, a curve of orbits out of the plane, symmetric under R followed by z -> -z, begins here",
-    ACROSS_DOUBLING: "1:2",
+_POINTS = {
+    Kind.RESONANCE: "1:{k}, a stability parameter is cos(2 pi {j}/{k})",
+    Kind.FOLD: "extremum of {level} along the curve, where a stability parameter is 1",
+    Kind.LOSS: "1:1, a stability parameter is 1 and {level} is not stationary: the symmetry R may be lost here",
+    Kind.SYMMETRIC: "symmetric point of the curve, where a stability parameter is 1",
+    Kind.HERE: "1:2, a stability parameter is -1, A singular at this point of the orbit on Fix(R)",
+    Kind.THERE: "1:2, a stability parameter is -1, A singular at the other point of the orbit on Fix(R)",
+    Kind.COLLISION: "Krein collision: two stability parameters are equal",
+    Kind.UNDECIDED: "1:{k}, a stability parameter is cos(2 pi {j}/{k}), kind not decided",
+    Kind.ACROSS_SYMMETRIC: "1:1, a curve of orbits out of the plane, symmetric under R, begins here",
+    Kind.ACROSS_AXIAL: ("1:1, a curve of orbits out of the plane, symmetric under R followed by z -> -z, begins here"),
+    Kind.ACROSS_DOUBLING: "1:2, (lambda + 1/lambda)/2 is -1",
 }
+_ENDS = {CurveEnd.BEGINNING: "the beginning of {part}", CurveEnd.END: "the end of {part}"}
+_MATTERS = {
+    Matter.EVERYTHING: "everything",
+    Matter.COLLISION: "equal stability parameters",
+    Matter.EXTREMA: "stationary stability parameters",
+}
+_PLACES = {Where.HERE: "this point", Where.THERE: "the other point"}
+_BIRTHS = (Kind.ACROSS_SYMMETRIC, Kind.ACROSS_AXIAL)
+
+_A = (
+    "A at a point of Fix(R) is the derivative on Fix(R) of the coordinates of P that R fixes, modulo the directions of "
+    "the curve and of its image under P."
+)
+_BIRTH = (
+    "Where a curve begins, the orbits near this one that are symmetric in that way, start on the fixed points of the "
+    "symmetry and meet them again at the corresponding crossing of the section are those in the plane and the orbits "
+    "of one smooth curve, which leaves the plane."
+)
 
 
 def statement(
     atlas: Atlas, found: CompleteList, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]
 ) -> str:
-    """What is proved of resonances and stability along the curve."""
-    everywhere = not found.gaps
-    where = "Along the curve" if everywhere else "Along the curve, but for the places named below,"
+    """What is proved of resonances and stability along the curve, or along the half of it that the pieces follow."""
+    but = ", but for the places named below," if found.gaps else ""
+    where = f"{_half(atlas) or 'Along the curve'}{but}"
     listed = [point for point in found.points if point.k]
     value = f"an eigenvalue cos(2 pi j/k), k at most {found.order}"
     if listed:
-        result = f"the points with {value}, are exactly these, in order along the curve:"
+        result = f"the points with {value}, are exactly these:"
     else:
         result = f"no point has {value}."
-    lines = [
+    lines = [f"Hypothesis {hypothesis.name} of the list: {hypothesis.statement}." for hypothesis in found.hypotheses]
+    lines.append(
         f"Let Sigma(u) be the stability matrix of the orbit of u on the section, {_held(atlas)}: its eigenvalues are "
         f"the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} {result}"
-    ]
+    )
     lines += [f"- {_point(atlas, point)}" for point in listed]
-    collisions = [point for point in found.points if not point.k]
-    if collisions:
-        lines.append(f"{where} two stability parameters are equal at exactly these points:")
-        lines += [f"- {_point(atlas, point)}" for point in collisions]
-    lines += _extrema(atlas, found)
-    lines += _stability(atlas, stable, unknown)
+    if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
+        lines.append(_A)
+    if found.has_few_parameters:
+        collisions = [point for point in found.points if not point.k]
+        if collisions:
+            lines.append(f"{where} two stability parameters are equal at exactly these points:")
+            lines += [f"- {_point(atlas, point)}" for point in collisions]
+        lines += _extrema(atlas, found)
+        lines += _stability(atlas, stable, unknown)
+    else:
+        lines.append(
+            f"Nothing is said of where two of the {found.parameters} stability parameters are equal, of their extrema, "
+            "and of linear stability."
+        )
     if found.gaps:
         lines.append("Not covered, so that nothing is said of it:")
         lines += [f"- {_gap(gap)}" for gap in found.gaps]
+    if _half(atlas):
+        lines.append(
+            f"The mirror image of this half under {atlas.claim.symmetry} has the mirror images of these points and "
+            "places, with the same values, and its orbits are linearly stable where those of this half are."
+            if found.has_few_parameters
+            else f"The mirror image of this half under {atlas.claim.symmetry} has the mirror images of these points "
+            "and places, with the same values."
+        )
     return "\n".join(lines)
 
 
@@ -75,29 +99,26 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
     """What is proved of variations out of the plane."""
     found = across.found
     but = ", but for the places named below," if found.gaps else ""
+    where = _half(atlas) or "Along the curve"
     lines = [
-        "Variations of the orbits out of the plane have one more pair of multipliers lambda, 1/lambda. Along the curve"
-        f"{but} (lambda + 1/lambda)/2 is cos(2 pi j/k), k at most {found.order}, "
+        f"Variations of the orbits out of the plane have one more pair of multipliers lambda, 1/lambda. {where}{but} "
+        f"(lambda + 1/lambda)/2 is cos(2 pi j/k), k at most {found.order}, "
         + ("exactly here:" if found.points else "nowhere.")
     ]
     for point, value in zip(found.points, across.jacobi_constants, strict=True):
         known = "" if value is None else f"; Jacobi constant in {interval_text(value, _DIGITS)}"
         lines.append(f"- {_point(atlas, point)}{known}")
-    if any(point.kind in (ACROSS_SYMMETRIC, ACROSS_AXIAL) for point in found.points):
-        lines.append(
-            "Where a curve begins, the orbits near this one that are symmetric in that way, start on the fixed points "
-            "of the symmetry and meet them again at the corresponding crossing of the section are those in the plane "
-            "and the orbits of one smooth curve, which leaves the plane."
-        )
-    rest = "and of the others, but for the places named below, none are" if across.unknown else "and no others are"
+    if any(point.kind in _BIRTHS for point in found.points):
+        lines.append(_BIRTH)
     if across.stable:
         lines.append(
-            "Between the following points, themselves not included, variations out of the plane are linearly stable "
-            f"(these multipliers are on the unit circle, not 1 or -1), {rest}:"
+            f"Between the following points, themselves not included{_ends(across.stable)}, variations out of the plane "
+            "are linearly stable (these multipliers are on the unit circle, not 1 or -1), "
+            f"{_rest(atlas, across.unknown)}:"
         )
         lines += [f"- {_interval(atlas, entry)}" for entry in across.stable]
     elif not across.unknown:
-        lines.append("For no orbit of the curve they are linearly stable.")
+        lines.append(f"For no orbit of {_part(atlas)} they are linearly stable.")
     if across.unknown:
         lines.append("It is not decided whether they are linearly stable at and between these places:")
         lines += [f"- {_interval(atlas, entry)}" for entry in across.unknown]
@@ -107,36 +128,72 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
     return "\n".join(lines)
 
 
+def _half(atlas: Atlas) -> str:
+    """Along which half of a curve with a symmetry the list goes; empty for other curves."""
+    return {
+        "symmetric-arc": "Along the half of the curve from its symmetric point to its last point, both included",
+        "symmetric-loop": "Along the half of the curve from its first symmetric point to the second, both included",
+    }.get(atlas.claim.kind, "")
+
+
+def _part(atlas: Atlas) -> str:
+    """What the list is about."""
+    return "this half of the curve" if _half(atlas) else "the curve"
+
+
+def _rest(atlas: Atlas, unknown: Sequence[StableInterval]) -> str:
+    """That no other orbits are stable."""
+    of = " of this half" if _half(atlas) else ""
+    return f"and of the others{of}, but for the places named below, none are" if unknown else f"and no others{of} are"
+
+
+def _ends(stable: Sequence[StableInterval]) -> str:
+    """That ends of the curve belong to an interval: nothing changes there."""
+    bounds = [bound for entry in stable for bound in (entry.begin, entry.end)]
+    return " unless they are ends of the curve" if any(map(_is_end, bounds)) else ""
+
+
+def _is_end(bound: Bound) -> bool:
+    """Whether it is an end of the curve and nothing else."""
+    return len(bound.what) == 1 and isinstance(bound.what[0], CurveEnd)
+
+
 def _extrema(atlas: Atlas, found: CompleteList) -> list[str]:
     """The extrema of the stability parameters; symmetric points are extrema by their symmetry."""
-    but = ", but for the places named below" if found.gaps or found.open_extrema else ""
-    band = f"with a value from -{BAND} to {BAND}"
-    level = level_name(atlas)
-    if not found.extrema:
+    inside = [entry for entry in found.extrema if entry.in_band]
+    beside = [entry for entry in found.extrema if not entry.in_band]
+    but = ", but for the places named below" if found.gaps or found.open_extrema or beside else ""
+    band = f"with a value between -{exact_text(BAND)} and {exact_text(BAND)}"
+    if not inside:
         lines = [f"Apart from symmetric points no stability parameter is stationary {band}{but}."]
     else:
         lines = [f"Apart from symmetric points a stability parameter is stationary {band} exactly here{but}:"]
-    for entry in found.extrema:
-        place = f"{level} in {interval_text(entry.level, _DIGITS)}, in piece {entry.piece}"
-        known = f"; shown by the certified orbits {', '.join(entry.certificates)}" if entry.certificates else ""
-        lines.append(f"- (lambda + 1/lambda)/2 in {interval_text(entry.value, _MOST_DIGITS)}: {place}{known}")
+    lines += [f"- {_extremum(atlas, entry)}" for entry in inside]
+    if beside:
+        lines.append("One is stationary here, and it is not decided whether its value is between these or beyond:")
+        lines += [f"- {_extremum(atlas, entry)}" for entry in beside]
     if found.open_extrema:
         lines.append("Whether one is stationary there is not decided:")
         lines += [f"- {_gap(gap)}" for gap in found.open_extrema]
     return lines
 
 
+def _extremum(atlas: Atlas, entry: Extremum) -> str:
+    place = f"{level_name(atlas)} in {interval_text(entry.level, _DIGITS)}, in piece {entry.piece}"
+    known = f"; shown by the certified orbits {', '.join(entry.certificates)}" if entry.certificates else ""
+    return f"(lambda + 1/lambda)/2 in {interval_text(entry.value, _MOST_DIGITS)}: {place}{known}"
+
+
 def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]) -> list[str]:
     lines = []
-    rest = "and of the others, but for the places named below, none is" if unknown else "and no others are"
     if stable:
         lines.append(
-            "The orbits between the following points, themselves not included, are linearly stable (these multipliers "
-            f"are on the unit circle, distinct and not 1 or -1), {rest}:"
+            f"The orbits between the following points, themselves not included{_ends(stable)}, are linearly stable "
+            f"(these multipliers are on the unit circle, distinct and not 1 or -1), {_rest(atlas, unknown)}:"
         )
         lines += [f"- {_interval(atlas, entry)}" for entry in stable]
     elif not unknown:
-        lines.append("No orbit of the curve is linearly stable with distinct multipliers.")
+        lines.append(f"No orbit of {_part(atlas)} is linearly stable with distinct multipliers.")
     if unknown:
         lines.append("It is not decided whether the orbits are linearly stable at and between these places:")
         lines += [f"- {_interval(atlas, entry)}" for entry in unknown]
@@ -151,20 +208,24 @@ def _held(atlas: Atlas) -> str:
     return f"on its level of the {level_name(atlas)}"
 
 
-def level_name(atlas: Atlas) -> str:
-    """What the level along the curve is called."""
-    return str(atlas.system.family_parameter or atlas.system.first_integral_name or "first integral")
+def _words(atlas: Atlas, what: What, k: int = 0, j: int = 0) -> str:
+    """What is at a point, or not known at a place."""
+    if isinstance(what, Resonance):
+        return f"stability parameters cos(2 pi {what.j}/{what.k})"
+    if isinstance(what, Matter):
+        return _MATTERS[what]
+    if isinstance(what, CurveEnd):
+        return _ENDS[what].format(part=_part(atlas))
+    return _POINTS[what].format(level=level_name(atlas), k=k, j=j)
 
 
 def _point(atlas: Atlas, point: Point) -> str:
-    level = level_name(atlas)
-    what = f"1:{point.k}" if point.kind == RESONANCE else _WORDS.get(point.kind, f"1:{point.k}, kind not decided")
-    turns = f" (j = {point.j})" if point.j > 1 else ""
     place = (
-        f"{level} in {interval_text(point.level, _DIGITS)}, half period in {decimal_interval(point.half_period, 10)}"
+        f"{level_name(atlas)} in {interval_text(point.level, _DIGITS)}, half period in "
+        f"{decimal_interval(point.half_period, 10)}"
     )
     known = f"; certified: {', '.join(point.certificates)}" if point.certificates else ""
-    return f"{what.format(level=level)}{turns}: {place}, in piece {point.piece}{known}"
+    return f"{_words(atlas, point.kind, point.k, point.j)}: {place}, in piece {point.piece}{known}"
 
 
 def _interval(atlas: Atlas, entry: StableInterval) -> str:
@@ -177,19 +238,27 @@ def _ranges(atlas: Atlas, ranges: Ranges | None, where: str) -> str:
         return ""
     words = [f"half period in {interval_text(ranges.half_period, _DIGITS)}"]
     for name, (distance, place) in ranges.distances.items():
-        at = f" (at {place} of the orbit on Fix(R))" if place != ALONG else ""
+        at = f" (at {_PLACES[place]} of the orbit on Fix(R))" if place in _PLACES else ""
         words.append(f"{name} distance from {atlas.system.distance_name} in {interval_text(distance, _DIGITS)}{at}")
     return f"; {where}{', '.join(words)}"
 
 
 def _bound(atlas: Atlas, entry: StableInterval, which: int) -> str:
     bound: Bound = (entry.begin, entry.end)[which]
+    k, j = (0, 0) if bound.point is None else (bound.point.k, bound.point.j)
+    words = ", ".join(
+        f"not covered: {_words(atlas, what)}" if isinstance(what, (Resonance, Matter)) else _words(atlas, what, k, j)
+        for what in bound.what
+    )
+    if _is_end(bound):
+        return f"{words} (piece {entry.pieces[which]})"
     if bound.point is None:
-        return f"{bound.what} (piece {entry.pieces[which]})"
-    words = _WORDS.get(bound.what, bound.what).format(level=level_name(atlas))
+        return f"s in {exact_interval_text(bound.lower, bound.upper)} (piece {entry.pieces[which]}: {words})"
     level = f"{level_name(atlas)} in {interval_text(bound.point.level, _DIGITS)}"
     return f"{level} (piece {entry.pieces[which]}: {words}{_ranges(atlas, bound.ranges, '')})"
 
 
 def _gap(gap: Gap) -> str:
-    return f"piece {gap.piece}, s in [{float(gap.start):.9g}, {float(gap.end):.9g}], {gap.about}: {gap.reason}"
+    subject = gap.subject
+    what = f"k = {subject.k}, j = {subject.j}" if isinstance(subject, Resonance) else _MATTERS[subject]
+    return f"piece {gap.piece}, s in {exact_interval_text(gap.start, gap.end)}, {what}: {gap.reason}"

@@ -9,14 +9,16 @@ from flint import ctx
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Conclusion, ProvedCurve
-from orbitproof.verify.evidence import EmptyIntersectionError, Proved, Reason
+from orbitproof.verify.evidence import EmptyIntersectionError, NotEstablishedError, Proved, Reason, hypothesis_to_json
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import stable_intervals
 from orbitproof.verify.stability.ranges import is_distance_of_orbits
 from orbitproof.verify.stability.statement import statement, statement_across
 
-_EMPTY: dict[str, Any] = {name: [] for name in ("points", "stable", "undecided", "gaps", "extrema", "open_extrema")}
+_EMPTY: dict[str, Any] = {
+    name: [] for name in ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")
+}
 
 
 def with_complete_list(
@@ -42,6 +44,8 @@ def with_complete_list(
                 "complete", f"the complete list and the certificates contradict each other: {error}", "report this"
             )
             return {**document, "verdict": "not proved", "reason": reason.to_json(), "statement": ""}
+        except NotEstablishedError as error:
+            return {**document, "verdict": "not proved", "reason": error.reason.to_json(), "statement": ""}
         stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
         words = statement(atlas, found, stable, unknown)
         if across is not None:
@@ -50,7 +54,9 @@ def with_complete_list(
         **document,
         "statement": f"{document['statement']}\n{words}",
         "complete": {
-            "order": order,
+            "order": found.order,
+            "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in found.hypotheses],
+            "stability_parameters": found.parameters,
             "points": [point.to_json() for point in found.points],
             "stable": [entry.to_json() for entry in stable],
             "undecided": [entry.to_json() for entry in unknown],

@@ -22,6 +22,7 @@ from orbitproof.verify.evidence import (
     ball_to_json,
     dot,
     enclose,
+    exact_interval_text,
     hull,
     is_inside,
     is_positive,
@@ -77,7 +78,7 @@ class Sheet:
         """The coordinates p of the bifurcation points for s in [low, high]. Raises `ValueError` beyond the parts."""
         meeting = [part.point for part in self.parts if part.start <= high and part.end >= low]
         if not meeting:
-            raise ValueError(f"nothing is proved for s in [{float(low):.6g}, {float(high):.6g}]")
+            raise ValueError(f"nothing is proved for s in {exact_interval_text(low, high)}")
         return [hull(balls[0], *balls[1:]) for balls in zip(*meeting, strict=True)]
 
     def point(self, low: Fraction, high: Fraction) -> list[arb]:

@@ -16,7 +16,15 @@ from orbitproof.shared.formats import Candidate, SurfacePiece, evaluate
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, prove
 from orbitproof.verify.curve import Account, Interval, PieceResult, attempt
-from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Theorem, guarded
+from orbitproof.verify.evidence import (
+    Checklist,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    Theorem,
+    exact_interval_text,
+    guarded,
+)
 from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, enclose_surface
 from orbitproof.verify.surface.proved_parts import ProvedPart, ProvedParts
 
@@ -131,7 +139,7 @@ class _Parts:
             enclosures = {entry.name: entry.enclosures for entry in outcome.hypotheses if entry.enclosures}
             yield ProvedPart(start, end, outcome.results.local, outcome.results.side, enclosures)
         elif halvings == 0:
-            where = f"for s in [{float(start):.6g}, {float(end):.6g}]: "
+            where = f"for s in {exact_interval_text(start, end)}: "
             raise NotEstablishedError(replace(outcome.reason, message=where + outcome.reason.message))
         else:
             middle = (start + end) / 2

@@ -1,0 +1,72 @@
+"""What points, gaps and bounds of a complete list are about, as values; their names in JSON files (section 18.5).
+
+What follows from a list is decided by these values alone. Their names stand in files, and in no sentence.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum, unique
+from typing import Any
+
+
+@unique
+class Kind(Enum):
+    """What is found at a point of the list (Lemmas 18.3, 18.8)."""
+
+    RESONANCE = "resonance"
+    FOLD = "fold"
+    LOSS = "loss of R"
+    SYMMETRIC = "symmetric point"
+    HERE = "singular at this point"
+    THERE = "singular at the other point"
+    COLLISION = "Krein collision"
+    UNDECIDED = "undecided"
+    ACROSS_SYMMETRIC = "birth out of the plane"
+    ACROSS_AXIAL = "axial birth out of the plane"
+    ACROSS_DOUBLING = "minus one out of the plane"
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """A stability parameter cos(2 pi j/k)."""
+
+    k: int
+    j: int
+
+
+@unique
+class Matter(Enum):
+    """What else may be open on a part of the curve."""
+
+    EVERYTHING = "everything"
+    COLLISION = "Krein collision"
+    EXTREMA = "extrema of stability parameters"
+
+
+Subject = Resonance | Matter
+"""What is not known on a part of the curve."""
+
+
+def may_change_stability(subject: Subject) -> bool:
+    """Whether stability may change where this is open: unless it surely does not, it may (Lemma 18.4)."""
+    if isinstance(subject, Resonance):
+        return not subject.k > 2
+    return subject is not Matter.EXTREMA
+
+
+@unique
+class CurveEnd(Enum):
+    """An end of the part of a curve that a list is about."""
+
+    BEGINNING = "the beginning of the curve"
+    END = "the end of the curve"
+
+
+What = Kind | CurveEnd | Subject
+"""What is at the end of an interval of stability: a point of the list, an end of the curve, or something open."""
+
+
+def name_of(what: What) -> Any:
+    """How a JSON file names it."""
+    return {"k": what.k, "j": what.j} if isinstance(what, Resonance) else what.value
