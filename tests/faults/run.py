@@ -177,11 +177,13 @@ def without_fault(tests: Sequence[str]) -> Result:
 def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Callable[[str], None]) -> list[Result]:
     """Try what is not known yet; returns what is known of each fault, in their order."""
     known: dict[str, Result] = json.loads(output.read_text()) if output.exists() else {}
-    missing = [
-        fault for fault in faults
-        if (before := known.get(fault.key())) is None
-        or (slow and before["verdict"] == "survives" and not before["slow"])
-    ]  # fmt: skip
+    keys = {fault.name: fault.key() for fault in faults}
+
+    def is_missing(fault: Fault) -> bool:
+        before = known.get(keys[fault.name])
+        return before is None or (slow and before["verdict"] == "survives" and not before["slow"])
+
+    missing = [fault for fault in faults if is_missing(fault)]
     honest: dict[str, Result] = {}
     for room in dict.fromkeys(fault.room for fault in missing):
         own = [fault for fault in faults if fault.room == room]
@@ -198,7 +200,7 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
         try:
             for number, future in enumerate(as_completed(waiting), 1):
                 fault, result = waiting[future], future.result()
-                known[fault.key()] = {"name": fault.name, **result, "times": {}}
+                known[keys[fault.name]] = {"name": fault.name, **result, "times": {}}
                 output.write_text(json.dumps(known, indent=1), encoding="utf-8")
                 tell(
                     f"{number}/{len(missing)} {result['verdict']:9} {fault.name}  {result['by']} {result['seconds']} s"
@@ -206,7 +208,7 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-    return [known.get(fault.key(), {"verdict": "not tried", "by": "", "slow": False}) for fault in faults]
+    return [known.get(keys[fault.name], {"verdict": "not tried", "by": "", "slow": False}) for fault in faults]
 
 
 def table(faults: Sequence[Fault], results: Sequence[Result]) -> str:

@@ -195,6 +195,12 @@ def test_jet_refuses_a_derivative_that_it_does_not_have() -> None:
         Jet(2, 3, {}).derivative(1)
 
 
+def test_a_derivative_is_the_coefficient_times_the_factorials() -> None:
+    x, y = increment(2, 3, 0), increment(2, 3, 1)
+    assert contains((x * x * y).derivative(2, 1), F(2))
+    assert contains((y * y * y).derivative(0, 3), F(6))
+
+
 @settings(max_examples=40)
 @given(st.lists(fractions, min_size=20, max_size=20), st.integers(0, 10**9))
 def test_taylor_forms_contain_the_derivatives_at_random_points(coefficients: list[F], seed: int) -> None:
@@ -238,6 +244,12 @@ def test_regular_ball_matrices_are_recognised_whatever_the_scales() -> None:
     assert not is_regular([[arb(0)]])
     assert not is_regular([[NAN]])
     assert not is_regular([[WIDE]])
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_one_direction_in_which_a_matrix_may_be_singular_is_enough(order: tuple[int, int]) -> None:
+    diagonal = [arb(1, 0.1), arb(1, 1.5)]
+    assert not is_regular([[diagonal[i] if i == j else arb(0) for j in order] for i in order])
 
 
 @settings(max_examples=40)
@@ -288,3 +300,12 @@ def test_implicit_graph_far_from_zero_keeps_its_solution() -> None:
     radii = [F(1), F(1, 8)]
     graph = ImplicitGraph((BoxFunction(table_of(polynomial, radii)),), tuple(symmetric(r) for r in radii), 1)
     assert contains(graph.over((arb(0),))[1], F(1, 10))
+
+
+def test_a_graph_whose_slope_vanishes_beside_the_centre_is_not_regular() -> None:
+    # The derivative of y - 3 y^2 in y is 1 at 0, and 0 at y = 1/6.
+    radii = [F(1), F(1, 4)]
+    graph = ImplicitGraph(
+        (BoxFunction(table_of({(0, 1): F(1), (0, 2): F(-3)}, radii)),), tuple(symmetric(r) for r in radii), 1
+    )
+    assert not graph.is_regular()
