@@ -1,0 +1,69 @@
+"""What counts as shown: comparisons that are certain, hypotheses with all their requirements, exact text."""
+
+from __future__ import annotations
+
+from fractions import Fraction as F
+
+import pytest
+from flint import arb, ctx
+
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.evidence import (
+    Checklist,
+    EmptyIntersectionError,
+    NotEstablishedError,
+    bounds,
+    exact_text,
+    is_outside,
+    power,
+)
+
+
+def test_outside_is_beyond_one_of_the_ends() -> None:
+    assert is_outside(arb(-2), F(1))
+    assert is_outside(arb(2), F(1))
+    for inside in (arb(0), arb(-1) / 2, arb(1) / 2, arb(1), arb(0, 2)):
+        assert not is_outside(inside, F(1))
+
+
+@pytest.mark.parametrize("exponent", [F(1, 3), F(-1, 7), F(5, 3)])
+def test_exponents_that_are_no_binary_fractions_are_exact(exponent: F) -> None:
+    with ctx.workprec(300):
+        root = power(arb(2), exponent)
+        lower, upper = bounds(root**exponent.denominator)
+        assert lower <= F(2) ** exponent.numerator <= upper
+        assert upper - lower < F(1, 2**250)
+
+
+@pytest.mark.parametrize("value", [F(1, 3), F(1, 10), F(3, 4), F(10) ** 30 + F(1, 7), F(1, 2**60), F(-5)])
+def test_a_number_is_said_exactly(value: F) -> None:
+    text = exact_text(value)
+    assert parse_exact(text.partition(" (exactly ")[2].removesuffix(")") or text) == value
+
+
+def is_shown(*requirements: object, error: Exception | None = None) -> bool:
+    """Whether a hypothesis with these requirements, whose check ends with this exception, holds."""
+    checklist = Checklist()
+    try:
+        with checklist.hypothesis("name", "1", "statement", "remedy") as evidence:
+            for holds in requirements:
+                evidence.require(holds, "it is not")  # type: ignore[arg-type]
+            if error is not None:
+                raise error
+    except NotEstablishedError:
+        assert not checklist.hypotheses[0].holds
+        return False
+    return checklist.hypotheses[0].holds
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError(), EmptyIntersectionError(), KeyError((0, 1))])
+def test_a_check_that_breaks_off_does_not_hold_whatever_was_shown_before(error: Exception) -> None:
+    assert not is_shown(True, error=error)
+
+
+def test_every_requirement_has_to_be_true_and_nothing_else_is() -> None:
+    assert is_shown(True, True)
+    assert not is_shown()
+    for other in (None, 1, "yes", False):
+        assert not is_shown(True, other)
+        assert not is_shown(other, True)
