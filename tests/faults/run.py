@@ -26,13 +26,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from orbitproof.shared.interrupts import run_command
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 TRUSTED = ("shared", "verify")
 LINKED = ("explore", "figures", "tests", "docs", "README.md", "pyproject.toml", "setup.py", "Makefile")
 
+_LIMIT = 1800.0
+"""Seconds for the tests of one fault, ten times as many for the slow ones."""
+
 Result = dict[str, Any]
-"""How a fault fared: ``verdict`` (found, timed out, survives), ``by`` which test, ``slow``, ``seconds``, ``times``."""
+"""How a fault fared: ``verdict`` (found, timed out, survives), ``by`` which test, ``slow``, ``seconds``."""
 
 
 @dataclass(frozen=True)
@@ -108,10 +113,11 @@ def copied(folder: Path) -> None:
         (folder / name).symlink_to(ROOT / name)
 
 
-def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool, times: Mapping[str, float]) -> Result:
-    """Run tests on a copy, those that took little of the `times` first, until one fails."""
-    command = [sys.executable, "-m", "pytest", "-x", "--tb=no", "-p", "no:cacheprovider", "-p", "quick_first"]
-    command += ["-p", "_hypothesis_pytestplugin", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow", *tests]
+def tested(folder: Path, tests: Iterable[str], slow: bool, times: Mapping[str, float], all_of_them: bool) -> Result:
+    """Run tests on a copy, those that took little of the `times` first; until one fails, or all of them."""
+    command = [sys.executable, "-m", "pytest", "--tb=no", "-p", "no:cacheprovider", "-p", "quick_first"]
+    command += ["-p", "_hypothesis_pytestplugin", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow"]
+    command += [*([] if all_of_them else ["-x"]), *dict.fromkeys(tests)]
     told = folder / "times.json"
     told.write_text(json.dumps(dict(times)), encoding="utf-8")
     settings = {
@@ -126,8 +132,9 @@ def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool, times: 
         command, cwd=folder, env={**os.environ, **settings}, text=True, start_new_session=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
     )  # fmt: skip
+    _running.add(process)
     try:
-        output, _ = process.communicate(timeout=limit)
+        output, _ = process.communicate(timeout=10 * _LIMIT if slow else _LIMIT)
         verdict = "survives" if process.returncode in (0, 5) else "found"
     except subprocess.TimeoutExpired:
         output, verdict = "", "timed out"
@@ -136,9 +143,14 @@ def tested(folder: Path, tests: Sequence[str], limit: float, slow: bool, times: 
     if process.returncode in (3, 4):
         raise RuntimeError(f"pytest did not run:\n{output}")
     found = json.loads(told.read_text(encoding="utf-8"))
-    by = found["failed"][0] if found.get("failed") else "the end of the process" if verdict == "found" else ""
+    failed = found.get("failed", [])
+    by = failed[0] if failed else "the end of the process" if verdict == "found" else ""
     seconds = round(time.monotonic() - begin, 1)
-    return {"verdict": verdict, "by": by, "slow": slow, "seconds": seconds, "times": found.get("seconds", {})}
+    result = {"verdict": verdict, "by": by, "slow": slow, "seconds": seconds}
+    return {**result, "failed": failed, "times": found.get("seconds", {})}
+
+
+_running: set[subprocess.Popen[str]] = set()
 
 
 def end(process: subprocess.Popen[str]) -> None:
@@ -146,37 +158,32 @@ def end(process: subprocess.Popen[str]) -> None:
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
+    _running.discard(process)
 
 
-def tried(fault: Fault, honest: Result, slow: bool) -> Result:
-    """Apply a fault to a copy and run its tests; the slow ones only where no other has noticed it.
-
-    Args:
-        honest: what the tests of its room did without a fault.
-    """
-    limit, times, result = 60 + 10 * honest["seconds"], honest["times"], Result()
+def tried(fault: Fault, times: Mapping[str, float], slow: bool) -> Result:
+    """Apply a fault to a copy and run its tests; the slow ones only where no other has noticed it."""
     with tempfile.TemporaryDirectory(prefix="orbitproof-fault-") as name:
         folder = Path(name)
         copied(folder)
         module = folder / fault.file
         module.write_text(fault.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
-        for tests in filter(None, (fault.first, fault.tests)):
-            result = tested(folder, tests, limit, False, times)
-            if result["verdict"] != "survives":
-                return result
-        return tested(folder, fault.tests, 10 * limit, True, {}) if slow else result
+        tests = (*fault.first, *fault.tests)
+        result = tested(folder, tests, False, times, False)
+        return tested(folder, tests, True, times, False) if slow and result["verdict"] == "survives" else result
 
 
-def without_fault(tests: Sequence[str]) -> Result:
-    """Run the tests of a room on a true copy: a fault counts as found only by tests that pass there."""
+def failing_anyway(tests: Iterable[str]) -> set[str]:
+    """Those of these tests that fail without any fault: they find none."""
     with tempfile.TemporaryDirectory(prefix="orbitproof-fault-") as name:
         copied(Path(name))
-        return tested(Path(name), tests, 3600, False, {})
+        return {failed for slow in (False, True) for failed in tested(Path(name), tests, slow, {}, True)["failed"]}
 
 
 def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Callable[[str], None]) -> list[Result]:
     """Try what is not known yet; returns what is known of each fault, in their order."""
     known: dict[str, Result] = json.loads(output.read_text()) if output.exists() else {}
+    times: dict[str, float] = dict(known.setdefault("times", {}))
     keys = {fault.name: fault.key() for fault in faults}
 
     def is_missing(fault: Fault) -> bool:
@@ -184,31 +191,34 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
         return before is None or (slow and before["verdict"] == "survives" and not before["slow"])
 
     missing = [fault for fault in faults if is_missing(fault)]
-    honest: dict[str, Result] = {}
-    for room in dict.fromkeys(fault.room for fault in missing):
-        own = [fault for fault in faults if fault.room == room]
-        tests = list(dict.fromkeys(test for fault in own for test in (*fault.first, *fault.tests)))
-        key = _digest(["no fault"], [fault.file for fault in own], tests)
-        if known.get(key, {}).get("verdict") != "survives":
-            known[key] = {"name": f"{room}: no fault", **without_fault(tests)}
-            tell("{name} {verdict} {by} {seconds} s".format(**known[key]))
-        if known[key]["verdict"] == "survives":
-            honest[room] = known[key]
-    missing = [fault for fault in missing if fault.room in honest]
     with ThreadPoolExecutor(jobs) as pool:
-        waiting = {pool.submit(tried, fault, honest[fault.room], slow): fault for fault in missing}
+        waiting = {pool.submit(tried, fault, times, slow): fault for fault in missing}
         try:
             for number, future in enumerate(as_completed(waiting), 1):
                 fault, result = waiting[future], future.result()
-                known[keys[fault.name]] = {"name": fault.name, **result, "times": {}}
+                times.update(result.pop("times"))
+                result.pop("failed")
+                known["times"] = times
+                known[keys[fault.name]] = {"name": fault.name, **result}
                 output.write_text(json.dumps(known, indent=1), encoding="utf-8")
-                tell(
-                    f"{number}/{len(missing)} {result['verdict']:9} {fault.name}  {result['by']} {result['seconds']} s"
-                )
+                place = f"{number}/{len(missing)}"
+                tell(f"{place} {result['verdict']:9} {fault.name}  {result['by']} {result['seconds']} s")
         except BaseException:
-            pool.shutdown(cancel_futures=True)
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in list(_running):
+                end(process)
             raise
-    return [known.get(keys[fault.name], {"verdict": "not tried", "by": "", "slow": False}) for fault in faults]
+    results = [known.get(keys[fault.name], {}) for fault in faults]
+    finders = {result["by"] for result in results if "::" in result["by"] and not result.get("confirmed")}
+    false = failing_anyway(sorted(finders)) if finders else set()
+    for fault, result in zip(faults, results, strict=True):
+        result["confirmed"] = result["by"] not in false
+        if not result["confirmed"]:
+            tell(f"fails without a fault: {result['by']}, which found {fault.name}")
+            known.pop(keys[fault.name], None)
+            result["verdict"] = "not tried"
+    output.write_text(json.dumps(known, indent=1), encoding="utf-8")
+    return results
 
 
 def table(faults: Sequence[Fault], results: Sequence[Result]) -> str:
@@ -259,4 +269,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_command(main))
