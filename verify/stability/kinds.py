@@ -12,7 +12,7 @@ from typing import Any
 
 @unique
 class Kind(Enum):
-    """What is found at a point of the list (Lemmas 18.3, 18.8)."""
+    """What is found at a point of the list (Lemmas 18.3, 21.1)."""
 
     RESONANCE = "resonance"
     FOLD = "fold"
