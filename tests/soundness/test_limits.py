@@ -12,9 +12,10 @@ import pytest
 from flint import arb
 from support import process_work
 from support.claims import known
-from support.forgeries import DATA, forged
+from support.forgeries import DATA, atlas_certificate, forged, read
 
 from orbitproof import verify
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP, Program, record
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import apart, conclusion_apart
@@ -189,3 +190,58 @@ def test_a_place_that_does_not_end_is_an_obstacle_of_its_row(
     assert words in found[plain.id].obstacle
     assert found[plain.id].level is Level.FORM
     assert apart.recheck_places_apart(None, None, [plain], {plain.id: check}, CheckLimits(0.5))[plain.id] is check
+
+
+def refused(path: Path, text: str, command: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """The one line with which a command refuses a file."""
+    path.write_text(text, "utf-8")
+    assert main([*command, "--quiet", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    return line
+
+
+@pytest.mark.parametrize("depth", [200, 900, 5_000, 100_000])
+@pytest.mark.parametrize("command", [["--recheck"], ["--second-proof"], ["atlas", "--recheck"]])
+def test_a_document_of_great_depth_is_refused_in_one_line(
+    depth: int, command: list[str], honest: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if command[0] == "atlas":
+        document: dict[str, Any] = forged(a_curve(), lambda curve: curve["conclusion"].update(id="HERE"))
+    else:
+        document = {**HEAD, "certificates": [{**honest, "reason": "HERE"}]}
+    text = json.dumps(document).replace('"HERE"', '{"a":' * depth + "1" + "}" * depth)
+    line = refused(tmp_path / "deep.json", text, command, capsys)
+    assert "nested" in line or "recursion" in line
+
+
+def a_curve() -> dict[str, Any]:
+    """The certificate of an atlas on which nothing is proved."""
+    atlas = read("atlas-lyapunov.json")
+    return json.loads(json.dumps(atlas_certificate(atlas, [])))  # type: ignore[no-any-return]
+
+
+def test_numbers_that_fill_the_memory_are_refused_in_one_line(
+    honest: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = json.dumps({**HEAD, "certificates": [{**honest, "results": ["0x1p999999"] * 10_000}]})
+    assert "numbers are too long" in refused(tmp_path / "long.json", text, ["--recheck"], capsys)
+    spaced = json.dumps({**HEAD, "certificates": [{**honest, "results": ["1e-99999"] * 30_000}]}, indent=1)
+    assert "numbers are too long" in refused(tmp_path / "long.json", spaced, ["--recheck"], capsys)
+
+
+@pytest.mark.parametrize("text", ["0x1p9999999", "1e999999", "1e999999999", "9" * 5000, "0x1p999999999"])
+def test_a_number_that_is_too_long_to_write_out_is_none(text: str) -> None:
+    with pytest.raises(ValueError):
+        parse_exact(text)
+
+
+def test_a_program_has_bounded_exponents_and_lines() -> None:
+    with pytest.raises(ValueError, match="exponent 101 is too large"):
+        Program.from_text(program("v0 ** (101)"))
+    with pytest.raises(ValueError, match="exponent 1/101 is too large"):
+        Program.from_text(program("v0 ** (1/101)"))
+    with pytest.raises(ValueError, match="exponent 1000000000 is too large"):
+        record(lambda x: (x[0] ** 10**9,), ("x",))
+    assert Program.from_text(program("v0 ** (-99/100)"))
+    with pytest.raises(ValueError, match="at most 10000 lines"):
+        Program.from_text(squarings("v0 * v1", 10_000))
