@@ -25,15 +25,7 @@ from orbitproof.verify.certificate import (
     verdict_table,
     write_certificates,
 )
-from orbitproof.verify.engines import (
-    CHECK_SECONDS,
-    LONG_CHECK_SECONDS,
-    ArgumentParser,
-    CheckLimits,
-    Display,
-    engine_of,
-    whole,
-)
+from orbitproof.verify.engines import ArgumentParser, Display, engine_of, whole
 
 _DESCRIPTION = """\
 Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous verification of candidate boxes.
@@ -84,7 +76,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
     words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
     parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
-    parser.run_options("candidates", "--row-timeout", "a candidate", CHECK_SECONDS)
+    parser.run_options("candidates", "--row-timeout", "a candidate")
     return parser
 
 
@@ -113,7 +105,7 @@ def _run(options: argparse.Namespace) -> int:
     curve = None
     if options.curve is not None:
         # Only now: curves take a moment to load.
-        from orbitproof.verify.atlas import places_on_apart, read_atlas_certificate
+        from orbitproof.verify.atlas import places_on, read_atlas_certificate
 
         curve = read_atlas_certificate(options.curve)
     everything = read_candidates(options.file)
@@ -159,9 +151,7 @@ def _run(options: argparse.Namespace) -> int:
     done = {name: certificate for name, certificate in certificates.items() if name in fresh | kept}
     print(verdict_table(selected, done, kept), flush=True)
     if curve is not None:
-        orbits = [done[c.id] for c in selected if c.kind == ORBIT and c.id in done]
-        # The time of a candidate is no limit for checking the curve.
-        for placed in places_on_apart(curve, orbits, CheckLimits(None, options.memory, LONG_CHECK_SECONDS)):
+        for placed in places_on(curve, [done[c.id] for c in selected if c.kind == ORBIT and c.id in done]):
             print(placed.line, flush=True)
             certificates[placed.certificate.id] = placed.certificate
         save()
@@ -192,7 +182,7 @@ def _recheck(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         with display.shown():
-            recheck_all(selected, options.integrate, options.jobs, display.advance, finished, _check_limits(options))
+            recheck_all(selected, options.integrate, options.jobs, display.advance, finished)
     except KeyboardInterrupt:
         interrupted = True
     if not interrupted:
@@ -215,20 +205,15 @@ def _with_places(
     if options.curve is None and not any("place" in entry.to_json() for entry in selected):
         return done
     # Only now: curves take a moment to load.
-    from orbitproof.verify.atlas import read_atlas_certificate, recheck_places_apart
+    from orbitproof.verify.atlas import read_atlas_certificate, recheck_places
     from orbitproof.verify.atlas.__main__ import examined
 
-    limits = _check_limits(options)
     if options.curve is None:
-        return recheck_places_apart(None, None, selected, done, limits)
+        return recheck_places(None, None, selected, done)
     curve = read_atlas_certificate(options.curve)
     how = argparse.Namespace(**{**vars(options), "only": None}, bifurcations=[], timeout=options.row_timeout)
     checked = None if curve.atlas.is_surface else examined(curve.document, how)
-    return recheck_places_apart(curve, checked, selected, done, limits)
-
-
-def _check_limits(options: argparse.Namespace) -> CheckLimits:
-    return CheckLimits(options.row_timeout, options.memory)
+    return recheck_places(curve, checked, selected, done)
 
 
 def _work(certificate: Certificate, integrate: bool) -> float:

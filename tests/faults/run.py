@@ -12,10 +12,10 @@ import argparse
 import contextlib
 import hashlib
 import json
-import multiprocessing
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -23,11 +23,10 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-import child
+from orbitproof.shared.interrupts import run_command
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -116,38 +115,49 @@ def copied(folder: Path) -> None:
 
 def tested(folder: Path, tests: Iterable[str], slow: bool, times: Mapping[str, float], all_of_them: bool) -> Result:
     """Run tests on a copy, those that took little of the `times` first; until one fails, or all of them."""
-    arguments = ["--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow"]
-    arguments += [*([] if all_of_them else ["-x"]), *dict.fromkeys(tests)]
+    command = [sys.executable, "-m", "pytest", "--tb=no", "-p", "no:cacheprovider", "-p", "quick_first"]
+    command += ["-p", "_hypothesis_pytestplugin", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow"]
+    command += [*([] if all_of_them else ["-x"]), *dict.fromkeys(tests)]
+    told = folder / "times.json"
+    told.write_text(json.dumps(dict(times)), encoding="utf-8")
+    settings = {
+        "PYTHONPATH": os.pathsep.join((str(folder / "src"), str(HERE))),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+        "ORBITPROOF_TIMES": str(told),
+    }
     begin = time.monotonic()
-    # The server has imported what is not under test once, and each process is a fork of it.
-    process = _SERVER.Process(target=child.run_tests, args=(folder, arguments, dict(times)))
-    process.start()
+    # A session of its own, which ends with all processes that a fault may leave waiting.
+    process = subprocess.Popen(
+        command, cwd=folder, env={**os.environ, **settings}, text=True, start_new_session=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+    )  # fmt: skip
     _running.add(process)
-    process.join(10 * _LIMIT if slow else _LIMIT)
-    late = process.is_alive()
-    end(process)
-    told = folder / "told.json"
-    found = json.loads(told.read_text(encoding="utf-8")) if told.exists() else {"code": 1, "failed": [], "seconds": {}}
-    if found["code"] in (3, 4):
-        raise RuntimeError(f"pytest did not run:\n{(folder / 'output.txt').read_text(encoding='utf-8')}")
-    failed = found["failed"]
-    verdict = "timed out" if late else "survives" if found["code"] in (0, 5) else "found"
+    try:
+        output, _ = process.communicate(timeout=10 * _LIMIT if slow else _LIMIT)
+        verdict = "survives" if process.returncode in (0, 5) else "found"
+    except subprocess.TimeoutExpired:
+        output, verdict = "", "timed out"
+    finally:
+        end(process)
+    if process.returncode in (3, 4):
+        raise RuntimeError(f"pytest did not run:\n{output}")
+    found = json.loads(told.read_text(encoding="utf-8"))
+    failed = found.get("failed", [])
     by = failed[0] if failed else "the end of the process" if verdict == "found" else ""
-    told.unlink(missing_ok=True)
-    result = {"verdict": verdict, "by": by, "slow": slow, "seconds": round(time.monotonic() - begin, 1)}
-    return {**result, "failed": failed, "times": found["seconds"]}
+    seconds = round(time.monotonic() - begin, 1)
+    result = {"verdict": verdict, "by": by, "slow": slow, "seconds": seconds}
+    return {**result, "failed": failed, "times": found.get("seconds", {})}
 
 
-_SERVER = multiprocessing.get_context("forkserver")
-_SERVER.set_forkserver_preload(["pytest", "hypothesis", "numpy", "flint", "jsonschema"])
-_running: set[BaseProcess] = set()
+_running: set[subprocess.Popen[str]] = set()
 
 
-def end(process: BaseProcess) -> None:
+def end(process: subprocess.Popen[str]) -> None:
     """End a process and all of its session."""
     with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid or 0, signal.SIGKILL)
-    process.join()
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
     _running.discard(process)
 
 
@@ -259,5 +269,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    sys.exit(main())
+    sys.exit(run_command(main))

@@ -16,13 +16,12 @@ from fractions import Fraction
 GradedNorm = list[float]
 
 _SLACK = 1.0 + 2.0**-40
-FLOOR = 2.0**-1000
-"""What is added to a bound: more than all that underflow can have taken from it."""
+_FLOOR = 2.0**-1000
 
 
 def inflate(value: float) -> float:
     """An upper bound for a float sum of at most 4000 products of non-negative floats."""
-    return value * _SLACK + FLOOR
+    return value * _SLACK + _FLOOR
 
 
 def float_above(numerator: int, exponent: int) -> float:
@@ -32,7 +31,7 @@ def float_above(numerator: int, exponent: int) -> float:
         numerator = (numerator >> excess) + 1
         exponent += excess
     try:
-        return math.ldexp(numerator, exponent) + FLOOR
+        return math.ldexp(numerator, exponent) + _FLOOR
     except OverflowError:
         return math.inf
 

@@ -1,0 +1,272 @@
+"""Skew products over the Duffing oscillator x'' = -x - x^3: families of symmetric orbits with known stability.
+
+The orbit of (A, 0) is A cn(omega t, m) with omega^2 = 1 + A^2 and m = A^2/(2 omega^2), and its half period is
+2 K(m)/omega. Over it y'' = - (K_0 + K_1 x + K_2 x^2) F(y, E), E = x'^2/2 + x^2/2 + x^4/4: where F(y, E) = 0 with
+x' = 0, y rests, and the points (A, y) are a curve of symmetric orbits that is known in closed form. Variations at fixed
+E obey a linear equation over the base, integrated here by a method that shares nothing with the code under test.
+
+Two curves: the line y = 0 (F = y; n = 1, 2, 3, the matrices K_i symmetric or not), and an ellipse
+y_1^2 + (E - E_0)^2/a^2 = r^2 with folds of E at y_1 = 0; multiplied by y_1 it breaks the symmetry y -> -y there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.integrate import solve_ivp
+from scipy.special import ellipj, ellipk
+
+from orbitproof.shared.formats.atlas import Atlas, Claim, Piece
+from orbitproof.shared.systems.system import ReversibleSystem
+
+_NODES = 160
+_POINTS = chebyshev.chebpts1(_NODES)
+"""Of Chebyshev interpolation along a curve."""
+
+
+def interpolated(values: Any) -> Any:
+    """Chebyshev coefficients, the first axis, of functions from values at as many Chebyshev points, the last axis."""
+    number = values.shape[-1]
+    table = chebyshev.chebvander(chebyshev.chebpts1(number), number - 1)
+    coefficients = table.T @ np.moveaxis(values, -1, 0).reshape(number, -1) * 2 / number
+    coefficients[0] /= 2
+    return coefficients.reshape(number, *values.shape[:-1])
+
+
+def energy(amplitude: Any) -> Any:
+    """E of the orbit that starts at rest."""
+    return amplitude**2 / 2 + amplitude**4 / 4
+
+
+def half_period(amplitude: Any) -> Any:
+    """From rest to rest."""
+    return 2 * ellipk(amplitude**2 / (2 + 2 * amplitude**2)) / np.sqrt(1 + amplitude**2)
+
+
+def position(amplitude: Any, time: Any) -> Any:
+    """x at a time after rest."""
+    return amplitude * ellipj(np.sqrt(1 + amplitude**2) * time, amplitude**2 / (2 + 2 * amplitude**2))[1]
+
+
+@dataclass(frozen=True)
+class SkewProduct:
+    """A system and a curve of its symmetric orbits.
+
+    Attributes:
+        name: of the system.
+        stiffness: K_0, K_1, K_2, each n x n.
+        ellipse: E_0, a, r; `None` for the line y = 0.
+        breaks: whether the ellipse meets the line y = 0, which y -> -y fixes.
+        begin, end: of the parameter of the curve: A on the line; on the ellipse the angle.
+    """
+
+    name: str
+    stiffness: tuple[tuple[tuple[Fraction, ...], ...], ...]
+    begin: float
+    end: float
+    ellipse: tuple[Fraction, Fraction, Fraction] | None = None
+    breaks: bool = False
+
+    @property
+    def size(self) -> int:
+        """n."""
+        return len(self.stiffness[0])
+
+    @cached_property
+    def system(self) -> ReversibleSystem:
+        """The equations."""
+        n = self.size
+        names = [f"y{i}" for i in range(1, n + 1)]
+
+        def field(state: Sequence[Any], _: Sequence[Any]) -> Sequence[Any]:
+            x, v, y, w = state[0], state[1], list(state[2 : 2 + n]), list(state[2 + n :])
+            square = x * x
+            if self.ellipse is not None:
+                centre, length, radius = self.ellipse
+                level = (v * v / 2 + square / 2 + square * square / 4 - centre) / length
+                y[0], first = y[0] * y[0] + level * level - radius * radius, y[0]
+                if self.breaks:
+                    y[0] = y[0] * first
+            forces = []
+            for rows in zip(*self.stiffness, strict=True):
+                pulls = [
+                    (zero + one * x + two * square) * value for zero, one, two, value in zip(*rows, y, strict=True)
+                ]
+                forces.append(-sum(pulls[1:], pulls[0]))
+            return (v, -x - square * x, *w, *forces)
+
+        return ReversibleSystem(
+            name=self.name,
+            title="a skew product over the Duffing oscillator",
+            state=("x", "v", *names, *(f"w{i}" for i in range(1, n + 1))),
+            parameters={},
+            vector_field=field,
+            reversing_symmetry=(1, -1, *[1] * n, *[-1] * n),
+            symmetries={"S": (1, 1, *[-1] * n, *[-1] * n)} if self.breaks or self.ellipse is None else {},
+            section="v",
+            first_integral=lambda s, _: (s[1] * s[1] / 2 + s[0] * s[0] / 2 + s[0] * s[0] * s[0] * s[0] / 4,),
+            first_integral_name="energy",
+        )
+
+    # The curve
+
+    def amplitude(self, place: Any) -> Any:
+        """A at a place of the curve."""
+        if self.ellipse is None:
+            return place
+        centre, length, radius = map(float, self.ellipse)
+        level = centre + length * radius * np.cos(place)
+        return np.sqrt(np.sqrt(1 + 4 * level) - 1)
+
+    def point(self, place: Any) -> Any:
+        """(A, y_1, .., y_n) at places of the curve; shape (1 + n, ..)."""
+        place = np.asarray(place, dtype=float)
+        rest = np.zeros((self.size, *place.shape))
+        if self.ellipse is not None:
+            rest[0] = float(self.ellipse[2]) * np.sin(place)
+        return np.concatenate([self.amplitude(place)[None], rest])
+
+    def place(self, point: Sequence[float]) -> float:
+        """Where on the curve a point of it is."""
+        if self.ellipse is None:
+            return point[0]
+        centre, length, _ = map(float, self.ellipse)
+        angle = np.arctan2(point[1], (energy(point[0]) - centre) / length)
+        return float(angle + 2 * np.pi * round((((self.begin + self.end) / 2) - angle) / (2 * np.pi)))
+
+    @property
+    def _middle(self) -> float:
+        return (self.begin + self.end) / 2
+
+    @property
+    def _reach(self) -> float:
+        """A little more than the curve: pieces overlap its ends."""
+        return (self.end - self.begin) * 0.65
+
+    # The stability, independently
+
+    def _factors(self, place: Any) -> Any:
+        """dF_i/dy_i at places of the curve."""
+        factors = np.ones((self.size, *np.shape(place)))
+        if self.ellipse is not None:
+            y = float(self.ellipse[2]) * np.sin(place)
+            factors[0] = 2 * y * y if self.breaks else 2 * y
+        return factors
+
+    @cached_property
+    def _blocks(self) -> tuple[Any, Any]:
+        """Chebyshev coefficients of the derivatives of (y, w) with respect to y, after one and two half periods."""
+        places = self._middle + self._reach * _POINTS
+        amplitudes, factors, n = self.amplitude(places), self._factors(places), self.size
+        zero, one, two = np.array(self.stiffness, dtype=float)
+        times = half_period(amplitudes)
+
+        def field(time: float, flat: Any) -> Any:
+            y, w = flat.reshape(2, n, n, _NODES)
+            x = position(amplitudes, time * times)
+            matrix = zero[:, :, None] + one[:, :, None] * x + two[:, :, None] * x * x
+            return np.array([w, -np.einsum("ijm,jkm->ikm", matrix * factors[None], y)]).ravel() * np.tile(
+                times, 2 * n * n
+            )
+
+        start = np.zeros((2, n, n, _NODES))
+        start[0, range(n), range(n)] = 1
+        found = solve_ivp(field, (0, 2), start.ravel(), "DOP853", (1.0, 2.0), rtol=1e-13, atol=1e-14)
+        half, whole = np.moveaxis(found.y.reshape(2, n, n, _NODES, 2), -1, 0)
+        return interpolated(half), interpolated(whole[0])
+
+    def _values(self, coefficients: Any, places: Any) -> Any:
+        scaled = (np.asarray(places) - self._middle) / self._reach
+        return np.moveaxis(chebyshev.chebval(scaled, coefficients), (0, 1), (-2, -1))
+
+    def sigma(self, places: Any) -> Any:
+        """The stability matrix at places of the curve; shape (.., n, n)."""
+        return self._values(self._blocks[1], places)
+
+    def first_block(self, places: Any) -> Any:
+        """dy/dy(0) after half a period: singular where the period doubles at this point of the orbit."""
+        return self._values(self._blocks[0][:, 0], places)
+
+    def kernel_block(self, places: Any) -> Any:
+        """dw/dy(0) after half a period: singular where other symmetric orbits meet the curve."""
+        return self._values(self._blocks[0][:, 1], places)
+
+    # What is claimed
+
+    def pieces(self, number: int, degree: int = 18, tube: Fraction = Fraction(1, 2**20)) -> tuple[Piece, ...]:
+        """Pieces that cover the curve from `begin` to `end`."""
+        ends = np.linspace(self.begin, self.end, number + 1)
+        overlap = (ends[1] - ends[0]) / 16
+        result = []
+        for index in range(number):
+            low, high, kind = ends[index] - overlap, ends[index + 1] + overlap, "regular"
+            if self.breaks and index in (0, number - 1):
+                centre = ends[0] if index == 0 else ends[-1]
+                reach = ends[1] - ends[0] + overlap
+                low, high, kind = centre - reach, centre + reach, "symmetric"
+            result.append(self._piece(f"p{index:03}", kind, low, high, degree, tube))
+        return tuple(result)
+
+    def _piece(self, name: str, kind: str, low: float, high: float, degree: int, tube: Fraction) -> Piece:
+        middle = (low + high) / 2
+        centre = self.point(middle)
+        along = (self.point(middle + 1e-6) - self.point(middle - 1e-6)) / 2e-6
+        if kind == "symmetric":
+            along[0], centre[1:] = 0, 0
+        frame = np.linalg.qr(np.column_stack([along, np.eye(self.size + 1)]))[0]
+        frame[:, 0] *= np.sign(frame[:, 0] @ along)
+        frame = np.round(frame * 2**30) / 2**30
+        ends = np.linalg.inv(frame) @ (self.point(np.array([low, high])) - centre[:, None])
+        half_width = Fraction(float(np.float32(np.abs(ends[0]).max())))
+        bare = Piece(
+            name, kind, _exact(centre), tuple(map(_exact, frame)), half_width, (), (tube,) * self.size, "physical"
+        )
+        nodes = chebyshev.chebpts1(degree + 1)
+        across = np.linalg.inv(frame) @ (self.point(self.places(bare, nodes)) - centre[:, None])
+        rows = []
+        for row in powers(interpolated(across[1:])).T:
+            if kind == "symmetric":
+                row[1::2] = 0
+            rows.append(_exact(np.trim_zeros(np.where(np.abs(row) < 1e-13, 0, row), "b")) or (Fraction(0),))
+        return replace(bare, polynomial=tuple(rows))
+
+    def places(self, piece: Piece, s: Any) -> Any:
+        """Where on the curve s of a piece is."""
+        first = np.linalg.inv(np.array(piece.frame, dtype=float))[0]
+        centre = np.array(piece.centre, dtype=float)
+        width = float(piece.half_width)
+        # About linear in s: by the secant method.
+        middle = self.place(list(centre))
+        value = lambda place: np.tensordot(first, self.point(place) - centre.reshape(-1, *[1] * np.ndim(place)), 1)  # noqa: E731
+        rate = (value(middle + 1e-4) - value(middle - 1e-4)) / 2e-4
+        here = middle + 0 * s
+        after = middle + width * s / rate
+        there = value(here) - width * s
+        for _ in range(40):
+            gap = value(after) - width * s
+            step = np.where(np.abs(gap) > 1e-15, gap * (after - here) / np.where(gap == there, 1, gap - there), 0)
+            here, there, after = after, gap, after - step
+        return after
+
+    def atlas(self, number: int, degree: int = 18, tube: Fraction = Fraction(1, 2**20)) -> Atlas:
+        """The claim."""
+        closed = self.ellipse is not None and abs(self.end - self.begin - 2 * np.pi) < 1e-9
+        claim = Claim("symmetric-loop", "S") if self.breaks else Claim("loop" if closed else "arc")
+        return Atlas(self.name, "a skew product", self.system, {}, claim, self.pieces(number, degree, tube))
+
+
+def _exact(values: Any) -> tuple[Fraction, ...]:
+    return tuple(Fraction(float(value)) for value in values)
+
+
+def powers(coefficients: Any) -> Any:
+    """Coefficients of powers from those of Chebyshev polynomials, along the first axis."""
+    flat = coefficients.reshape(len(coefficients), -1).T
+    rows = [np.pad(row := chebyshev.cheb2poly(each), (0, len(coefficients) - len(row))) for each in flat]
+    return np.array(rows).T.reshape(coefficients.shape)
