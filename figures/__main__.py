@@ -244,7 +244,11 @@ def tabulate(arguments: argparse.Namespace) -> int:
     )
 
     published = read_published(arguments.published or default_published())
-    tables = build_tables(read_rows(arguments.certificates, arguments.candidates), published)
+    rows = read_rows(arguments.certificates, arguments.candidates)
+    if not rows:
+        files = ", ".join(map(str, arguments.certificates))
+        raise InputError(f"{files}: no bifurcations, which tables are of; orbitproof report tells certified orbits")
+    tables = build_tables(rows, published)
     names: set[str] = set()
     if arguments.output is not None:
         check_folder(arguments.output)

@@ -29,7 +29,7 @@ def run_source(source: Source, options: argparse.Namespace) -> int:
                 raise InputError(f"--coordinates regularised: {problem.system.name} has none; leave it out")
             title = f"{name} orbits of the {problem.system.title}" + (f", mass parameter {label}" if label else "")
             request = AtlasRequest(
-                id=options.id or options.preset or "-".join(part for part in (name, label) if part),
+                id=options.id or options.preset or f"{name}-{label or family.problem.system.name}",
                 title=source.title or title,
                 family=family,
                 covers=source.covers,

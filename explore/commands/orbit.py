@@ -200,7 +200,7 @@ def _family(options: argparse.Namespace, system: ReversibleSystem | None, report
     if system is None:
         records = read_families(options.from_family)
         record = _record(options, records)
-        return record.name, family_of(record)
+        return _full_name(record), family_of(record)
     parameters = given_parameters(system, None if options.mass is None else options.mass[0], options.parameter)
     _equation(options, system)
     name = mirrored_name(options.family[0]) if options.mirror else options.family[0]
@@ -212,12 +212,17 @@ def _family(options: argparse.Namespace, system: ReversibleSystem | None, report
     return f"{label}-{name}", family
 
 
+def _full_name(record: FamilyRecord) -> str:
+    """The name of a family with that of its mass parameter, or else of its system."""
+    return f"{record.label or record.system.name}-{record.name}"
+
+
 def _record(options: argparse.Namespace, records: Sequence[FamilyRecord]) -> FamilyRecord:
     """The family of a file that is meant, by its name with or without that of the mass parameter."""
     wanted = None if options.family is None else options.family[0]
-    named = [each for each in records if wanted in (None, each.name, f"{each.label}-{each.name}")]
+    named = [each for each in records if wanted in (None, each.name, _full_name(each))]
     if len(named) != 1:
-        names = ", ".join(f"{each.label}-{each.name}" for each in records)
+        names = ", ".join(_full_name(each) for each in records)
         raise InputError(f"--family: {options.from_family} holds {names}; give the name of one")
     return named[0]
 
@@ -240,7 +245,7 @@ def _extrema(options: argparse.Namespace) -> int:
     kept = {each.id: each for each in (read_candidates(options.output) if options.output.exists() else [])}
     complete = True
     with Reporter(options.quiet) as report:
-        tasks = tasks_of_extrema(record, options.id or f"{record.label}-{record.name}", options.digits)
+        tasks = tasks_of_extrema(record, options.id or _full_name(record), options.digits)
         waiting = [task for task in tasks if not all(_is_there(task, kept, word) for word in SIDES)]
         report.stage(f"refining {len(waiting)} of {len(tasks)} extrema")
         try:

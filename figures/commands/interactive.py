@@ -71,7 +71,8 @@ def _family(options: argparse.Namespace) -> Any:
     fits = [family for family in families if options.family in (None, family.name)]
     if len(fits) != 1:
         if not families:
-            raise InputError(f"{options.file}: has no family of {' or '.join(each.name for each in THREE_BODY)}")
+            known = " or ".join(each.name for each in THREE_BODY)
+            raise InputError(f"{options.file}: has no family of {known}; draw others with orbitproof figures family")
         said = "missing" if options.family is None else f"no {options.family!r} in {options.file}"
         raise InputError(f"--family: {said}; give one of {', '.join(family.name for family in families)}")
     marks = []

@@ -14,7 +14,7 @@ from orbitproof.explore.records import ExtremumRecord, FamilyRecord, ResonanceRe
 from orbitproof.explore.records import read_families as read_records
 from orbitproof.figures.model.family import MarkedPoint, SampledFamily
 from orbitproof.figures.orbits import Array
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import ORBIT, InputError
 
 _SAME_ORBIT = 1e-3
 _EVENT = ("what", "arclength", "level", "k", "kind", "on_fix_r")
@@ -57,9 +57,10 @@ class SampledStability:
     def places(self, marks: Sequence[MarkedPoint]) -> list[Place]:
         """The resonances of the family file, each with the candidate that refines it, by arclength.
 
-        Candidates that refine none of them, for example of other multiplicities, are placed by their point.
+        Candidates that refine none of them, for example of other multiplicities, are placed by their point. Orbits
+        that are claimed for themselves are at no resonance and have no place here.
         """
-        rest = list(marks)
+        rest = [mark for mark in marks if mark.candidate.kind != ORBIT]
         result: list[Place] = []
         for resonance in self.resonances:
             known = [

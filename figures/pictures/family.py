@@ -19,6 +19,7 @@ from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_mark, draw_resonance, resonances, show_around
 from orbitproof.figures.pictures.space import bounds_of, primary_handle, set_box, show_primaries
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of
+from orbitproof.shared.formats import ORBIT
 from orbitproof.shared.systems import THREE_BODY
 
 _ORBITS_SHOWN = 6
@@ -94,7 +95,7 @@ def _parameter_figure(family: SampledFamily, placements: Sequence[Placement]) ->
     _orbits_in_plane(orbits, family, placements)
     _title(first, "a", "crossings of Fix($R$)")
     _title(stability, "b", "stability parameter")
-    _title(orbits, "c", "resonant orbits")
+    _title(orbits, "c", "marked orbits")
     figure.align_ylabels([first, second])
     _legend(figure, placements)
     return figure
@@ -120,7 +121,7 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
         axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.set_xlabel(x)
         axes.set_ylabel(y)
-    _title(fixed, "a", "bifurcation points on Fix($R$)")
+    _title(fixed, "a", "marked points on Fix($R$)")
     _title(level, "b", system.first_integral_name or "family parameter")
     _legend(figure, placements)
     return figure
@@ -285,15 +286,19 @@ def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Pl
     for column in family.stability.T:
         axes.plot(abscissa, column, color=CURVE)
     axes.set_ylim(-_STABILITY_SHOWN, _STABILITY_SHOWN)
-    levels = resonances([p.mark.k for p in placements] or [1, 2, 3, 4])
+    levels = resonances([p.mark.k for p in placements if p.mark.candidate.kind != ORBIT] or [1, 2, 3, 4])
     for k, values in levels.items():
         for value in values:
             draw_resonance(axes, k, value)
     for placement in placements:
         found = family.stability_at(placement.arclength)
+        x = float(np.interp(placement.arclength, family.arclength, abscissa))
+        if placement.mark.candidate.kind == ORBIT:
+            for value in found[np.abs(found) < _STABILITY_SHOWN]:
+                draw_mark(axes, (x, value), placement.mark)
+            continue
         miss = [float(np.nanmin(np.abs(found - value), initial=np.inf)) for value in levels[placement.mark.k]]
         value = levels[placement.mark.k][int(np.argmin(miss))]
-        x = float(np.interp(placement.arclength, family.arclength, abscissa))
         draw_mark(axes, (x, value), placement.mark)
     axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
 

@@ -81,7 +81,7 @@ def _run(options: argparse.Namespace) -> int:
         with display.shown():
             for entry in proved:
                 pictures[name_of(entry)] = pictures_of(entry)
-                display.finish(name_of(entry), "drawn")
+                display.finish(name_of(entry), "drawn" if pictures[name_of(entry)] else "has no picture")
     report = report_of(entries, lambda entry: pictures.get(name_of(entry), ()))
     for output in options.output:
         for path in write_report(output, report):

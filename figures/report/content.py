@@ -31,7 +31,7 @@ from orbitproof.figures.report.statements import (
     piece_table,
     statement_blocks,
 )
-from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
+from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow, has_second_proof
 from orbitproof.verify.certificate import MEANINGS, Level
 from orbitproof.verify.evidence import software
 
@@ -146,11 +146,22 @@ def _again(entries: Sequence[Checked]) -> Section:
     lines += [f"orbitproof {verify[path]} --recheck {path.name}" for path, _ in paths]
     lines += ["", "# integrated again, with other settings"]
     lines += [f"orbitproof {verify[path]} --recheck --integrate {path.name}" for path, _ in paths]
-    if any(not is_atlas for _, is_atlas in paths):
-        lines += ["", "# bifurcations, by code that shares nothing with the first proof"]
-        lines += [f"orbitproof verify --second-proof {path.name}" for path, is_atlas in paths if not is_atlas]
+    if second := _second_proofs(entries):
+        lines += ["", "# bifurcations, by code that shares nothing with the first proof", *second]
     words = f"With orbitproof {metadata.version('orbitproof')} installed and the certificate files at hand:"
     return Section("again", "How to check it again", (Paragraph((words,)), Listing("\n".join(lines))))
+
+
+def _second_proofs(entries: Sequence[Checked]) -> list[str]:
+    """The commands for what is proved and has a second proof; the others of its file are left out by name."""
+    rows = [entry for entry in entries if isinstance(entry, CheckedRow)]
+    lines = []
+    for path in dict.fromkeys(entry.path for entry in rows):
+        there = [entry for entry in rows if entry.path == path]
+        followed = [name_of(entry) for entry in there if is_proved(entry) and has_second_proof(entry)]
+        only = "" if len(followed) == len(there) else f" --only {' '.join(followed)}"
+        lines += [f"orbitproof verify --second-proof {path.name}{only}"] if followed else []
+    return lines
 
 
 def _software(entries: Sequence[Checked]) -> Section:

@@ -15,7 +15,6 @@ from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import FOLD
-from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS
 from orbitproof.verify.atlas import AtlasCertificate
 
 _PNG_DPI = 130
@@ -23,7 +22,7 @@ _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the tr
 
 
 def pictures_of(entry: Checked) -> tuple[Picture, ...]:
-    """The pictures of a proved theorem; none of a bifurcation in an unknown system."""
+    """The pictures of a proved theorem."""
     with use_style():
         return _of_row(entry) if isinstance(entry, CheckedRow) else _of_atlas(entry)
 
@@ -37,8 +36,6 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         )
         figure = draw_orbit(entry.candidate, entry.certificate.orbit)
         return (_picture(f"orbit-{file_name(name)}", caption, figure),)
-    if entry.candidate.system.name not in SYSTEMS:
-        return ()
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
     fold = entry.candidate.kind == FOLD
     curves, along = ("the family", "it") if fold else ("the family and the branch", "the branch")
@@ -50,8 +47,6 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
 
 
 def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:
-    if entry.atlas.system.name not in BRANCH_SYSTEMS:
-        return ()
     # The title is free text that no check looks at; the id names the theorem.
     atlas = replace(entry.atlas, title=entry.atlas.id)
     certificate = AtlasCertificate(atlas, entry.document)

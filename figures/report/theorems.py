@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, recheck_atlas
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import Certificate, Recheck, digest, read_certificates, recheck, systems_with
 from orbitproof.verify.engines import Display
+from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_statement
 
 _ATLAS = "orbitproof-atlas-certificate"
 
@@ -77,7 +79,10 @@ def check_files(paths: Sequence[Path], only: Sequence[str] | None = None, quiet:
         names = [_name(entry) for _, entry in entries]
     for (path, _), name in zip(entries, names, strict=True):
         if names.count(name) > 1:
-            raise InputError(f"{path}: {name!r} is given twice; give each certificate once")
+            raise InputError(
+                f"{path}: {name!r} is given twice; give each certificate once, or choose with --only; two that are "
+                "called the same need names of their own (explore, --id)"
+            )
     display = Display({name: _work(entry) for name, (_, entry) in zip(names, entries, strict=True)}, quiet)
     examined: dict[str, Recheck] = {}
     found: list[tuple[Path, Certificate | Mapping[str, Any], Recheck]] = []
@@ -90,6 +95,14 @@ def check_files(paths: Sequence[Path], only: Sequence[str] | None = None, quiet:
     if refused:
         raise Refused(refused)
     return [_checked(path, entry, check) for path, entry, check in found]
+
+
+def has_second_proof(entry: CheckedRow) -> bool:
+    """Whether the second proof is about such a claim."""
+    with contextlib.suppress(CannotFollow, BadCertificate):
+        read_statement(entry.certificate.to_json())
+        return True
+    return False
 
 
 def _read(path: Path) -> list[tuple[Path, Certificate | Mapping[str, Any]]]:

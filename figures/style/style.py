@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from orbitproof.shared.formats import FOLD
+from orbitproof.shared.formats import FOLD, ORBIT
 from orbitproof.shared.systems import ReversibleSystem
 
 INK = "#222222"
@@ -20,7 +20,7 @@ CURVE = "#3c6e91"
 SECOND_CURVE = "#a8a8a8"
 _MARKERS = {1: "^", 2: "s", 3: "D", 4: "o", 5: "p", 6: "h"}
 _COLOURS = {1: "#111111", 2: "#b2182b", 3: "#e08214", 4: "#1b7837", 5: "#762a83", 6: "#2166ac"}
-_FOLD_MARKER = "v"
+_OF_KIND = {FOLD: "v", ORBIT: "P"}
 _TEX = {
     "vx": r"\dot{x}",
     "vy": r"\dot{y}",
@@ -41,8 +41,11 @@ def use_style() -> Any:
 
 
 def marker_of(k: int, kind: str = "") -> tuple[str, str]:
-    """Marker and colour of multiplicity k, or of a fold. The shape alone tells k, so that grey prints stay readable."""
-    return _FOLD_MARKER if kind == FOLD else _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
+    """Marker and colour of multiplicity k, of a fold, or of an orbit that is no bifurcation.
+
+    The shape alone tells which, so that grey prints stay readable.
+    """
+    return _OF_KIND.get(kind) or _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
 
 
 def label_of(name: str, unit: bool = True) -> str:

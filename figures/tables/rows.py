@@ -23,7 +23,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.certificate import read_certificates
-from orbitproof.verify.evidence import ball_from_json, bounds
+from orbitproof.verify.evidence import ball_from_json, bounds, enclose, power
 
 _NUMBERED = re.compile(r"-(k[0-9]+|fold)-[0-9]+(-second)?\Z")
 _LARGEST_EXPONENT = 150_000
@@ -193,15 +193,20 @@ def _at_point(
     values = [coordinates[name] if name in coordinates else _ball(parameters[name]) for name in system.parameters]
     value: Interval | None = None
     crossing = 0
+    integral = system.first_integral_program
     try:
-        level = point[0] if system.family_parameter is not None else arb(system.first_integral(state, values)[0])
-        speed = arb(system.vector_field(state, values)[system.section_index])
+        if system.family_parameter is not None:
+            level = point[0]
+        else:
+            level = arb("nan") if integral is None else integral.evaluate([*state, *values], enclose, power)[0]
+        speed = system.program.evaluate([*state, *values], enclose, power)[system.section_index]
     except (ZeroDivisionError, ValueError):
         return None, 0
     if level.is_finite():
         middle = Interval(*bounds(level)).middle
         value = Interval(middle, middle)
-    if speed.is_finite():
+    # On a fixed level one coordinate of the state is not among those of the claim.
+    if speed.is_finite() and system.fixed_level is None:
         crossing = 1 if speed > 0 else -1 if speed < 0 else 0
     return value, crossing
 
