@@ -17,6 +17,7 @@ from flint import arb
 
 from orbitproof.figures.orbits import Array
 from orbitproof.shared.formats import FOLD, ORBIT, Candidate, InputError, candidate_from_json, validate_document
+from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,
     DoublySymmetricFamily,
@@ -31,7 +32,7 @@ from orbitproof.verify.bifurcation import (
     locate,
     reduced_function,
 )
-from orbitproof.verify.certificate import tables_from_json
+from orbitproof.verify.certificate import systems_with, tables_from_json
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, guarded, meet
 from orbitproof.verify.poincare import Enclosures
 
@@ -72,7 +73,8 @@ class CertifiedCurves:
         stated = certificate["statement"]["candidate"]
         document = {"format": "orbitproof-candidates", "version": 1, "candidates": [stated]}
         validate_document(document, "candidates", f"{where}.statement.candidate")
-        candidate = candidate_from_json(stated, f"{where}.statement.candidate")
+        known = systems_with(SYSTEMS, certificate["statement"], stated)
+        candidate = candidate_from_json(stated, f"{where}.statement.candidate", known)
         if candidate.kind == ORBIT:
             raise InputError(f"{where}: orbit: no curve is certified there; choose another certificate")
         claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate

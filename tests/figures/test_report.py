@@ -236,7 +236,7 @@ def test_a_system_that_is_not_known_here_is_told_from_its_program_with_a_note(
     assert main(words(tmp_path / "rows.json", "-o", target, "--quiet")) == 0
     page = Page(target.read_text("utf-8"))
     assert "its name is a name only" in page.text
-    assert page.pictures == 0
+    assert page.pictures == 1
 
 
 def test_the_check_of_one_certificate_does_not_count_for_another_that_copies_its_digest(

@@ -25,7 +25,6 @@ from orbitproof.figures.report.margins import margin_on_atlas
 from orbitproof.figures.report.statements import hypothesis_table, piece_table
 from orbitproof.figures.report.theorems import CheckedAtlas, check_files
 from orbitproof.shared.formats import Atlas, read_candidates
-from orbitproof.shared.systems import BRANCH_SYSTEMS
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.atlas.__main__ import main as verify_atlas
 from orbitproof.verify.certificate import Limits, write_certificates
@@ -116,8 +115,7 @@ def test_every_kind_of_atlas_is_told_in_every_format(kind: str, written: dict[st
         for piece in entry.atlas.pieces:
             assert piece.id in text
     drawn = tmp_path / "report-pictures"
-    known = entry.atlas.system.name in BRANCH_SYSTEMS
-    assert {path.suffix for path in drawn.glob("*")} == ({".pdf", ".png"} if known else set())
+    assert {path.suffix for path in drawn.glob("*")} == {".pdf", ".png"}
 
 
 def test_every_kind_of_row_is_told_in_every_format(rows: Path, tmp_path: Path) -> None:
