@@ -11,7 +11,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import Program
 from orbitproof.verify.curve import Stretch, derived_parameter
-from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_zero, hull, is_positive, power
+from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_zero, is_positive, power
 from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.places import Gap, Segment, level_name
 from orbitproof.verify.stability.segments import point_over
@@ -107,8 +107,8 @@ class Level:
                 pending += [(middle, high, depth + 1), (low, middle, depth + 1)]
                 continue
             if slope is not None:
-                piece = stretch.tube.piece.id
-                self._slopes[piece] = hull(abs(slope), self._slopes.get(piece, abs(slope)))
+                piece, bound = stretch.tube.piece.id, slope.abs_lower()
+                self._slopes[piece] = min(bound, self._slopes.get(piece, bound))
             if result and result[-1][2] == (slope is not None):
                 low = result.pop()[0]
             result.append((low, high, slope is not None))
@@ -133,6 +133,6 @@ class Level:
         with checklist.hypothesis(LEVEL, "18.5", statement, "give another first integral") as evidence:
             evidence.require(self._is_coordinate or self._program is not None, "there is no level")
             for piece, slope in self._slopes.items():
-                evidence.record(f"a component on {piece}, in absolute value", slope)
+                evidence.record(f"absolute value of a component on {piece}, at least", slope)
                 evidence.require(is_positive(slope), "every component may vanish")
         return tuple(checklist.hypotheses)

@@ -17,14 +17,14 @@ from orbitproof.verify.stability.ranges import Ranges
 _DIGITS, _MOST_DIGITS = 14, 24
 
 _POINTS = {
-    Kind.RESONANCE: "1:{k}, a stability parameter is cos(2 pi {j}/{k})",
+    Kind.RESONANCE: "1:{k}, a stability parameter is {value}",
     Kind.FOLD: "extremum of {level} along the curve, where a stability parameter is 1",
     Kind.LOSS: "1:1, a stability parameter is 1 and {level} is not stationary: the symmetry R may be lost here",
     Kind.SYMMETRIC: "symmetric point of the curve, where a stability parameter is 1",
     Kind.HERE: "1:2, a stability parameter is -1, A singular at this point of the orbit on Fix(R)",
     Kind.THERE: "1:2, a stability parameter is -1, A singular at the other point of the orbit on Fix(R)",
     Kind.COLLISION: "Krein collision: two stability parameters are equal",
-    Kind.UNDECIDED: "1:{k}, a stability parameter is cos(2 pi {j}/{k}), kind not decided",
+    Kind.UNDECIDED: "1:{k}, a stability parameter is {value}, kind not decided",
     Kind.ACROSS_SYMMETRIC: "1:1, a curve of orbits out of the plane, symmetric under R, begins here",
     Kind.ACROSS_AXIAL: ("1:1, a curve of orbits out of the plane, symmetric under R followed by z -> -z, begins here"),
     Kind.ACROSS_DOUBLING: "1:2, (lambda + 1/lambda)/2 is -1",
@@ -211,12 +211,17 @@ def _held(atlas: Atlas) -> str:
 def _words(atlas: Atlas, what: What, k: int = 0, j: int = 0) -> str:
     """What is at a point, or not known at a place."""
     if isinstance(what, Resonance):
-        return f"stability parameters cos(2 pi {what.j}/{what.k})"
+        return f"stability parameters {_value(what.k, what.j)}"
     if isinstance(what, Matter):
         return _MATTERS[what]
     if isinstance(what, CurveEnd):
         return _ENDS[what].format(part=_part(atlas))
-    return _POINTS[what].format(level=level_name(atlas), k=k, j=j)
+    return _POINTS[what].format(level=level_name(atlas), k=k, value=_value(k, j))
+
+
+def _value(k: int, j: int) -> str:
+    """cos(2 pi j/k)."""
+    return {1: "1", 2: "-1"}.get(k, f"cos(2 pi {j}/{k})")
 
 
 def _point(atlas: Atlas, point: Point) -> str:
