@@ -191,6 +191,8 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
         return before is None or (slow and before["verdict"] == "survives" and not before["slow"])
 
     missing = [fault for fault in faults if is_missing(fault)]
+    for fault in missing:
+        fault.applied((ROOT / fault.file).read_text(encoding="utf-8"))
     with ThreadPoolExecutor(jobs) as pool:
         waiting = {pool.submit(tried, fault, times, slow): fault for fault in missing}
         try:
