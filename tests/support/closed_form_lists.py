@@ -20,8 +20,8 @@ from support.skew_products import SkewProduct, energy, half_period, interpolated
 from orbitproof.shared.formats.atlas import Atlas, Piece
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.evidence.balls_as_text import ball_from_json, ball_to_json
+from orbitproof.verify.functions.functions import REACH
 from orbitproof.verify.stability.complete_list import orders
-from orbitproof.verify.stability.functions import REACH
 
 _GRID = 2401
 _DEGREE = 24

@@ -13,9 +13,9 @@ from support.flow_checks import ball
 
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
+from orbitproof.verify.functions.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.between_orbits import between_orbits
 from orbitproof.verify.stability.extrema import extrema_on, is_in_band
-from orbitproof.verify.stability.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.places import Extremum, Gap, Segment
 

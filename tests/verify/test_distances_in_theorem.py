@@ -17,7 +17,7 @@ from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.piece import PieceLimits
 from orbitproof.verify.curve.theorem import conclude
-from orbitproof.verify.stability.distances import Where
+from orbitproof.verify.distances.distances import Where
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.stability.theorem import with_complete_list
 

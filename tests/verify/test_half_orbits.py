@@ -25,8 +25,8 @@ from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.statement import curve_statement
 from orbitproof.verify.evidence.outcome import Proved as PieceProved
+from orbitproof.verify.functions.functions import bounded
 from orbitproof.verify.second_proof.proof import Proved, second_proof
-from orbitproof.verify.stability.functions import bounded
 from orbitproof.verify.stability.matrix import orbit_functions
 
 DATA = Path(__file__).parents[1] / "data" / "known-crossings.json"

@@ -23,10 +23,10 @@ from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.balls_as_text import exact_interval_text
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.functions.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import statement as sentences
 from orbitproof.verify.stability.complete_list import complete_list
 from orbitproof.verify.stability.extrema import BAND, extrema_on, is_in_band
-from orbitproof.verify.stability.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance, Subject, may_change_stability
 from orbitproof.verify.stability.linear_stability import stable_intervals
 from orbitproof.verify.stability.matching import with_certificates

@@ -17,7 +17,7 @@ from orbitproof.shared.formats.atlas import Atlas
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.stability.functions import REACH, function_from_json
+from orbitproof.verify.functions.functions import REACH, function_from_json
 from orbitproof.verify.stability.matrix import SLOPE_BITS, orbit_functions, stability_to_json
 from orbitproof.verify.stability.theorem import with_complete_list
 

@@ -28,11 +28,11 @@ from orbitproof.verify.curve.piece import PieceLimits
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES, variations_from_json
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import complete_list
-from orbitproof.verify.stability.functions import REACH, function_from_json
 from orbitproof.verify.stability.matrix import orbit_functions
-from orbitproof.verify.stability.out_of_plane import ENTRIES, variations_from_json
 from orbitproof.verify.stability.theorem import with_complete_list
 
 DATA = Path(__file__).parents[1] / "data"

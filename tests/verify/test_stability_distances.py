@@ -21,18 +21,18 @@ from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems.system import CR3BP
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.curve.piece import PieceLimits
-from orbitproof.verify.evidence import sign
-from orbitproof.verify.stability.confirmation import unconfirmed
-from orbitproof.verify.stability.distances import PARTS, Cells, Where
-from orbitproof.verify.stability.functions import REACH, BoundedFunction
-from orbitproof.verify.stability.matrix import orbit_functions
-from orbitproof.verify.stability.places import Segment
-from orbitproof.verify.stability.ranges import (
+from orbitproof.verify.distances.distances import PARTS, Cells, Where
+from orbitproof.verify.distances.ranges import (
     KnownDistances,
     distances_from_json,
     is_distance_of_orbits,
     ranges_between,
 )
+from orbitproof.verify.evidence import sign
+from orbitproof.verify.functions.functions import REACH, BoundedFunction
+from orbitproof.verify.stability.confirmation import unconfirmed
+from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.places import Segment
 
 PIECES: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data/branch-pieces.json").read_text())
 INTERVALS = {"symmetric": (Fraction(-1, 8), Fraction(1, 8)), "regularised": (Fraction(5, 16), Fraction(3, 8))}

@@ -16,9 +16,7 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.stability.along import solve
-from orbitproof.verify.stability.complete_list import orders, resonant_value
-from orbitproof.verify.stability.functions import (
+from orbitproof.verify.functions.functions import (
     REACH,
     BoundedFunction,
     function,
@@ -28,6 +26,8 @@ from orbitproof.verify.stability.functions import (
     restricted,
     slope,
 )
+from orbitproof.verify.stability.along import solve
+from orbitproof.verify.stability.complete_list import orders, resonant_value
 from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 

@@ -25,7 +25,7 @@ from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.stability.functions import REACH, bounded, function, function_from_json, restricted
+from orbitproof.verify.functions.functions import REACH, bounded, function, function_from_json, restricted
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, orbit_functions
 from orbitproof.verify.stability.units import scales
 

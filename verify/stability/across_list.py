@@ -1,4 +1,4 @@
-"""The list of resonances and stability of variations out of the plane of motion (section 21)."""
+"""The list of resonances and stability of variations out of the plane of motion (section 18.11)."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from math import ceil, log2
 
 from orbitproof.verify.algebra import Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.stability.functions import determinant, finite, function, inverse, known_part, norm_of
+from orbitproof.verify.functions import determinant, finite, function, inverse, known_part, norm_of
 
 _HALF = Fraction(1, 2)
 

@@ -12,9 +12,9 @@ from flint import arb, fmpq
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Bifurcation, Chain, Stretch
 from orbitproof.verify.evidence import enclose, excludes_zero, sign
+from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.stability.between_orbits import between_orbits
 from orbitproof.verify.stability.extrema import extrema_on, is_in_band
-from orbitproof.verify.stability.functions import BoundedFunction
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, Subject
 from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.matching import about_the_list, with_certificates

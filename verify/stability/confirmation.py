@@ -7,10 +7,9 @@ from typing import Any
 
 from flint import ctx
 
-from orbitproof.verify.stability.distances import Where
-from orbitproof.verify.stability.functions import function_from_json
-from orbitproof.verify.stability.out_of_plane import variations_from_json
-from orbitproof.verify.stability.ranges import distances_from_json
+from orbitproof.verify.distances import Where, distances_from_json
+from orbitproof.verify.functions import function_from_json
+from orbitproof.verify.out_of_plane import variations_from_json
 
 _BITS = 192
 _FUNCTIONS = ("level", "half_period", "first_factor")

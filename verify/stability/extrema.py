@@ -8,7 +8,7 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.verify.evidence import enclose, excludes_zero, is_below, is_inside
-from orbitproof.verify.stability.functions import BoundedFunction
+from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.stability.places import Segment
 from orbitproof.verify.stability.zeros import between, zeros_on
 

@@ -32,11 +32,9 @@ from orbitproof.verify.curve import (
     parameter_series,
     tube_points,
 )
+from orbitproof.verify.distances import DistanceAlongCurve, DistanceFunctions, is_distance_of_orbits
 from orbitproof.verify.evidence import IntegrationFailure, Reason, guarded, is_inside
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral, initial_values
-from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
-from orbitproof.verify.stability.distances import DistanceAlongCurve, DistanceFunctions
-from orbitproof.verify.stability.functions import (
+from orbitproof.verify.functions import (
     REACH,
     bounded,
     determinant,
@@ -49,8 +47,9 @@ from orbitproof.verify.stability.functions import (
     restricted,
     slope,
 )
-from orbitproof.verify.stability.out_of_plane import variations_across, variations_to_json
-from orbitproof.verify.stability.ranges import is_distance_of_orbits
+from orbitproof.verify.out_of_plane import variations_across, variations_to_json
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral, initial_values
+from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.units import in_own_units
 
 SHARE = 1 / BEYOND * REACH

@@ -13,11 +13,11 @@ from flint import arb
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.algebra import ball_polynomial
+from orbitproof.verify.distances import KnownDistances
 from orbitproof.verify.evidence import Hypothesis, ball_to_json, enclose
-from orbitproof.verify.stability.functions import BoundedFunction
+from orbitproof.verify.functions import BoundedFunction
+from orbitproof.verify.out_of_plane import KnownVariations
 from orbitproof.verify.stability.kinds import Kind, Subject, name_of
-from orbitproof.verify.stability.out_of_plane import KnownVariations
-from orbitproof.verify.stability.ranges import KnownDistances
 
 _FEW = 2
 """For more stability parameters only resonances are listed."""

@@ -13,12 +13,12 @@ from orbitproof.shared.formats import Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Stretch
+from orbitproof.verify.distances import distances_from_json
 from orbitproof.verify.evidence import dot, enclose, symmetric
-from orbitproof.verify.stability.functions import REACH, function_from_json
+from orbitproof.verify.functions import REACH, function_from_json
+from orbitproof.verify.out_of_plane import variations_from_json
 from orbitproof.verify.stability.kinds import Matter
-from orbitproof.verify.stability.out_of_plane import variations_from_json
 from orbitproof.verify.stability.places import Gap, Segment
-from orbitproof.verify.stability.ranges import distances_from_json
 from orbitproof.verify.stability.zeros import ends_of
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
+from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
 from orbitproof.verify.stability.across_list import ListAcross
-from orbitproof.verify.stability.distances import Where
 from orbitproof.verify.stability.extrema import BAND
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance, What
 from orbitproof.verify.stability.linear_stability import Bound, StableInterval
 from orbitproof.verify.stability.places import CompleteList, Extremum, Gap, Point, level_name
-from orbitproof.verify.stability.ranges import Ranges
 
 _DIGITS, _MOST_DIGITS = 14, 24
 

@@ -9,11 +9,11 @@ from flint import ctx
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Conclusion, ProvedCurve
+from orbitproof.verify.distances import is_distance_of_orbits
 from orbitproof.verify.evidence import EmptyIntersectionError, NotEstablishedError, Proved, Reason, hypothesis_to_json
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import stable_intervals
-from orbitproof.verify.stability.ranges import is_distance_of_orbits
 from orbitproof.verify.stability.statement import statement, statement_across
 
 _EMPTY: dict[str, Any] = {

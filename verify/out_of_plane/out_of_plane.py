@@ -10,8 +10,7 @@ from typing import Any
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure, Reason
-from orbitproof.verify.poincare import Returns
-from orbitproof.verify.stability.functions import (
+from orbitproof.verify.functions import (
     BoundedFunction,
     error_of,
     function_from_json,
@@ -19,6 +18,7 @@ from orbitproof.verify.stability.functions import (
     known_part,
     restricted,
 )
+from orbitproof.verify.poincare import Returns
 
 _VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
 _START = (1, 0, 0, 1)

@@ -13,9 +13,9 @@ from flint import arb
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import parities
+from orbitproof.verify.distances.distances import PARTS, SLACK, Where
 from orbitproof.verify.evidence import ball_to_json, enclose, hull, is_positive, up_to
-from orbitproof.verify.stability.distances import PARTS, SLACK, Where
-from orbitproof.verify.stability.functions import REACH, BoundedFunction, function_from_json
+from orbitproof.verify.functions import REACH, BoundedFunction, function_from_json
 
 _PIECES = 4
 """Values over a part of an interval are enclosed on so many pieces of it."""

@@ -32,9 +32,9 @@ from orbitproof.verify.algebra import (
 from orbitproof.verify.curve import BEYOND
 from orbitproof.verify.evidence import IntegrationFailure, Reason, enclose, is_positive, symmetric
 from orbitproof.verify.flow import advance, dyadic_below, expand
+from orbitproof.verify.functions import error_of, function_to_json, known_part, restricted
 from orbitproof.verify.orbit import distance_rates
 from orbitproof.verify.poincare import InTime, Returns, at_start
-from orbitproof.verify.stability.functions import error_of, function_to_json, known_part, restricted
 
 
 @unique

@@ -1,4 +1,4 @@
-"""Functions of s on a proved interval of a piece, as polynomials with a bound of the rest (section 18.2).
+"""Functions of s on a proved interval of a piece, as polynomials with a bound of the rest (section 22).
 
 tau is the variable in which they are written: s = middle + radius tau, and |tau| <= 1/REACH is the interval.
 """

@@ -1,0 +1,23 @@
+"""Distances from a body along the orbits of a curve (section 20)."""
+
+from orbitproof.verify.distances.distances import DistanceAlongCurve, DistanceFunctions, Where
+from orbitproof.verify.distances.ranges import (
+    KnownDistances,
+    Ranges,
+    distances_from_json,
+    is_distance_of_orbits,
+    ranges_between,
+    together,
+)
+
+__all__ = [
+    "DistanceAlongCurve",
+    "DistanceFunctions",
+    "KnownDistances",
+    "Ranges",
+    "Where",
+    "distances_from_json",
+    "is_distance_of_orbits",
+    "ranges_between",
+    "together",
+]

@@ -1,0 +1,15 @@
+"""Variations of planar orbits out of their plane (section 21)."""
+
+from orbitproof.verify.out_of_plane.out_of_plane import (
+    KnownVariations,
+    variations_across,
+    variations_from_json,
+    variations_to_json,
+)
+
+__all__ = [
+    "KnownVariations",
+    "variations_across",
+    "variations_from_json",
+    "variations_to_json",
+]
