@@ -190,7 +190,7 @@ def piece_table(entry: CheckedAtlas) -> Table:
 
 
 def _interval(ends: Sequence[str]) -> str:
-    return "[" + ", ".join(f"{float(parse_exact(end)):g}" for end in ends) + "]"
+    return "[" + ", ".join(exact_text(parse_exact(end)) for end in ends) + "]"
 
 
 def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
