@@ -114,3 +114,9 @@ def test_a_first_integral_that_is_not_defined_along_all_orbits_is_refused() -> N
 
 def test_a_division_by_zero_proves_nothing() -> None:
     assert not plane(lambda x, p: (x[0] / (p[0] - p[0]), x[1]), lambda x, p: x[0])
+
+
+def test_a_quotient_by_a_number_is_that_quotient() -> None:
+    energy: Function = lambda x, a: x[1] * x[1] / 2 + x[0] * x[0]  # noqa: E731
+    assert plane(lambda x, a: (x[1], -2 * x[0]), energy)
+    assert not plane(lambda x, a: (x[1], x[0] * Fraction(-1, 2)), energy)
