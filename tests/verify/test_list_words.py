@@ -25,6 +25,7 @@ from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, BoundedFunction
 from orbitproof.verify.stability import statement as sentences
+from orbitproof.verify.stability.across_list import ListAcross
 from orbitproof.verify.stability.complete_list import complete_list
 from orbitproof.verify.stability.extrema import BAND, extrema_on, is_in_band
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance, Subject, may_change_stability
@@ -32,6 +33,7 @@ from orbitproof.verify.stability.linear_stability import stable_intervals
 from orbitproof.verify.stability.matching import with_certificates
 from orbitproof.verify.stability.places import CompleteList, Extremum, Gap, Point, Segment
 from orbitproof.verify.stability.statement import statement
+from orbitproof.verify.stability.zeros import zeros_on
 
 ROOT = Path(__file__).parents[2]
 
@@ -138,19 +140,40 @@ def words(kind: str = "arc", **changes: Any) -> str:
     return statement(replace(atlas(), claim=claim), listed_, *stable_intervals(chain(), listed_, kind == "loop"))
 
 
-@pytest.mark.parametrize("kind", Kind)
+ACROSS = (Kind.ACROSS_SYMMETRIC, Kind.ACROSS_AXIAL, Kind.ACROSS_DOUBLING)
+
+
+def the_point(text: str) -> str:
+    (line,) = [line for line in text.splitlines() if line.startswith("- ") and line.endswith("in piece p015")]
+    return line
+
+
+@pytest.mark.parametrize("kind", [kind for kind in Kind if kind not in ACROSS])
 def test_a_point_is_said_to_be_what_is_proved(kind: Kind) -> None:
-    """Orbits are claimed out of the plane alone (Lemma 18.8), nothing of periods."""
-    point = Point(1, "p015", 3, 1, kind, arb(0), arb(450), arb(1), {})
-    lines = words(points=(point,), order=3).splitlines()
-    (line,) = [line for line in lines if line.startswith("- ") and line.endswith("in piece p015")]
-    claimed = kind in (Kind.ACROSS_SYMMETRIC, Kind.ACROSS_AXIAL)
-    assert ("orbits" in line) == claimed
-    assert not re.search("twice|times the period|branch|born|doubl", line)
-    in_plane = kind not in (Kind.COLLISION, Kind.ACROSS_DOUBLING) and not claimed
-    assert ("a stability parameter is" in line) == in_plane
+    """A value of a stability parameter, no orbits."""
+    line = the_point(words(points=(Point(1, "p015", 3, 1, kind, arb(0), arb(450), arb(1), {}),), order=3))
+    assert not re.search("orbits|twice|times the period|branch|born|doubl", line)
+    assert ("a stability parameter is" in line) == (kind is not Kind.COLLISION)
     if kind in (Kind.RESONANCE, Kind.UNDECIDED):
-        assert "cos(2 pi 1/3)" in line
+        assert "1:3, a stability parameter is cos(2 pi 1/3)" in line
+
+
+@pytest.mark.parametrize("kind", [*ACROSS, Kind.RESONANCE, Kind.UNDECIDED])
+def test_out_of_the_plane_it_is_that_of_the_variations_across(kind: Kind) -> None:
+    """Orbits are claimed where a curve of them begins (Lemma 21.1); "stability parameters" are those in the plane."""
+    gap = Gap(1, "p015", Fraction(-1, 8), Fraction(0), Resonance(2, 1), "")
+    point = Point(1, "p015", 5, 2, kind, arb(0.5), arb(450), arb(1), {})
+    across = replace(found(), parameters=1, points=(point,), gaps=(gap,))
+    text = sentences.statement_across(atlas(), ListAcross(across, *stable_lists(across), (None,)))
+    assert "stability parameter" not in text
+    assert ("orbits" in the_point(text)) == (kind in (Kind.ACROSS_SYMMETRIC, Kind.ACROSS_AXIAL))
+    if kind in (Kind.RESONANCE, Kind.UNDECIDED):
+        assert "1:5, (lambda + 1/lambda)/2 is cos(2 pi 2/5)" in the_point(text)
+    assert "not covered: where (lambda + 1/lambda)/2 is -1" in text
+
+
+def stable_lists(given: CompleteList) -> Any:
+    return (tuple(entries) for entries in stable_intervals(chain(), given, False))
 
 
 @pytest.mark.parametrize("kind", ["arc", "loop", "symmetric-arc", "symmetric-loop"])
@@ -179,6 +202,8 @@ def test_places_that_are_not_separated_are_given_as_one_range() -> None:
     merged = "s in [-0.125, 0.333333334] (piece p015: not covered: equal stability parameters, extremum of"
     assert merged in text
     assert "450" not in text.split("linearly stable (")[1]
+    undecided = replace(point, k=2, j=1, kind=Kind.UNDECIDED)
+    assert "1:2, a stability parameter is -1, kind not decided)" in words(points=(undecided,), gaps=(gap,))
 
 
 def extremum(value: arb) -> Extremum:
@@ -207,6 +232,26 @@ def test_an_extremum_at_a_joint_beside_a_symmetric_point_is_open() -> None:
     assert extrema_on(segment, 1) == ([], [(Fraction(-51, 100), Fraction(-49, 100))])
     assert extrema_on(replace(segment, start=segment.entered), 1) == ([], [])
     assert REACH > 1
+
+
+def test_the_search_for_zeros_ends_where_bounds_stay_wide() -> None:
+    """Point values have certain signs, and no part is short enough: what is left is undecided, and nothing is lost."""
+
+    class Wide:
+        calls = 0
+
+        def value(self, part: arb) -> arb:
+            self.calls += 1
+            return part + 2 if part.rad() == 0 else arb(0, 1)
+
+        def slope(self, part: arb) -> arb:
+            return arb(0, 1)
+
+    function = Wide()
+    found_ = zeros_on(function, Fraction(-1), Fraction(1))
+    assert found_.zeros == ()
+    assert found_.undecided == ((Fraction(-1), Fraction(1)),)
+    assert function.calls < 50000
 
 
 # Intervals

@@ -63,10 +63,21 @@ class CurveEnd(Enum):
     END = "the end of the curve"
 
 
-What = Kind | CurveEnd | Subject
+@dataclass(frozen=True)
+class Found:
+    """A point of the list at which a stability parameter is cos(2 pi j/k); k = j = 0 for a collision."""
+
+    kind: Kind
+    k: int
+    j: int
+
+
+What = Found | CurveEnd | Subject
 """What is at the end of an interval of stability: a point of the list, an end of the curve, or something open."""
 
 
-def name_of(what: What) -> Any:
+def name_of(what: Kind | What) -> Any:
     """How a JSON file names it."""
+    if isinstance(what, Found):
+        return what.kind.value
     return {"k": what.k, "j": what.j} if isinstance(what, Resonance) else what.value

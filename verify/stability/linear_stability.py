@@ -117,7 +117,7 @@ def _bounds(chain: Chain, found: CompleteList) -> Iterator[Bound]:
         if not point.k > 2:
             low, high = ends_of(point.s)
             ranges = ranges_between(found.segments, (point.stretch, low), (point.stretch, high))
-            places.append(Bound(point.stretch, low, high, (point.kind,), point, True, ranges))
+            places.append(Bound(point.stretch, low, high, (point.found,), point, True, ranges))
     for gap in found.gaps:
         if may_change_stability(gap.subject):
             places.append(Bound(gap.stretch, gap.start, gap.end, (gap.subject,), None, False))
@@ -139,7 +139,8 @@ def _together(first: Bound, second: Bound) -> Bound:
     """Two places that are not separated."""
     for bound, other in ((first, second), (second, first)):
         at_end = len(other.what) == 1 and isinstance(other.what[0], CurveEnd)
-        if bound.what == (Kind.SYMMETRIC,) and at_end and first.lower == second.upper:
+        is_symmetric = bound.point is not None and bound.point.kind is Kind.SYMMETRIC
+        if is_symmetric and at_end and first.lower == second.upper:
             return bound
     what = tuple(dict.fromkeys((*first.what, *second.what)))
     upper = max(first.upper, second.upper)

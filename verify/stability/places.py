@@ -17,7 +17,7 @@ from orbitproof.verify.distances import KnownDistances
 from orbitproof.verify.evidence import Hypothesis, ball_to_json, enclose
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.out_of_plane import KnownVariations
-from orbitproof.verify.stability.kinds import Kind, Subject, name_of
+from orbitproof.verify.stability.kinds import Found, Kind, Subject, name_of
 
 _FEW = 2
 """For more stability parameters only resonances are listed."""
@@ -138,6 +138,11 @@ class Point:
     half_period: arb
     point: Mapping[str, arb]
     certificates: tuple[str, ...] = ()
+
+    @property
+    def found(self) -> Found:
+        """What is there."""
+        return Found(self.kind, self.k, self.j)
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object: exact balls with decimals beside them."""

@@ -9,24 +9,26 @@ from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
 from orbitproof.verify.stability.across_list import ListAcross
 from orbitproof.verify.stability.extrema import BAND
-from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance, What
+from orbitproof.verify.stability.kinds import CurveEnd, Found, Kind, Matter, Resonance, What
 from orbitproof.verify.stability.linear_stability import Bound, StableInterval
 from orbitproof.verify.stability.places import CompleteList, Extremum, Gap, Point, level_name
 
 _DIGITS, _MOST_DIGITS = 14, 24
+_IN_PLANE, _ACROSS = "a stability parameter", "(lambda + 1/lambda)/2"
+"""What has the value cos(2 pi j/k)."""
 
 _POINTS = {
-    Kind.RESONANCE: "1:{k}, a stability parameter is {value}",
+    Kind.RESONANCE: "1:{k}, {parameter} is {value}",
     Kind.FOLD: "extremum of {level} along the curve, where a stability parameter is 1",
     Kind.LOSS: "1:1, a stability parameter is 1 and {level} is not stationary: the symmetry R may be lost here",
     Kind.SYMMETRIC: "symmetric point of the curve, where a stability parameter is 1",
     Kind.HERE: "1:2, a stability parameter is -1, A singular at this point of the orbit on Fix(R)",
     Kind.THERE: "1:2, a stability parameter is -1, A singular at the other point of the orbit on Fix(R)",
     Kind.COLLISION: "Krein collision: two stability parameters are equal",
-    Kind.UNDECIDED: "1:{k}, a stability parameter is {value}, kind not decided",
+    Kind.UNDECIDED: "1:{k}, {parameter} is {value}, kind not decided",
     Kind.ACROSS_SYMMETRIC: "1:1, a curve of orbits out of the plane, symmetric under R, begins here",
     Kind.ACROSS_AXIAL: ("1:1, a curve of orbits out of the plane, symmetric under R followed by z -> -z, begins here"),
-    Kind.ACROSS_DOUBLING: "1:2, (lambda + 1/lambda)/2 is -1",
+    Kind.ACROSS_DOUBLING: "1:2, {parameter} is -1",
 }
 _ENDS = {CurveEnd.BEGINNING: "the beginning of {part}", CurveEnd.END: "the end of {part}"}
 _MATTERS = {
@@ -106,7 +108,7 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
     ]
     for point, value in zip(found.points, across.jacobi_constants, strict=True):
         known = "" if value is None else f"; Jacobi constant in {interval_text(value, _DIGITS)}"
-        lines.append(f"- {_point(atlas, point)}{known}")
+        lines.append(f"- {_point(atlas, point, _ACROSS)}{known}")
     if any(point.kind in _BIRTHS for point in found.points):
         lines.append(_BIRTH)
     if across.stable:
@@ -115,12 +117,12 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
             "are linearly stable (these multipliers are on the unit circle, not 1 or -1), "
             f"{_rest(atlas, across.unknown)}:"
         )
-        lines += [f"- {_interval(atlas, entry)}" for entry in across.stable]
+        lines += [f"- {_interval(atlas, entry, _ACROSS)}" for entry in across.stable]
     elif not across.unknown:
         lines.append(f"For no orbit of {_part(atlas)} they are linearly stable.")
     if across.unknown:
         lines.append("It is not decided whether they are linearly stable at and between these places:")
-        lines += [f"- {_interval(atlas, entry)}" for entry in across.unknown]
+        lines += [f"- {_interval(atlas, entry, _ACROSS)}" for entry in across.unknown]
     if found.gaps:
         lines.append("Not covered, out of the plane:")
         lines += [f"- {_gap(gap)}" for gap in found.gaps]
@@ -207,15 +209,17 @@ def _held(atlas: Atlas) -> str:
     return f"on its level of the {level_name(atlas)}"
 
 
-def _words(atlas: Atlas, what: What, k: int = 0, j: int = 0) -> str:
+def _words(atlas: Atlas, what: What, parameter: str) -> str:
     """What is at a point, or not known at a place."""
-    if isinstance(what, Resonance):
-        return f"stability parameters {_value(what.k, what.j)}"
-    if isinstance(what, Matter):
-        return _MATTERS[what]
-    if isinstance(what, CurveEnd):
-        return _ENDS[what].format(part=_part(atlas))
-    return _POINTS[what].format(level=level_name(atlas), k=k, value=_value(k, j))
+    match what:
+        case Found():
+            value = _value(what.k, what.j)
+            return _POINTS[what.kind].format(level=level_name(atlas), k=what.k, parameter=parameter, value=value)
+        case Resonance():
+            return f"where {parameter} is {_value(what.k, what.j)}"
+        case CurveEnd():
+            return _ENDS[what].format(part=_part(atlas))
+    return _MATTERS[what]
 
 
 def _value(k: int, j: int) -> str:
@@ -223,17 +227,18 @@ def _value(k: int, j: int) -> str:
     return {1: "1", 2: "-1"}.get(k, f"cos(2 pi {j}/{k})")
 
 
-def _point(atlas: Atlas, point: Point) -> str:
+def _point(atlas: Atlas, point: Point, parameter: str = _IN_PLANE) -> str:
     place = (
         f"{level_name(atlas)} in {interval_text(point.level, _DIGITS)}, half period in "
         f"{decimal_interval(point.half_period, 10)}"
     )
     known = f"; certified: {', '.join(point.certificates)}" if point.certificates else ""
-    return f"{_words(atlas, point.kind, point.k, point.j)}: {place}, in piece {point.piece}{known}"
+    return f"{_words(atlas, point.found, parameter)}: {place}, in piece {point.piece}{known}"
 
 
-def _interval(atlas: Atlas, entry: StableInterval) -> str:
-    return f"from {_bound(atlas, entry, 0)} to {_bound(atlas, entry, 1)}{_ranges(atlas, entry.ranges, 'in between ')}"
+def _interval(atlas: Atlas, entry: StableInterval, parameter: str = _IN_PLANE) -> str:
+    begin, end = (_bound(atlas, entry, which, parameter) for which in (0, 1))
+    return f"from {begin} to {end}{_ranges(atlas, entry.ranges, 'in between ')}"
 
 
 def _ranges(atlas: Atlas, ranges: Ranges | None, where: str) -> str:
@@ -247,11 +252,10 @@ def _ranges(atlas: Atlas, ranges: Ranges | None, where: str) -> str:
     return f"; {where}{', '.join(words)}"
 
 
-def _bound(atlas: Atlas, entry: StableInterval, which: int) -> str:
+def _bound(atlas: Atlas, entry: StableInterval, which: int, parameter: str) -> str:
     bound: Bound = (entry.begin, entry.end)[which]
-    k, j = (0, 0) if bound.point is None else (bound.point.k, bound.point.j)
     words = ", ".join(
-        f"not covered: {_words(atlas, what)}" if isinstance(what, (Resonance, Matter)) else _words(atlas, what, k, j)
+        f"{'not covered: ' if isinstance(what, (Resonance, Matter)) else ''}{_words(atlas, what, parameter)}"
         for what in bound.what
     )
     if _is_end(bound):

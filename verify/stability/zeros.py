@@ -16,6 +16,8 @@ _SMALLEST = Fraction(1, 2**40)
 _SPLITS = (Fraction(1, 2), Fraction(3, 8), Fraction(5, 8), Fraction(7, 16), Fraction(9, 16), Fraction(1, 3))
 """Where an interval is divided: at the first of these points at which the function has a certain sign."""
 _STEPS = 60
+_MOST_PARTS = 4096
+"""After so many parts of an interval what is left of it is undecided."""
 
 
 class Enclosed(Protocol):
@@ -67,7 +69,9 @@ def zeros_on(function: Enclosed, lower: Fraction, upper: Fraction) -> Zeros:
     zeros: list[Zero] = []
     undecided: list[tuple[Fraction, Fraction]] = []
     pending = [(lower, upper)]
-    while pending:
+    for _ in range(_MOST_PARTS):
+        if not pending:
+            break
         first, last = pending.pop()
         part = between(first, last)
         if excludes_zero(function.value(part)):
@@ -82,7 +86,7 @@ def zeros_on(function: Enclosed, lower: Fraction, upper: Fraction) -> Zeros:
             undecided.append((first, last))
         else:
             pending += [(middle, last), (first, middle)]
-    return Zeros(tuple(sorted(zeros, key=lambda zero: zero.lower)), _merged(undecided))
+    return Zeros(tuple(sorted(zeros, key=lambda zero: zero.lower)), _merged([*undecided, *pending]))
 
 
 def zeros_beside_double_one(function: EnclosedTwice, upper: Fraction) -> tuple[Fraction, Zeros]:
