@@ -13,14 +13,16 @@ from support.exact_elements import packed_from
 from support.flow_checks import box, falkner_skan_box, halo
 
 from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.systems import record
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.poincare import crossing
-from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, stays_positive
+from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, range_of, stays_positive
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare.returns import at_start
 
 ARITHMETIC = Arithmetic(Grading((1,), 1), 120, 0, 12)
 ONE = arb(1)
@@ -264,3 +266,14 @@ def test_a_function_is_positive_on_a_part_that_is_halved_where_its_coefficients_
         patch.setattr(crossing, "_WIDE_DEPTH", 0)
         assert not stays_positive(function, wide)
     assert stays_positive(function, wide) is positive
+
+
+def test_values_that_are_said_not_to_depend_on_time_do_not() -> None:
+    """The range of an element on the section, and the value of a program there, would be those at theta = 0."""
+    moving = series([Fraction(1, 2), Fraction(1, 4)])
+    doubled = record(lambda x, _: (x[0] + x[0],), ("x",), ())
+    with pytest.raises(ValueError, match="depends on time"):
+        range_of(moving)
+    with pytest.raises(ValueError, match="depends on time"):
+        at_start(doubled, [moving])
+    assert at_start(doubled, [series([Fraction(1, 2)])])[0].coefs[0] == fmpz_poly([int(ARITHMETIC.one)])

@@ -89,3 +89,11 @@ def test_lower_grades_do_not_enter_higher_derivatives() -> None:
     table = derivative_table(Series(arithmetic, nothing, [1.0, 0.0, 0.0, 0.0, 0.0]), [Fraction(1)] * 2, Fraction(1, 4))
     for alpha, ball in table.box.items():
         assert bool(ball == 0) == any(alpha)
+
+
+@pytest.mark.parametrize("polynomial", [[1, 1], [0, 0, 1]])
+def test_an_element_that_depends_on_time_has_no_table(polynomial: list[int]) -> None:
+    arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 4)
+    element = Series(arithmetic, [fmpz_poly([1]), fmpz_poly(polynomial)], arithmetic.zero_errors())
+    with pytest.raises(ValueError, match="no function on the box"):
+        derivative_table(element, [Fraction(1)], Fraction(1, 4))

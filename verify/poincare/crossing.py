@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from flint import arb, arb_poly, ctx
 
 from orbitproof.verify.algebra import Series, total
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.evidence import IntegrationFailure, sign
 
 _DEPTH = 14
 _WIDE_DEPTH = 4
@@ -44,17 +44,22 @@ def stays_positive(series: Series, wide: arb | None = None) -> bool:
 
 
 def _stays_positive(function: InTime, left: arb, right: arb, depth: int) -> bool:
-    sign = function.sign(left, right)
-    if sign or depth == _DEPTH:
-        return sign > 0
+    found = function.sign(left, right)
+    if found or depth == _DEPTH:
+        return found > 0
     middle = (left + right) / 2
     return _stays_positive(function, left, middle, depth + 1) and _stays_positive(function, middle, right, depth + 1)
 
 
 def range_of(series: Series, wide: arb | None = None) -> arb:
-    """A ball that contains the values of an element without theta at all real points of the box."""
+    """A ball that contains the values of an element without theta at all real points of the box.
+
+    Raises `ValueError` for an element with theta.
+    """
     with ctx.workprec(_BITS):
         enclosure = InTime(series, wide)
+        if enclosure.polynomial.length() > 1:
+            raise ValueError("the element depends on time")
         return enclosure.polynomial(arb(0)) + enclosure.deviation
 
 
@@ -99,13 +104,11 @@ class CrossingCounter:
             self._cover(y, dy, arb(0), arb(1), 0, time, step)
 
     def _cover(self, y: InTime, dy: InTime, left: arb, right: arb, depth: int, time: arb, step: arb) -> None:
-        sign = y.sign(left, right)
-        if sign:
-            self._keeps_side(sign, time + step * right)
+        if side := y.sign(left, right):
+            self._keeps_side(side, time + step * right)
             return
-        sign = dy.sign(left, right)
-        if sign:
-            self._moves(sign)
+        if direction := dy.sign(left, right):
+            self._moves(direction)
             return
         if depth == _DEPTH:
             raise IntegrationFailure(
@@ -175,9 +178,4 @@ class InTime:
 
     def sign(self, left: arb, right: arb) -> int:
         """1 or -1 if the function has that sign on [left, right] for certain, else 0."""
-        value = self.value(left.union(right))
-        if not value.is_finite():
-            return 0
-        if (value > 0) is True:
-            return 1
-        return -1 if (value < 0) is True else 0
+        return sign(self.value(left.union(right)))

@@ -13,8 +13,13 @@ from orbitproof.verify.evidence import MAX_ORDER, DerivativeTable, MultiIndex, e
 
 
 def derivative_table(element: Series, scales: Sequence[Fraction], ratio: Fraction) -> DerivativeTable:
-    """Derivatives with respect to p_i = scales_i xi_i on the box |xi_i| <= ratio < 1."""
+    """Derivatives with respect to p_i = scales_i xi_i on the box |xi_i| <= ratio < 1.
+
+    Raises `ValueError` for an element that depends on theta or on a wide variable.
+    """
     arithmetic = element.arithmetic
+    if any(polynomial.length() > 1 for polynomial in element.coefs):
+        raise ValueError("the element is no function on the box")
     coefficients = [
         arb(polynomial[0]) * arb(2) ** -scale
         for polynomial, scale in zip(element.coefs, arithmetic.scales, strict=True)
