@@ -153,7 +153,7 @@ campaign: $(VENV)/dev.stamp
 	@$(BOUND) $(BIN)/python tests/soundness/campaign.py --jobs $(JOBS) --output campaign.json
 
 faults: $(VENV)/dev.stamp
-	@$(BOUND) $(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --output faults.json
+	@$(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --output faults.json
 
 bench: $(VENV)/dev.stamp
 	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done

@@ -9,6 +9,10 @@ reports from inside a task, and its processes outlive a parent that was killed.
 
 These processes hear no signal that ends a run (see `shared.interrupts`): the one that started them ends them, and
 when that is gone, they end by themselves.
+
+A limit of memory counts what a process takes beyond what it has at its start. Where it is met, Python raises
+`MemoryError`, and FLINT and GMP end the process: both are the failure of one task. Systems that know no such limit
+(`resource.RLIMIT_DATA`, which Linux has) do without.
 """
 
 from __future__ import annotations
@@ -58,10 +62,11 @@ class Task:
 class Failure:
     """Why a task has no result, in words without remedy.
 
-    Its process was lost or the work raised an exception (`error`), or the process was ended at the time limit.
+    Its process was lost or the work raised an exception (`error`), the process was ended at the time limit, or it
+    asked for more memory than it may have.
     """
 
-    kind: Literal["process", "time"]
+    kind: Literal["process", "time", "memory"]
     message: str
     error: Exception | None = None
 
@@ -82,12 +87,19 @@ Progress = Callable[[str, float, str], None]
 
 
 def answers(
-    work: Work, source: Source, progress: Progress, jobs: int, timeout: float | None = None, patience: float = 0.0
+    work: Work,
+    source: Source,
+    progress: Progress,
+    jobs: int,
+    timeout: float | None = None,
+    patience: float = 0.0,
+    memory: int | None = None,
 ) -> Generator[Answer, None, None]:
     """Do what `source` gives with at most `jobs` processes, until it gives nothing and all is answered.
 
     Answers come in the order in which they are had. `source` is asked for the next task before the consumer sees an
-    answer, so that no process waits for it, and again after it. A task takes at most `timeout` and `GRACE_SECONDS`.
+    answer, so that no process waits for it, and again after it. A task takes at most `timeout` and `GRACE_SECONDS`,
+    and a process at most `memory` bytes more than it begins with.
 
     After an interrupt the tasks at hand are told to come to an end: their next report raises `KeyboardInterrupt`
     there, and what they hand back within `patience` seconds is yielded. Then `KeyboardInterrupt` is raised. However
@@ -102,7 +114,7 @@ def answers(
             if worker.task is None and (task := source()) is not None:
                 worker.give(task)
         while len(workers) < jobs and (task := source()) is not None:
-            worker = _Worker(work, timeout)
+            worker = _Worker(work, timeout, memory)
             workers.append(worker)
             worker.give(task)
 
@@ -170,16 +182,16 @@ def _start_method() -> str:
 class _Worker:
     """A process, seen from the one that started it; the deadline counts from when the task has begun there."""
 
-    def __init__(self, work: Work, timeout: float | None) -> None:
+    def __init__(self, work: Work, timeout: float | None, memory: int | None) -> None:
         context: Any = multiprocessing.get_context(_start_method())
         self.connection, there = context.Pipe()
-        self.process = context.Process(target=_serve, args=(there, work), daemon=True, name=_WORKER)
+        self.process = context.Process(target=_serve, args=(there, work, memory), daemon=True, name=_WORKER)
         with held_back(), _without_main():
             self.process.start()
         there.close()
         self.task: Task | None = None
         self.is_over = False
-        self._timeout = timeout
+        self._timeout, self._memory = timeout, memory
         self._started = self._deadline = 0.0
 
     def give(self, task: Task) -> None:
@@ -207,12 +219,15 @@ class _Worker:
             self.process.join(_END_SECONDS)
             self.is_over = True
             code = self.process.exitcode
-            return self._answer(Failure("process", f"its process ended before it was done (exit code {code})"))
+            text = f"its process ended before it was done (exit code {code}{_signal_name(code)})"
+            return self._answer(Failure("process", text))
         if kind == "begun":
             self._begin(0.0)
         elif kind == "report":
             if self.task is not None:
                 progress(self.task.name, *content)
+        elif kind == "error" and isinstance(content, MemoryError) and self._memory is not None:
+            return self._answer(Failure("memory", out_of_memory(self._memory), content))
         elif kind == "error":
             message = " ".join(f"broke off: {type(content).__name__}: {content}".split())
             return self._answer(Failure("process", message, content))
@@ -237,8 +252,42 @@ class _Worker:
         return None if task is None else Answer(task, result, time.monotonic() - self._started)
 
 
-def _serve(connection: Connection, work: Work) -> None:
+def _signal_name(code: int | None) -> str:
+    """Which signal ended a process: a library that gives up does so by SIGABRT."""
+    with suppress(ValueError):
+        return f", {signal.Signals(-code).name}" if code is not None and code < 0 else ""
+    return ""
+
+
+def out_of_memory(memory: int) -> str:
+    """What is said of a task that needs more than so many bytes."""
+    return f"it needs more memory than {memory / 2**30:g} GiB"
+
+
+def _limit_memory(memory: int) -> None:
+    """Give this process and those it starts at most so many bytes more; no memory is written to disk at its end."""
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        _, most = resource.getrlimit(resource.RLIMIT_DATA)
+        limit = _data_bytes() + memory
+        if most != resource.RLIM_INFINITY:
+            limit = min(limit, most)
+        resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
+
+
+def _data_bytes() -> int:
+    """What this process has of the memory that `RLIMIT_DATA` counts; a copy of another one has all of that."""
+    with suppress(OSError), open("/proc/self/status", encoding="ascii") as lines:
+        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmData:"))
+    return 0
+
+
+def _serve(connection: Connection, work: Work, memory: int | None) -> None:
     """The life of a worker: tasks in, reports and results out, until the other end closes."""
+    if memory is not None:
+        _limit_memory(memory)
     for number in ENDING_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()

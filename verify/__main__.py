@@ -25,7 +25,15 @@ from orbitproof.verify.certificate import (
     verdict_table,
     write_certificates,
 )
-from orbitproof.verify.engines import ArgumentParser, Display, engine_of, whole
+from orbitproof.verify.engines import (
+    CHECK_SECONDS,
+    LONG_CHECK_SECONDS,
+    ArgumentParser,
+    CheckLimits,
+    Display,
+    engine_of,
+    whole,
+)
 
 _DESCRIPTION = """\
 Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous verification of candidate boxes.
@@ -76,7 +84,7 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
     words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
     parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
-    parser.run_options("candidates", "--row-timeout", "a candidate")
+    parser.run_options("candidates", "--row-timeout", "a candidate", CHECK_SECONDS)
     return parser
 
 
@@ -105,7 +113,7 @@ def _run(options: argparse.Namespace) -> int:
     curve = None
     if options.curve is not None:
         # Only now: curves take a moment to load.
-        from orbitproof.verify.atlas import places_on, read_atlas_certificate
+        from orbitproof.verify.atlas import places_on_apart, read_atlas_certificate
 
         curve = read_atlas_certificate(options.curve)
     everything = read_candidates(options.file)
@@ -151,7 +159,9 @@ def _run(options: argparse.Namespace) -> int:
     done = {name: certificate for name, certificate in certificates.items() if name in fresh | kept}
     print(verdict_table(selected, done, kept), flush=True)
     if curve is not None:
-        for placed in places_on(curve, [done[c.id] for c in selected if c.kind == ORBIT and c.id in done]):
+        orbits = [done[c.id] for c in selected if c.kind == ORBIT and c.id in done]
+        # The time of a candidate is no limit for checking the curve.
+        for placed in places_on_apart(curve, orbits, CheckLimits(None, options.memory, LONG_CHECK_SECONDS)):
             print(placed.line, flush=True)
             certificates[placed.certificate.id] = placed.certificate
         save()
@@ -182,7 +192,7 @@ def _recheck(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         with display.shown():
-            recheck_all(selected, options.integrate, options.jobs, display.advance, finished)
+            recheck_all(selected, options.integrate, options.jobs, display.advance, finished, _check_limits(options))
     except KeyboardInterrupt:
         interrupted = True
     if not interrupted:
@@ -205,15 +215,20 @@ def _with_places(
     if options.curve is None and not any("place" in entry.to_json() for entry in selected):
         return done
     # Only now: curves take a moment to load.
-    from orbitproof.verify.atlas import read_atlas_certificate, recheck_places
+    from orbitproof.verify.atlas import read_atlas_certificate, recheck_places_apart
     from orbitproof.verify.atlas.__main__ import examined
 
+    limits = _check_limits(options)
     if options.curve is None:
-        return recheck_places(None, None, selected, done)
+        return recheck_places_apart(None, None, selected, done, limits)
     curve = read_atlas_certificate(options.curve)
     how = argparse.Namespace(**{**vars(options), "only": None}, bifurcations=[], timeout=options.row_timeout)
     checked = None if curve.atlas.is_surface else examined(curve.document, how)
-    return recheck_places(curve, checked, selected, done)
+    return recheck_places_apart(curve, checked, selected, done, limits)
+
+
+def _check_limits(options: argparse.Namespace) -> CheckLimits:
+    return CheckLimits(options.row_timeout, options.memory)
 
 
 def _work(certificate: Certificate, integrate: bool) -> float:

@@ -16,7 +16,7 @@ from orbitproof.verify.certificate import (
     recheck_all,
     write_certificates,
 )
-from orbitproof.verify.engines import Display
+from orbitproof.verify.engines import GIBIBYTE, CheckLimits, Display
 
 
 def certify(
@@ -89,19 +89,32 @@ def certify(
 
 
 def recheck(
-    certificates: Certificate | Iterable[Certificate], *, integrate: bool = False, jobs: int = 1, quiet: bool = False
+    certificates: Certificate | Iterable[Certificate],
+    *,
+    integrate: bool = False,
+    jobs: int = 1,
+    timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
+    quiet: bool = False,
 ) -> list[Recheck]:
     """Check certificates again: whether each verdict follows from the enclosures that the certificate carries.
+
+    Each is checked in a process of its own: one that hangs, or takes too much memory, cannot be checked, and that is
+    all that it does.
 
     Arguments:
         certificates: from `certify` or `read`, each with an id of its own.
         integrate: enclose again, at another precision and order, and prove again from that.
         jobs: processes side by side.
+        timeout: seconds for each check; without one 300, and as long as it takes with `integrate`.
+        memory: GiB for each process.
         quiet: nothing on standard error.
 
     Returns one `Recheck` for each certificate, in their order; `stands` says whether all is as it should be,
-    `findings` what is not. Raises `InputError` if an id appears twice.
+    `findings` what is not, `obstacle` why it cannot be checked. Raises `InputError` if an id appears twice,
+    `ValueError` for a limit that makes no sense.
     """
+    limits = CheckLimits(timeout, int(memory * GIBIBYTE))
     entries = [certificates] if isinstance(certificates, Certificate) else list(certificates)
     names = [entry.id for entry in entries]
     for name in names:
@@ -115,7 +128,7 @@ def recheck(
         display.finish(result.id, "stands" if result.stands else "does not stand")
 
     with display.shown():
-        recheck_all(entries, integrate, _jobs(jobs), display.advance, finished)
+        recheck_all(entries, integrate, _jobs(jobs), display.advance, finished, limits)
     return [found[name] for name in names]
 
 

@@ -24,7 +24,16 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.verify import second_proof as folder
-from orbitproof.verify.engines import ArgumentParser, Display, Processes, aligned, positive_seconds, whole
+from orbitproof.verify.engines import (
+    ArgumentParser,
+    CheckLimits,
+    Display,
+    Processes,
+    aligned,
+    apart,
+    positive_seconds,
+    whole,
+)
 from orbitproof.verify.evidence import ball_from_json, guarded
 from orbitproof.verify.second_proof import (
     BadCertificate,
@@ -60,6 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
     parser.number("--jobs", "N", "rows side by side, each in a process of its own (default: 1)", whole(1), 1)
     parser.number("--row-timeout", "SECONDS", "give a row up after this time", positive_seconds, None)
+    parser.memory_option("each row")
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
     options = parser.parse_args(arguments)
@@ -144,7 +154,7 @@ def fingerprint(certificate: Mapping[str, Any]) -> str:
 
 
 def _run(options: argparse.Namespace) -> int:
-    certificates = _selected(options.file, options.only)
+    certificates = _selected(options)
     rows = {} if options.output is None else _earlier(options.output)
     marks = {name: fingerprint(certificate) for name, certificate in certificates.items()}
     stale = [name for name, mark in marks.items() if options.fresh or rows.get(name, {}).get("fingerprint") != mark]
@@ -168,7 +178,7 @@ def _run(options: argparse.Namespace) -> int:
     interrupted = False
     try:
         with display.shown():
-            engine = Processes(options.jobs, options.row_timeout)
+            engine = Processes(options.jobs, options.row_timeout, options.memory)
             engine.run(prove_row, lambda: next(tasks, None), display.advance, finished)
     except KeyboardInterrupt:
         interrupted = True
@@ -181,17 +191,27 @@ def _run(options: argparse.Namespace) -> int:
     return 0 if all(rows[name]["verdict"] == "agrees" for name in certificates) else 1
 
 
-def _selected(path: Path, names: Sequence[str] | None) -> dict[str, Row]:
+def _selected(options: argparse.Namespace) -> dict[str, Row]:
     """The certificates of a file by id, or some of them. Raises `InputError`."""
+    path: Path = options.file
     certificates: dict[str, Row] = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
-    chosen = {name: certificates[name] for name in select_ids(certificates, names, "certificate")}
-    for name, entry in chosen.items():
+    chosen = {name: certificates[name] for name in select_ids(certificates, options.only, "certificate")}
+    problem = apart(_first_problem, "statements", list(chosen.items()), CheckLimits(memory=options.memory))
+    # What reading does not survive is the failure of its own row.
+    if isinstance(problem, str) and problem:
+        raise InputError(f"{path}: {problem}; write the certificate again")
+    return chosen
+
+
+def _first_problem(certificates: Sequence[tuple[str, Row]], _: Report) -> str:
+    """Which certificate is not well formed, and why; empty if none is."""
+    for name, entry in certificates:
         try:
             with suppress(CannotFollow):
                 read_statement(entry)
         except BadCertificate as error:
-            raise InputError(f"{path}: {name}: {error}; write the certificate again") from None
-    return chosen
+            return f"{name}: {error}"
+    return ""
 
 
 def _earlier(path: Path) -> dict[str, Row]:

@@ -32,7 +32,7 @@ def add_system(parser: Any) -> None:
     parser.add_argument(
         "--system",
         metavar="NAME|FILE",
-        help=f"{', '.join(FAMILY_NAMES)}, or a file of your own, .py or .json; "
+        help=f"{', '.join(FAMILY_NAMES)}, or a file of your own, .json, or .py, which is run as a program; "
         "NAME:REVERSOR for a further reversing symmetry",
     )
     parser.add_argument(

@@ -3,8 +3,10 @@
 Compiled code is kept in ``$ORBITPROOF_CACHE``, by default ``$XDG_CACHE_HOME/orbitproof/jax`` or
 ``~/.cache/orbitproof/jax``, in a folder of its own for each kind of processor: code for one may not run on another.
 ``ORBITPROOF_CACHE=off`` keeps nothing, and so does a folder that cannot be written. JAX's own settings
-(``JAX_COMPILATION_CACHE_DIR``, ``XLA_FLAGS``) come first where they are set. What is kept is the code that
-would be compiled again, so that it changes no result.
+(``JAX_COMPILATION_CACHE_DIR``, ``XLA_FLAGS``) come first where they are set. What JAX keeps is the code that it would
+compile again, and it runs that code without checking it: who can write the folder can change what a search finds, and
+run what they like. So a folder that belongs to somebody else, or that others can write, is not used. Nothing that is
+proved depends on it: the verifier does not use JAX.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import stat
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -53,6 +56,18 @@ def _processor() -> str:
     return f"{platform.machine()}-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
 
 
+def _only_ours(folder: Path) -> bool:
+    """Whether nobody else can put anything into a folder, or another one in its place; the system's root always can."""
+    if not hasattr(os, "getuid"):
+        return True
+    inner, outer = folder.stat(), folder.parent.stat()
+    shared = stat.S_IWGRP | stat.S_IWOTH
+    replaceable = outer.st_mode & shared and not outer.st_mode & stat.S_ISVTX
+    return (
+        inner.st_uid == os.getuid() and outer.st_uid in (os.getuid(), 0) and not (inner.st_mode & shared or replaceable)
+    )
+
+
 @cache
 def configure_jax() -> None:
     """Double precision, small loops in one kernel and, where a folder can be written, a cache of compiled code.
@@ -74,7 +89,12 @@ def configure_jax() -> None:
     if folder is None:
         return
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, exist_ok=True)
+        if not _only_ours(folder):
+            words = "belongs to somebody else, or others can write it: no compiled code is read or kept there"
+            warnings.warn(f"{folder}: {words}; remove it, or set ORBITPROOF_CACHE", stacklevel=2)
+            return
     except OSError:
         return
     if os.access(folder, os.W_OK | os.X_OK):

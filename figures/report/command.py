@@ -9,7 +9,7 @@ from pathlib import Path
 
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
-from orbitproof.verify.engines import ArgumentParser, Display
+from orbitproof.verify.engines import CHECK_SECONDS, LONG_CHECK_SECONDS, ArgumentParser, Display, positive_seconds
 
 _EXAMPLES = """\
 examples:
@@ -37,6 +37,9 @@ def argument_parser() -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", type=Path, action="append", required=True, metavar="FILE", help=words)
     parser.add_argument("--only", nargs="+", metavar="ID", help="these certificates (with * and ? as in file names)")
     parser.add_argument("--no-pictures", action="store_true", help="text, formulas and tables only")
+    words = f"give a check up after this time (default: {CHECK_SECONDS:g}; of curves {LONG_CHECK_SECONDS:g})"
+    parser.number("--timeout", "SECONDS", words, positive_seconds, None)
+    parser.memory_option("each check")
     parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
     return parser
 
@@ -64,7 +67,7 @@ def _run(options: argparse.Namespace) -> int:
         format_of(output)
         check_writable(output)
     try:
-        entries = check_files(options.certificates, options.only, options.quiet)
+        entries = check_files(options.certificates, options.only, options.quiet, options.timeout, options.memory)
     except Refused as refusal:
         for path, check in refusal.rechecks:
             found = check.findings[0] if check.findings else None

@@ -11,10 +11,10 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_document, select_ids
 from orbitproof.shared.systems import SYSTEMS
-from orbitproof.verify.atlas import SCHEMA, Means, atlas_of, recheck_atlas
+from orbitproof.verify.atlas import SCHEMA, atlas_of, conclusion_apart
 from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate import Certificate, Recheck, digest, read_certificates, recheck, systems_with
-from orbitproof.verify.engines import Display
+from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all, systems_with
+from orbitproof.verify.engines import LONG_CHECK_SECONDS, CheckLimits, Display
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_statement
 
 _ATLAS = "orbitproof-atlas-certificate"
@@ -60,10 +60,18 @@ class CheckedAtlas:
 Checked = CheckedRow | CheckedAtlas
 
 
-def check_files(paths: Sequence[Path], only: Sequence[str] | None = None, quiet: bool = True) -> list[Checked]:
-    """Read certificates files of both kinds and check every certificate, in order.
+def check_files(
+    paths: Sequence[Path],
+    only: Sequence[str] | None = None,
+    quiet: bool = True,
+    timeout: float | None = None,
+    memory: int = CheckLimits.memory,
+) -> list[Checked]:
+    """Read certificates files of both kinds and check every certificate, each in a process of its own.
 
-    A bifurcation is checked once, however many files carry its certificate. `only` are ids, or patterns of ids.
+    Arguments:
+        only: ids, or patterns of ids.
+        timeout, memory: of each check, in seconds and bytes.
 
     Raises:
         InputError: for what cannot be read, and if two different certificates have the same id.
@@ -84,13 +92,19 @@ def check_files(paths: Sequence[Path], only: Sequence[str] | None = None, quiet:
                 "called the same need names of their own (explore, --id)"
             )
     display = Display({name: _work(entry) for name, (_, entry) in zip(names, entries, strict=True)}, quiet)
-    examined: dict[str, Recheck] = {}
-    found: list[tuple[Path, Certificate | Mapping[str, Any], Recheck]] = []
+    checks: dict[str, Recheck] = {}
+
+    def finished(check: Recheck) -> None:
+        checks[check.id] = check
+        display.finish(check.id, check.word)
+
+    rows = [entry for _, entry in entries if isinstance(entry, Certificate)]
     with display.shown():
-        for path, entry in entries:
-            check = _examine(entry, examined) if isinstance(entry, Certificate) else _examine_atlas(entry, examined)
-            found.append((path, entry, check))
-            display.finish(_name(entry), check.word)
+        recheck_all(rows, False, 1, display.advance, finished, CheckLimits(timeout, memory))
+        for _, entry in entries:
+            if not isinstance(entry, Certificate):
+                finished(conclusion_apart(entry, CheckLimits(timeout, memory, LONG_CHECK_SECONDS)))
+    found = [(path, entry, checks[name]) for name, (path, entry) in zip(names, entries, strict=True)]
     refused = [(path, check) for path, _, check in found if not check.stands]
     if refused:
         raise Refused(refused)
@@ -126,22 +140,6 @@ def _name(entry: Certificate | Mapping[str, Any]) -> str:
 
 def _work(entry: Certificate | Mapping[str, Any]) -> float:
     return 1.0 if isinstance(entry, Certificate) else 1.0 + len(entry["results"]) / 10
-
-
-def _examine(certificate: Certificate, examined: dict[str, Recheck]) -> Recheck:
-    entry = certificate.to_json()
-    # By what it holds, not by what it says: a stored digest is part of what is checked.
-    key = f"{digest(entry)} {entry.get('digest')}"
-    if key not in examined:
-        examined[key] = recheck(certificate)
-    return examined[key]
-
-
-def _examine_atlas(document: Mapping[str, Any], examined: dict[str, Recheck]) -> Recheck:
-    def check(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:
-        return [_examine(entry, examined) for entry in entries]
-
-    return recheck_atlas(document, (), False, Means(check))
 
 
 def _checked(path: Path, entry: Certificate | Mapping[str, Any], check: Recheck) -> Checked:

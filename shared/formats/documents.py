@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping
 from functools import cache
@@ -62,6 +63,8 @@ def read_document(path: Path, name: str) -> dict[str, Any]:
         raise InputError(f"{path}: cannot be read ({error.strerror}); give the path of a {name} file") from None
     except UnicodeDecodeError:
         raise InputError(f"{path}: not a text file; give the path of a {name} file (JSON, UTF-8)") from None
+    if _long_numbers(text) > _MOST_BITS:
+        raise InputError(f"{path}: its numbers are too long for this memory; write smaller exponents")
     try:
         document = json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_unique_keys)
     except json.JSONDecodeError as error:
@@ -71,9 +74,39 @@ def read_document(path: Path, name: str) -> dict[str, Any]:
         ) from None
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: {error}; write numbers as exact strings and every key once") from None
+    if _is_deep(document):
+        raise InputError(f"{path}: lists and objects are nested more than {_MOST_NESTED} deep; write it again")
     _refuse_other_format(document, name, path)
     validate_document(document, name, str(path))
     return document  # type: ignore[no-any-return]
+
+
+_MOST_BITS = 2**33
+"""What the numbers of a document take together, if each is written out: a gibibyte."""
+_LONG = re.compile(r"(?:p|e)[+-]?([0-9]{4,6})(?=[\"\s])")
+
+
+def _long_numbers(text: str) -> int:
+    """A bound of the bits of all exact numbers in a text whose exponents have four digits or more."""
+    return sum(4 * int(digits) for digits in _LONG.findall(text))
+
+
+_MOST_NESTED = 100
+"""Deeper documents than any of ours exhaust the stack of what writes, compares and sends them."""
+
+
+def _is_deep(document: Any) -> bool:
+    level = [document] if isinstance(document, (dict, list)) else []
+    for _ in range(_MOST_NESTED):
+        level = [
+            inner
+            for container in level
+            for inner in (container.values() if isinstance(container, dict) else container)
+            if isinstance(inner, (dict, list))
+        ]
+        if not level:
+            return False
+    return True
 
 
 _FORMATS = {

@@ -15,10 +15,11 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
+from orbitproof.shared.systems.program import LARGEST_EXPONENT
+
 LONGEST = 20_000
 """Characters of a formula."""
 
-_LARGEST_EXPONENT = 100
 _MOST_BITS = 20_000
 _NUMBER = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,4})?", re.ASCII)
 _ALLOWED = "write it with names, numbers, + - * / **, sqrt(..) and brackets"
@@ -101,7 +102,7 @@ class _Reader:
         """The power; a number to a fractional power is no exact number and refused."""
         if not isinstance(exponent, Fraction):
             raise FormulaError(f"an exponent in {_quoted(self.source)} is no constant; give a number")
-        if abs(exponent) > _LARGEST_EXPONENT or exponent.denominator > _LARGEST_EXPONENT:
+        if max(abs(exponent.numerator), exponent.denominator) > LARGEST_EXPONENT:
             raise FormulaError(f"the exponent {exponent} in {_quoted(self.source)} is too large; write it as products")
         if not isinstance(base, Fraction):
             return base**exponent

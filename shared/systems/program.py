@@ -14,6 +14,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal
 
+LARGEST_EXPONENT = 100
+"""Of a power, its numerator and its denominator: a power is evaluated as that many products."""
+_MOST_LINES = 10_000
+"""Of a program that is read."""
+
 Operation = Literal["input", "constant", "add", "sub", "mul", "div", "pow"]
 
 
@@ -104,6 +109,8 @@ class Program:
         Raises `ValueError` for every other text.
         """
         *body, last = text.split("\n")
+        if len(body) > _MOST_LINES:
+            raise ValueError(f"a program has at most {_MOST_LINES} lines, not {len(body)}")
         instructions = [_instruction(index, line) for index, line in enumerate(body)]
         inputs = tuple(step.name for step in instructions if step.name is not None)
         if not re.fullmatch(r"return v[0-9]{1,9}(, v[0-9]{1,9})*", last, re.ASCII):
@@ -140,7 +147,7 @@ def _instruction(index: int, line: str) -> Instruction:
         if found["constant"] is not None:
             return Instruction("constant", value=Fraction(found["constant"]))
         if found["base"] is not None:
-            return Instruction("pow", (int(found["base"]),), Fraction(found["exponent"]))
+            return Instruction("pow", (int(found["base"]),), _exponent(Fraction(found["exponent"])))
     except ZeroDivisionError:
         raise ValueError(f"line {index + 1} divides by zero: {line[:60]!r}") from None
     if found["sign"] is not None:
@@ -149,6 +156,12 @@ def _instruction(index: int, line: str) -> Instruction:
     if re.fullmatch(r"v[0-9]+", found["name"]):
         raise ValueError(f"line {index + 1}: {found['name']!r} cannot be the name of an input")
     return Instruction("input", name=found["name"])
+
+
+def _exponent(value: Fraction) -> Fraction:
+    if max(abs(value.numerator), value.denominator) > LARGEST_EXPONENT:
+        raise ValueError(f"the exponent {value} is too large; write it as products")
+    return value
 
 
 class _Recorder:
@@ -231,7 +244,7 @@ class Variable:
         return self
 
     def __pow__(self, exponent: object) -> Variable:
-        value = exact_constant(exponent)
+        value = _exponent(exact_constant(exponent))
         return self.recorder.emit(Instruction("pow", (self.index,), value=value))
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orbitproof.explore.flow import compilation
 from orbitproof.explore.flow.batch import BLOCK, flow_batch
 from orbitproof.explore.flow.compilation import cache_folder, compiling, configure_jax
 from orbitproof.explore.flow.fields import power
@@ -254,6 +255,52 @@ def test_the_folder_of_compiled_code_can_be_moved_and_switched_off(
     assert moved == tmp_path / "elsewhere" / folder.name
     monkeypatch.setenv("ORBITPROOF_CACHE", "off")
     assert cache_folder() is None
+
+
+def test_a_folder_of_compiled_code_that_others_can_write_is_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    base = tmp_path / "base"
+    folder = base / "code"
+    base.mkdir(mode=0o700)
+    folder.mkdir(mode=0o700)
+    assert compilation._only_ours(folder)
+    for place, mode in ((folder, 0o770), (folder, 0o707), (base, 0o777)):
+        before = place.stat().st_mode
+        place.chmod(mode)
+        assert not compilation._only_ours(folder)
+        place.chmod(before)
+    # As in /tmp: others can add to it, and replace nothing.
+    base.chmod(0o1777)
+    assert compilation._only_ours(folder)
+    base.chmod(0o700)
+    somebody = os.getuid() + 1
+    monkeypatch.setattr(os, "getuid", lambda: somebody)
+    assert not compilation._only_ours(folder)
+
+
+def test_compiled_code_of_a_folder_that_others_can_write_is_not_used(tmp_path: Path) -> None:
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_COMP", "XDG_"))}
+    environment |= {"ORBITPROOF_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(ROOT), "JAX_PLATFORMS": "cpu"}
+    script = """
+from orbitproof.explore.flow.compilation import configure_jax
+import jax
+configure_jax()
+print(jax.config.jax_compilation_cache_dir)
+"""
+
+    def used() -> tuple[str, str]:
+        command = [sys.executable, "-c", script]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=True)
+        return done.stdout.strip(), done.stderr
+
+    folder, errors = used()
+    assert Path(folder).parent == tmp_path / "cache"
+    assert errors == ""
+    Path(folder).chmod(0o777)
+    folder, errors = used()
+    assert folder == "None"
+    assert "others can write it" in errors
 
 
 def test_trouble_with_the_cache_is_silent_and_other_warnings_are_not(

@@ -12,10 +12,10 @@ import argparse
 import contextlib
 import hashlib
 import json
+import multiprocessing
 import os
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -23,10 +23,11 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.interrupts import run_command
+import child
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -115,49 +116,38 @@ def copied(folder: Path) -> None:
 
 def tested(folder: Path, tests: Iterable[str], slow: bool, times: Mapping[str, float], all_of_them: bool) -> Result:
     """Run tests on a copy, those that took little of the `times` first; until one fails, or all of them."""
-    command = [sys.executable, "-m", "pytest", "--tb=no", "-p", "no:cacheprovider", "-p", "quick_first"]
-    command += ["-p", "_hypothesis_pytestplugin", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow"]
-    command += [*([] if all_of_them else ["-x"]), *dict.fromkeys(tests)]
-    told = folder / "times.json"
-    told.write_text(json.dumps(dict(times)), encoding="utf-8")
-    settings = {
-        "PYTHONPATH": os.pathsep.join((str(folder / "src"), str(HERE))),
-        "PYTHONDONTWRITEBYTECODE": "1",
-        "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
-        "ORBITPROOF_TIMES": str(told),
-    }
+    arguments = ["--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow"]
+    arguments += [*([] if all_of_them else ["-x"]), *dict.fromkeys(tests)]
     begin = time.monotonic()
-    # A session of its own, which ends with all processes that a fault may leave waiting.
-    process = subprocess.Popen(
-        command, cwd=folder, env={**os.environ, **settings}, text=True, start_new_session=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-    )  # fmt: skip
+    # The server has imported what is not under test once, and each process is a fork of it.
+    process = _SERVER.Process(target=child.run_tests, args=(folder, arguments, dict(times)))
+    process.start()
     _running.add(process)
-    try:
-        output, _ = process.communicate(timeout=10 * _LIMIT if slow else _LIMIT)
-        verdict = "survives" if process.returncode in (0, 5) else "found"
-    except subprocess.TimeoutExpired:
-        output, verdict = "", "timed out"
-    finally:
-        end(process)
-    if process.returncode in (3, 4):
-        raise RuntimeError(f"pytest did not run:\n{output}")
-    found = json.loads(told.read_text(encoding="utf-8"))
-    failed = found.get("failed", [])
+    process.join(10 * _LIMIT if slow else _LIMIT)
+    late = process.is_alive()
+    end(process)
+    told = folder / "told.json"
+    found = json.loads(told.read_text(encoding="utf-8")) if told.exists() else {"code": 1, "failed": [], "seconds": {}}
+    if found["code"] in (3, 4):
+        raise RuntimeError(f"pytest did not run:\n{(folder / 'output.txt').read_text(encoding='utf-8')}")
+    failed = found["failed"]
+    verdict = "timed out" if late else "survives" if found["code"] in (0, 5) else "found"
     by = failed[0] if failed else "the end of the process" if verdict == "found" else ""
-    seconds = round(time.monotonic() - begin, 1)
-    result = {"verdict": verdict, "by": by, "slow": slow, "seconds": seconds}
-    return {**result, "failed": failed, "times": found.get("seconds", {})}
+    told.unlink(missing_ok=True)
+    result = {"verdict": verdict, "by": by, "slow": slow, "seconds": round(time.monotonic() - begin, 1)}
+    return {**result, "failed": failed, "times": found["seconds"]}
 
 
-_running: set[subprocess.Popen[str]] = set()
+_SERVER = multiprocessing.get_context("forkserver")
+_SERVER.set_forkserver_preload(["pytest", "hypothesis", "numpy", "flint", "jsonschema"])
+_running: set[BaseProcess] = set()
 
 
-def end(process: subprocess.Popen[str]) -> None:
+def end(process: BaseProcess) -> None:
     """End a process and all of its session."""
     with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+        os.killpg(process.pid or 0, signal.SIGKILL)
+    process.join()
     _running.discard(process)
 
 
@@ -271,4 +261,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(run_command(main))
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    sys.exit(main())

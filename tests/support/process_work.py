@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import time
+from typing import Any
+
+from flint import fmpz, fmpz_mpoly_ctx
 
 from orbitproof.explore.engines.processes import Progress
 
@@ -36,3 +39,27 @@ def endless(item: int, progress: Progress) -> int:
 def name_of(item: int) -> str:
     """For the progress display."""
     return f"item {item}"
+
+
+def hanging(*_: Any) -> None:
+    """Does not end, and hears nothing."""
+    while True:
+        time.sleep(1.0)
+
+
+def aborting(*_: Any) -> None:
+    """What FLINT cannot represent ends the process."""
+    x, y = fmpz_mpoly_ctx.get(("x", "y")).gens()
+    print((x + y) ** 999_999_999)
+
+
+def growing(*_: Any) -> None:
+    """Takes all memory there is, in Python."""
+    held = []
+    while True:
+        held.append(bytearray(2**24))
+
+
+def growing_in_flint(*_: Any) -> None:
+    """Takes a gibibyte in FLINT."""
+    print(len(str(fmpz(2) ** (2**33))))

@@ -11,7 +11,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from flint import fmpz_poly
+from flint import arb, fmpz_poly
 from support.exact_elements import (
     PRECISION,
     Element,
@@ -318,3 +318,26 @@ def test_random_expressions_enclose(seed: int) -> None:
 
     result = expression(first.series, second.series, third.series, lambda x: x.scaled(factor))
     check(source, arithmetic, result, exact, 12)
+
+
+@pytest.mark.parametrize("place", [(3, 0), (0, 4)], ids=["time", "wide variable"])
+def test_what_a_product_lacks_counts_where_a_factor_underflows(place: tuple[int, int]) -> None:
+    """2^-1500 times 2^900, of which nothing is kept: the first is 0 in a double, the product is 2^-600."""
+    arithmetic = WideArithmetic(Grading((1,), 1), 1500, 0, 3, width=4)
+    row, power = place
+    highest = fmpz_poly([0] * (row * arithmetic.stride + power) + [1])
+    factors = [[fmpz_poly([0] * (3 * arithmetic.stride + 4) + [c]), fmpz_poly([])] for c in (1, 2**2400)]
+    value, lost = arithmetic.product_slice(*factors, 0)
+    assert not value.length()
+    assert Fraction(lost) >= Fraction(1, 2**600)
+    # Both of them too small: less than any double, and not nothing.
+    _, lost = arithmetic.product_slice([highest, fmpz_poly([])], factors[0], 0)
+    assert lost > 0
+
+
+def test_values_at_the_end_hold_all_powers_of_the_wide_variable() -> None:
+    """Also those that no operation leaves there: what follows refuses them, and nothing is dropped in silence."""
+    arithmetic = WideArithmetic(Grading((1,), 1), 30, 0, 3, width=4)
+    stray = packed_from(arithmetic, [[1, 0, 0, 0, 2, 3, 0], [0, 0, 0, 0, 0, 4, 5]])
+    assert arithmetic.at_end(stray) == fmpz_poly([1, 0, 0, 0, 2, 7, 5])
+    assert sum(arithmetic.balls_in_time(stray, None), arb(0)).contains(21 / arb(2) ** 30)

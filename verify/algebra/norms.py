@@ -16,12 +16,13 @@ from fractions import Fraction
 GradedNorm = list[float]
 
 _SLACK = 1.0 + 2.0**-40
-_FLOOR = 2.0**-1000
+FLOOR = 2.0**-1000
+"""What is added to a bound: more than all that underflow can have taken from it."""
 
 
 def inflate(value: float) -> float:
     """An upper bound for a float sum of at most 4000 products of non-negative floats."""
-    return value * _SLACK + _FLOOR
+    return value * _SLACK + FLOOR
 
 
 def float_above(numerator: int, exponent: int) -> float:
@@ -31,7 +32,7 @@ def float_above(numerator: int, exponent: int) -> float:
         numerator = (numerator >> excess) + 1
         exponent += excess
     try:
-        return math.ldexp(numerator, exponent) + _FLOOR
+        return math.ldexp(numerator, exponent) + FLOOR
     except OverflowError:
         return math.inf
 

@@ -223,7 +223,8 @@ class Arithmetic:
         """A factor without the bits that do not matter in its product with other * 2^shift, and their number."""
         size = int(other.height_bits()) + shift + other.length().bit_length()
         bits = self.bits - size - _CUTS_IN_A_UNIT.bit_length()
-        return (factor // fmpz(1 << bits), bits) if bits >= _WORTH_CUTTING else (factor, 0)
+        is_cut = bits >= _WORTH_CUTTING and factor.length() <= self.degree + 1
+        return (factor // fmpz(1 << bits), bits) if is_cut else (factor, 0)
 
 
 class Series:

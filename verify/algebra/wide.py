@@ -17,7 +17,7 @@ from flint import arb, arb_poly, fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.circle import Floats, from_points, power_of_series, to_points
 from orbitproof.verify.algebra.grading import Grading, Pairs
-from orbitproof.verify.algebra.norms import float_above, inflate
+from orbitproof.verify.algebra.norms import FLOOR, float_above, inflate
 from orbitproof.verify.algebra.series import ZERO, Arithmetic, Products
 from orbitproof.verify.evidence import IntegrationFailure
 
@@ -79,7 +79,7 @@ class WideArithmetic(Arithmetic):
     ) -> Products:
         """As for every arithmetic; what is not found exactly is bounded by the sizes of the factors."""
         exact = ZERO
-        beyond = 0.0
+        beyond: list[float] = []
         length = (self.degree + 1) * self.stride
         square = left is right
         for i, j in factors:
@@ -87,10 +87,10 @@ class WideArithmetic(Arithmetic):
             if a.length() and b.length() and (i <= j or not square):
                 times = 1 if i == j or not square else 2
                 exact += a.mul_low(b, length) * times
-                beyond += times * self._beyond(
-                    _sizes(a, self.stride, self.scales[i]), _sizes(b, self.stride, self.scales[j])
-                )
-        return exact, inflate(beyond) if beyond else 0.0
+                sizes = _sizes(a, self.stride, self.scales[i]), _sizes(b, self.stride, self.scales[j])
+                beyond.append(times * self._beyond(*sizes))
+        # Sums that underflow to zero are still not zero.
+        return exact, inflate(sum(beyond)) if beyond else 0.0
 
     def _beyond(self, left: _Sizes, right: _Sizes) -> float:
         """A bound of what a packed product of bounded length lacks, and of what runs into the wrong powers."""
@@ -106,14 +106,14 @@ class WideArithmetic(Arithmetic):
     def at_end(self, polynomial: fmpz_poly) -> fmpz_poly:
         """The value at theta = 1, a polynomial in s."""
         coefs = polynomial.coeffs()
-        return fmpz_poly([sum(coefs[power :: self.stride], fmpz(0)) for power in range(self.width + 1)])
+        return fmpz_poly([sum(coefs[power :: self.stride], fmpz(0)) for power in range(self.stride)])
 
     def balls_in_time(self, polynomial: fmpz_poly, part: arb | None) -> list[arb]:
         """Enclosures of the coefficients of the powers of theta, for s in `part`; in [-1, 1] if that is `None`."""
         coefs = super().balls_in_time(polynomial, None)
         where = arb(0, 1) if part is None else part
         rows = range(0, len(coefs), self.stride)
-        return [_mean_value_form(coefs[row : row + self.width + 1], where) for row in rows]
+        return [_mean_value_form(coefs[row : row + self.stride], where) for row in rows]
 
     def unpack(self, polynomial: fmpz_poly, scale: int, rows: int) -> Floats:
         """The integers of a packed polynomial times 2^-scale, shape (rows, width + 1): powers of theta and of s."""
@@ -187,7 +187,8 @@ def _sizes(polynomial: fmpz_poly, stride: int, scale: int) -> _Sizes:
         bits = np.array([value.bit_length() for value in polynomial.coeffs()])
         rows = -(-len(bits) // stride)
         padded = np.zeros(rows * stride)
-        padded[: len(bits)] = np.ldexp((bits > 0).astype(float), bits - scale)
+        # The floor comes before these are factors: one that underflows may belong to a large other one.
+        padded[: len(bits)] = np.where(bits > 0, np.ldexp(1.0, bits - scale) + FLOOR, 0.0)
         table = padded.reshape(rows, stride)
         known = polynomial, _Sizes(table.sum(axis=1), table.sum(axis=0))
         if len(_remembered) >= _REMEMBERED:

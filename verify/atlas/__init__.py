@@ -1,5 +1,6 @@
 """Proving an atlas: ``orbitproof verify atlas``."""
 
+from orbitproof.verify.atlas.apart import conclusion_apart, places_on_apart, recheck_places_apart
 from orbitproof.verify.atlas.certificate import SCHEMA, AtlasCertificate, read_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.atlas.places import check_of_conclusion, places_on, recheck_places
@@ -11,10 +12,13 @@ __all__ = [
     "Means",
     "atlas_of",
     "check_of_conclusion",
+    "conclusion_apart",
     "conclusion_of",
     "order_of",
     "places_on",
+    "places_on_apart",
     "read_atlas_certificate",
     "recheck_atlas",
     "recheck_places",
+    "recheck_places_apart",
 ]

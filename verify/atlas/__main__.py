@@ -12,6 +12,7 @@ from typing import Any
 
 from orbitproof.shared.formats import SURFACE, Atlas, InputError, check_writable, read_atlas, read_document, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.verify.atlas.apart import conclusion_apart
 from orbitproof.verify.atlas.certificate import (
     SCHEMA,
     Result,
@@ -27,7 +28,17 @@ from orbitproof.verify.atlas.run import AtlasRun
 from orbitproof.verify.atlas.splitting import Settings
 from orbitproof.verify.atlas.task import RunLimits, attempts_of, prove_task
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all, recheck_table
-from orbitproof.verify.engines import Answer, ArgumentParser, Display, Task, Work, engine_of, whole
+from orbitproof.verify.engines import (
+    LONG_CHECK_SECONDS,
+    Answer,
+    ArgumentParser,
+    CheckLimits,
+    Display,
+    Task,
+    Work,
+    engine_of,
+    whole,
+)
 
 _EXAMPLES = """\
 examples:
@@ -73,7 +84,7 @@ def _parser() -> ArgumentParser:
         ("width", "degree of the expansions along the curve"),
     ):
         parser.number(f"--{name}", "N", f"{what}, for the first attempt (default: as it suits)", whole(1), None)
-    parser.run_options("pieces", "--timeout", "an interval of a piece")
+    parser.run_options("pieces", "--timeout", "an interval of a piece", LONG_CHECK_SECONDS)
     return parser
 
 
@@ -258,8 +269,12 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
 
 def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Work = prove_task) -> Recheck:
     """The certificate checked again, up to its conclusion or with `options.integrate` to the end."""
-    is_surface = document["statement"]["atlas"].get("claim", {}).get("kind") == SURFACE
-    given = _bifurcations(options, is_surface)
+    claim = document["statement"]["atlas"].get("claim")
+    given = _bifurcations(options, isinstance(claim, dict) and claim.get("kind") == SURFACE)
+    # What follows is done here; it takes what this has taken, and integrations have processes of their own.
+    concluded = conclusion_apart(document, _check_limits(options), given)
+    if not (options.integrate and concluded.stands):
+        return concluded
 
     def prove_again(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
         display = Display(dict.fromkeys([task.name for task in tasks], 1.0), options.quiet)
@@ -268,7 +283,8 @@ def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Wor
         def answered(answer: Answer) -> None:
             display.finish(answer.task.name, finished(answer))
 
-        with engine_of(options.scheduler, options.jobs, options.timeout) as engine, display.shown():
+        engine_in = engine_of(options.scheduler, options.jobs, options.timeout, options.memory)
+        with engine_in as engine, display.shown():
             engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)
 
     def check_again(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:
@@ -276,6 +292,11 @@ def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Wor
 
     means = Means(check_again, prove_again, options.timeout, _placing(options.quiet))
     return recheck_atlas(document, given, options.integrate, means)
+
+
+def _check_limits(options: argparse.Namespace) -> CheckLimits:
+    """Of the check of a bifurcation, or of the whole certificate without integration."""
+    return CheckLimits(options.timeout, options.memory, LONG_CHECK_SECONDS)
 
 
 def _checked(entries: Sequence[Certificate], integrate: bool, options: argparse.Namespace) -> Sequence[Recheck]:
@@ -290,7 +311,7 @@ def _checked(entries: Sequence[Certificate], integrate: bool, options: argparse.
         display.finish(check.id, "certificate stands" if check.stands else "certificate does not stand")
 
     with display.shown():
-        recheck_all(entries, integrate, options.jobs, display.advance, finished)
+        recheck_all(entries, integrate, options.jobs, display.advance, finished, _check_limits(options))
     return [checks[entry.id] for entry in entries]
 
 

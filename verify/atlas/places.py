@@ -33,13 +33,13 @@ def places_on(curve: AtlasCertificate, orbits: Sequence[Certificate]) -> list[Pl
 
     The certificate of the curve is checked up to its conclusion first, and so is each orbit's.
     """
-    examined = None if curve.atlas.is_surface else check_of_conclusion(curve)
+    examined = None if curve.atlas.is_surface else check_of_conclusion(curve.document)
     return [Placed(entry.with_place(place), line) for entry, place, line in _placed(curve, examined, orbits)]
 
 
-def check_of_conclusion(curve: AtlasCertificate) -> Recheck:
-    """Whether the certificate of a curve stands, up to its conclusion."""
-    return recheck_atlas(curve.document, (), False, Means(_checked))
+def check_of_conclusion(document: Mapping[str, Any], given: Sequence[Certificate] = ()) -> Recheck:
+    """Whether the certificate of a curve or surface stands, up to its conclusion; `given` as in `recheck_atlas`."""
+    return recheck_atlas(document, given, False, Means(_checked))
 
 
 def _checked(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:

@@ -137,7 +137,11 @@ def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:
     return systems_with(BRANCH_SYSTEMS, stated["statement"], claim)[str(claim["system"])]
 
 
-_REMEDIES = {"process": "free memory, or give fewer --jobs", "time": "give --timeout more seconds"}
+_REMEDIES = {
+    "process": "free memory, or give fewer --jobs",
+    "time": "give --timeout more seconds",
+    "memory": "give --memory more",
+}
 
 
 def not_proved(argument: Mapping[str, Any], condition: str, message: str, seconds: float) -> dict[str, Any]:

@@ -7,7 +7,7 @@ means, and how stored and new values are compared is the same for all and stands
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from fractions import Fraction
 from typing import Any
@@ -15,6 +15,7 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.processes import Failure
 from orbitproof.verify.evidence import ball_from_json, ball_to_json, bounds, decimal_interval, software
 
 _SHOWN_DIGITS = 45
@@ -110,6 +111,23 @@ class Recheck:
         return "cannot be checked here" if self.obstacle else "stands"
 
 
+def not_checked(name: str, verdict: str, failure: Failure) -> Recheck:
+    """What is said of a certificate whose check was not brought to an end: nothing for it, and nothing against it."""
+    return not_finished(Recheck(name, verdict, 0, ()), failure)
+
+
+def not_finished(check: Recheck, failure: Failure) -> Recheck:
+    """The same of one that had come so far."""
+    return replace(check, obstacle=f"{failure.message}; {_REMEDIES[failure.kind]}")
+
+
+_REMEDIES = {
+    "process": "its numbers or its formulas are too large to be checked, or memory was short (--memory, --jobs)",
+    "time": "give the check more time if you trust the file",
+    "memory": "give --memory more if you trust the file",
+}
+
+
 @dataclass
 class Examination:
     """What the levels leave for the result while they are climbed; see `Recheck`."""
@@ -133,6 +151,8 @@ def climb(name: str, verdict: str, steps: Sequence[Step]) -> Recheck:
             findings.extend(step(examination))
         except CannotBeCheckedError as error:
             obstacle = str(error)
+        except MemoryError:
+            obstacle = "there is not enough memory to check it; give --memory more, or fewer --jobs"
         except (InputError, ValueError) as error:
             findings.append(Finding("the certificate", str(error)))
         except Exception as error:

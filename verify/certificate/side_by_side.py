@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
@@ -13,13 +13,15 @@ from orbitproof.shared.formats import Candidate, InputError, candidate_from_json
 from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import Certificate, repeated
 from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
-from orbitproof.verify.certificate.levels import Finding, Recheck
+from orbitproof.verify.certificate.levels import Recheck, not_checked, not_finished
 from orbitproof.verify.certificate.precision import Limits, first_precision
 from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.engines import Answer, Engine, Failure, Processes, Progress, Report, Task
+from orbitproof.verify.engines import Answer, CheckLimits, Engine, Failure, Processes, Progress, Report, Task
 from orbitproof.verify.evidence import Reason
 
 Finished = Callable[[Certificate], None]
+
+_USUAL = CheckLimits()
 
 
 def certify_all(
@@ -71,6 +73,7 @@ def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, An
 _REMEDIES = {
     "process": "free memory, or give fewer --jobs or --max-precision less",
     "time": "give --row-timeout more seconds or --max-precision less",
+    "memory": "give --memory more",
 }
 
 
@@ -89,32 +92,38 @@ def recheck_all(
     jobs: int,
     progress: Progress,
     finished: Callable[[Recheck], None],
+    limits: CheckLimits = _USUAL,
 ) -> None:
     """Check every certificate again and hand each `Recheck` to `finished`, as they are done.
 
-    What became of a process that ended by itself is the finding about its certificate. Without integration there is
-    no need for a process. Raises `InputError` if an id appears twice.
+    Each is checked in a process of its own, within `limits`: what became of a process that was ended, or that ended by
+    itself, is why its certificate cannot be checked. With `integrate`, all are first checked without.
+    Raises `InputError` if an id appears twice.
     """
     for name in repeated(certificates):
         raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
-    if jobs <= 1 and not integrate:
-        for entry in certificates:
-            finished(recheck(entry))
-        return
-    known = {entry.id: entry for entry in certificates}
-    waiting = deque(certificates)
+    standing = []
+    for entry, result in _checked_apart(certificates, False, jobs, progress, limits):
+        check = result if isinstance(result, Recheck) else not_checked(entry.id, entry.verdict, result)
+        if integrate and check.stands:
+            standing.append((entry, check))
+        else:
+            finished(check)
+    concluded = dict(standing)
+    for entry, result in _checked_apart(list(concluded), True, jobs, progress, limits):
+        # What was not brought to an end takes nothing back of what was found before.
+        finished(result if isinstance(result, Recheck) else not_finished(concluded[entry], result))
 
-    def source() -> Task | None:
-        return Task(waiting[0].id, (waiting.popleft(), integrate)) if waiting else None
 
-    with closing(answers(recheck_task, source, progress, jobs)) as all_answers:
+def _checked_apart(
+    certificates: Sequence[Certificate], integrate: bool, jobs: int, progress: Progress, limits: CheckLimits
+) -> Iterator[tuple[Certificate, Recheck | Failure]]:
+    tasks = (Task(entry.id, (entry, integrate)) for entry in certificates)
+    timeout = limits.timeout if integrate else limits.without_integration
+    source = partial(next, tasks, None)
+    with closing(answers(recheck_task, source, progress, jobs, timeout, memory=limits.memory)) as all_answers:
         for answer in all_answers:
-            entry = known[answer.task.name]
-            result = answer.result
-            if isinstance(result, Failure):
-                finding = Finding("process", f"{result.message}; {_REMEDIES['process']}")
-                result = Recheck(entry.id, entry.verdict, 0, (finding,))
-            finished(result)
+            yield answer.task.argument[0], answer.result
 
 
 def recheck_task(argument: tuple[Certificate, bool], report: Report) -> Recheck:

@@ -2,6 +2,8 @@
 
 The programs of f and H are evaluated in a ring of polynomials over Q in state, parameters and one symbol
 s = u^(-1/q) for every divisor and every base u of a power; the derivative of H along f is then zero or it is not.
+A few lines of a program can describe polynomials that no memory holds: before each operation its size is bounded, and
+what would be too large is not shown.
 """
 
 from __future__ import annotations
@@ -9,18 +11,26 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from math import ceil
+from math import ceil, lcm
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from orbitproof.shared.systems import Program
+
+_MOST_BITS = 20_000
+"""Of the coefficients of a polynomial, as of the numbers in a formula (`shared.systems.formulas`)."""
+_MOST_DEGREE = 10_000
+_MOST_WORDS = 2 * 10**7
+"""Of 64 bits, in the product of two polynomials before equal terms are collected."""
+_MOST_WORK = 10**9
+"""Words of all products together."""
 
 
 @cache
 def is_first_integral(field: Program, integral: Program) -> bool:
     """Whether the derivative of H along x' = f(x) is shown to vanish, and H to be defined wherever f is.
 
-    False also where that takes a relation between the bases of different powers.
+    False also where that takes a relation between the bases of different powers, or polynomials that are too large.
 
     Args:
         field: f; inputs are the state, then the parameters.
@@ -34,7 +44,7 @@ def is_first_integral(field: Program, integral: Program) -> bool:
         inputs = [_AlongFlow(ring, x.value, rate) for x, rate in zip(inputs, velocity, strict=False)]
         inputs += ring.inputs[len(velocity) :]
         (value,) = integral.evaluate(inputs, ring.constant, _AlongFlow.power)
-    except _NotDefinedError:
+    except _NotShownError:
         return False
     return ring.vanishes(value.rate)
 
@@ -42,7 +52,8 @@ def is_first_integral(field: Program, integral: Program) -> bool:
 def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Fraction] | None:
     """The derivative of a function of one value in the input `name`, as a coefficient for each tuple of exponents.
 
-    `None` if that input is in a divisor or in a base of a power, or if the derivative is no polynomial of the inputs.
+    `None` if that input is in a divisor or in a base of a power, or if the derivative is no polynomial of the inputs,
+    or one that is too large.
     """
     ring = _Ring(function, function)
     unit, zero = ring.polynomials.constant(1), ring.polynomials.constant(0)
@@ -52,7 +63,7 @@ def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Frac
     ]
     try:
         (value,) = function.evaluate(inputs, ring.constant, _AlongFlow.power)
-    except _NotDefinedError:
+    except _NotShownError:
         return None
     terms, place = value.rate.to_dict(), function.inputs.index(name)
     if any(base.degrees()[place] for base, _ in ring.symbols) or any(any(e[ring.first :]) for e in terms):
@@ -60,8 +71,8 @@ def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Frac
     return {tuple(map(int, exponents[: ring.first])): Fraction(int(c.p), int(c.q)) for exponents, c in terms.items()}
 
 
-class _NotDefinedError(Exception):
-    """A divisor is zero, or H divides by or takes a power of something that f does not."""
+class _NotShownError(Exception):
+    """A divisor is zero, H divides by or takes a power of something that f does not, or a polynomial is too large."""
 
 
 class _Ring:
@@ -76,6 +87,7 @@ class _Ring:
         steps = [step for program in (field, integral) for step in program.instructions]
         number = sum(step.operation in ("div", "pow") for step in steps)
         names = field.inputs
+        self.variables, self.work = len(names) + number, 0
         self.polynomials = fmpq_mpoly_ctx.get((*names, *(f"s{i}" for i in range(number))), Ordering.lex)
         generators = self.polynomials.gens()
         zero = self.polynomials.constant(0)
@@ -96,18 +108,47 @@ class _Ring:
         Whole powers of a number are numbers: they need no symbol.
         """
         if base.is_constant() and exponent.denominator == 1 and not base.is_zero():
-            number = base.leading_coefficient() ** abs(exponent.numerator)
-            return self.polynomials.constant(number if exponent >= 0 else 1 / number)
+            number = self._whole_power(base, abs(exponent.numerator))
+            return number if exponent >= 0 else self.polynomials.constant(1 / number.leading_coefficient())
         whole = max(0, ceil(exponent))
         rest = whole - exponent
-        result = base**whole
-        return result * self._symbol(base, rest.denominator) ** rest.numerator if rest else result
+        result = self._whole_power(base, whole)
+        if not rest:
+            return result
+        return self.product(result, self._whole_power(self._symbol(base, rest.denominator), rest.numerator))
+
+    def _whole_power(self, base: fmpq_mpoly, exponent: int) -> fmpq_mpoly:
+        result = self.polynomials.constant(1)
+        for digit in f"{exponent:b}":
+            result = self.product(result, result)
+            if digit == "1":
+                result = self.product(result, base)
+        return result
+
+    def product(self, left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly:
+        """The product, if it is not too large."""
+        if left.is_zero() or right.is_zero():
+            return self.polynomials.constant(0)
+        bits = _bits(left) + _bits(right)
+        words = len(left) * len(right) * (self.variables + bits // 64 + 1)
+        self.work += words
+        degree = left.total_degree() + right.total_degree()
+        if bits > _MOST_BITS or degree > _MOST_DEGREE or words > _MOST_WORDS or self.work > _MOST_WORK:
+            raise _NotShownError
+        return left * right
+
+    def sum(self, left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly:
+        """The sum, if it is not too large."""
+        self.work += (len(left) + len(right)) * self.variables
+        if _bits(left) + _bits(right) > _MOST_BITS or self.work > _MOST_WORK:
+            raise _NotShownError
+        return left + right
 
     def _symbol(self, base: fmpq_mpoly, order: int) -> fmpq_mpoly:
         if (base, order) not in self.symbols:
             defined = any(known == base and (order == 1 or other > 1) for known, other in self.symbols)
             if self.vanishes(base) or (self.is_closed and not defined):
-                raise _NotDefinedError
+                raise _NotShownError
             self.symbols.append((base, order))
         return self.polynomials.gen(self.first + self.symbols.index((base, order)))
 
@@ -121,10 +162,10 @@ class _Ring:
                 whole, rest = divmod(int(exponents[place]), order)
                 parts.setdefault(whole, {})[(*exponents[:place], rest, *exponents[place + 1 :])] = value
             most = max(parts, default=0)
-            polynomial = sum(
-                (self.polynomials.from_dict(part) * base ** (most - whole) for whole, part in parts.items()),
-                self.polynomials.constant(0),
-            )
+            polynomial = self.polynomials.constant(0)
+            for whole, part in parts.items():
+                lifted = self._whole_power(base, most - whole)
+                polynomial = self.sum(polynomial, self.product(self.polynomials.from_dict(part), lifted))
         return bool(polynomial.is_zero())
 
 
@@ -137,13 +178,17 @@ class _AlongFlow:
     rate: fmpq_mpoly
 
     def __add__(self, other: _AlongFlow) -> _AlongFlow:
-        return _AlongFlow(self.ring, self.value + other.value, self.rate + other.rate)
+        ring = self.ring
+        return _AlongFlow(ring, ring.sum(self.value, other.value), ring.sum(self.rate, other.rate))
 
     def __sub__(self, other: _AlongFlow) -> _AlongFlow:
-        return _AlongFlow(self.ring, self.value - other.value, self.rate - other.rate)
+        ring = self.ring
+        return _AlongFlow(ring, ring.sum(self.value, -other.value), ring.sum(self.rate, -other.rate))
 
     def __mul__(self, other: _AlongFlow) -> _AlongFlow:
-        return _AlongFlow(self.ring, self.value * other.value, self.rate * other.value + self.value * other.rate)
+        ring = self.ring
+        rate = ring.sum(ring.product(self.rate, other.value), ring.product(self.value, other.rate))
+        return _AlongFlow(ring, ring.product(self.value, other.value), rate)
 
     def __truediv__(self, other: _AlongFlow) -> _AlongFlow:
         return self * other.power(Fraction(-1))
@@ -154,4 +199,17 @@ class _AlongFlow:
         if exponent == 0:
             return self.ring.constant(Fraction(1))
         slope = self.ring.power(self.value, exponent - 1) * fmpq(exponent.numerator, exponent.denominator)
-        return _AlongFlow(self.ring, value, slope * self.rate)
+        return _AlongFlow(self.ring, value, self.ring.product(slope, self.rate))
+
+
+def _bits(polynomial: fmpq_mpoly) -> int:
+    """Of its coefficients, written as integers over one denominator."""
+    longest, common = 0, 1
+    for value in polynomial.coeffs():
+        denominator = int(value.q)
+        if common % denominator:
+            common = lcm(common, denominator)
+            if common.bit_length() > _MOST_BITS:
+                break
+        longest = max(longest, int(value.p).bit_length())
+    return longest + common.bit_length()

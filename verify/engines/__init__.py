@@ -1,15 +1,20 @@
 """Where tasks are done, side by side, and what people see of it."""
 
 from orbitproof.shared.processes import GRACE_SECONDS, Answer, Failure, Progress, Report, Task
+from orbitproof.verify.engines.checks import CHECK_SECONDS, GIBIBYTE, LONG_CHECK_SECONDS, CheckLimits, apart
 from orbitproof.verify.engines.cluster import connected, engine_of
-from orbitproof.verify.engines.options import ArgumentParser, positive_seconds, whole
+from orbitproof.verify.engines.options import ArgumentParser, gibibytes, positive_seconds, whole
 from orbitproof.verify.engines.processes import Engine, Processes, Work
 from orbitproof.verify.engines.progress import Display, aligned
 
 __all__ = [
+    "CHECK_SECONDS",
+    "GIBIBYTE",
     "GRACE_SECONDS",
+    "LONG_CHECK_SECONDS",
     "Answer",
     "ArgumentParser",
+    "CheckLimits",
     "Display",
     "Engine",
     "Failure",
@@ -19,8 +24,10 @@ __all__ = [
     "Task",
     "Work",
     "aligned",
+    "apart",
     "connected",
     "engine_of",
+    "gibibytes",
     "positive_seconds",
     "whole",
 ]

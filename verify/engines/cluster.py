@@ -86,9 +86,11 @@ def _result(future: Any) -> Mapping[str, Any] | Failure:
     return result
 
 
-def engine_of(scheduler: str | None, jobs: int, timeout: float | None) -> AbstractContextManager[Engine]:
+def engine_of(
+    scheduler: str | None, jobs: int, timeout: float | None, memory: int | None = None
+) -> AbstractContextManager[Engine]:
     """The cluster of a scheduler if its address is given, otherwise processes of this machine."""
-    return nullcontext(Processes(jobs, timeout)) if scheduler is None else connected(scheduler)
+    return nullcontext(Processes(jobs, timeout, memory)) if scheduler is None else connected(scheduler)
 
 
 @contextmanager

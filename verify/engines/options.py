@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from orbitproof.shared.processes import GRACE_SECONDS
+from orbitproof.verify.engines.checks import GIBIBYTE, CheckLimits
 
 
 class ArgumentParser(argparse.ArgumentParser):
@@ -26,19 +27,31 @@ class ArgumentParser(argparse.ArgumentParser):
         """An option that takes a number of this type."""
         self.add_argument(name, type=of, default=default, metavar=metavar, help=words)
 
-    def run_options(self, tasks: str, timeout: str, one: str) -> None:
-        """The options of every run of `tasks`; `timeout` is the option that ends `one` of them."""
+    def memory_option(self, of: str) -> None:
+        """The option that limits the memory of each process that does something of this kind."""
+        words = f"memory for {of}, each in a process of its own (default: {CheckLimits.memory / GIBIBYTE:g})"
+        self.add_argument("--memory", type=gibibytes, default=CheckLimits.memory, metavar="GIB", help=words)
+
+    def run_options(self, tasks: str, timeout: str, one: str, usual: float) -> None:
+        """The options of every run of `tasks`; `timeout` is the option that ends `one` of them.
+
+        Without it, a check that does not integrate has the `usual` time.
+        """
         self.number("--jobs", "N", f"{tasks} side by side, each in a process of its own (default: 1)", whole(1), 1)
         self.add_argument(
             "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
         )
-        words = f"give {one} up after this time; it has {GRACE_SECONDS:g} s more to end by itself"
+        words = (
+            f"give {one} up after this time; it has {GRACE_SECONDS:g} s more to end by itself; with --recheck, "
+            f"each check as well (without integration, default: {usual:g})"
+        )
         self.number(timeout, "SECONDS", words, positive_seconds, None)
         self.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
         self.add_argument("--recheck", action="store_true", help="check what is in a certificates file again")
         self.add_argument(
             "--integrate", action="store_true", help="with --recheck: integrate and prove again, in another way"
         )
+        self.memory_option("each check with --recheck")
         self.add_argument("--quiet", action="store_true", help="no progress on stderr")
 
 
@@ -62,3 +75,14 @@ def positive_seconds(text: str) -> float:
     if not 0 < value < 1e9:
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
     return value
+
+
+def gibibytes(text: str) -> int:
+    """The type of an option: memory in GiB, as bytes."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 < value < 1e6:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of GiB")
+    return max(1, int(value * GIBIBYTE))

@@ -31,12 +31,14 @@ class Engine(Protocol):
 class Processes:
     """At most `jobs` processes of this machine.
 
-    A task takes at most `timeout` and `GRACE_SECONDS`; what became of a process that was ended, or that ended by
-    itself, is the `Failure` of its task. Only JSON text passes between processes, as on a cluster.
+    A task takes at most `timeout` and `GRACE_SECONDS`, and a process at most `memory` bytes beyond what it begins with;
+    what became of a process that was ended, or that ended by itself, is the `Failure` of its task. Only JSON text
+    passes between processes, as on a cluster.
     """
 
     jobs: int = 1
     timeout: float | None = None
+    memory: int | None = None
 
     def run(self, work: Work, source: Source, progress: Progress, finished: Finished) -> None:
         """See `Engine.run`."""
@@ -45,7 +47,8 @@ class Processes:
             task = source()
             return None if task is None else Task(task.name, json.dumps(task.argument))
 
-        with closing(answers(partial(on_text, work), next_text, progress, self.jobs, self.timeout)) as all_answers:
+        found = answers(partial(on_text, work), next_text, progress, self.jobs, self.timeout, memory=self.memory)
+        with closing(found) as all_answers:
             for answer in all_answers:
                 task = replace(answer.task, argument=json.loads(answer.task.argument))
                 result = answer.result if isinstance(answer.result, Failure) else json.loads(answer.result)

@@ -129,7 +129,7 @@ def comparison_matrices(derivatives: Sequence[dict[int, Series]], slots: int) ->
             for source in range(slots):
                 for grade in range(slots):
                     matrices[:, i, min(source + grade, slots - 1), j, source] += bounds[:, grade]
-    return [matrix.reshape(size * slots, size * slots) * _SLACK + LEAST_ERROR for matrix in matrices]
+    return [matrix.reshape(size * slots, size * slots) * _SLACK for matrix in matrices]
 
 
 def _bounds_on_parts(derivative: Series) -> Floats:

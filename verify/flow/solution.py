@@ -16,7 +16,7 @@ from typing import Protocol
 
 from flint import fmpz, fmpz_poly
 
-from orbitproof.verify.algebra import Arithmetic, Evaluation, PreparedProgram, Series, partial_derivatives
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, partial_derivatives
 from orbitproof.verify.flow.centre import (
     dyadic_below,
     fixed_coefficients,
@@ -26,6 +26,7 @@ from orbitproof.verify.flow.centre import (
     rough,
     step_size,
 )
+from orbitproof.verify.flow.field_along import FieldAlong
 from orbitproof.verify.flow.linear_equation import Jacobian, LinearEquation
 
 _ZERO = fmpz_poly([])
@@ -59,11 +60,8 @@ class Expansion(Protocol):
     def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
         """The first zero of a component of the centre's orbit in (0, step], as a fraction of the step, dyadic."""
 
-    def solution(self, step: Fraction) -> tuple[list[list[fmpz_poly]], Evaluation]:
-        """Known parts of a solution over a step, per component and monomial, and the vector field on them.
-
-        The solution starts at the known parts of the state exactly.
-        """
+    def solve(self, along: FieldAlong, step: Fraction) -> None:
+        """Give all monomials of a solution over a step, which starts at the known parts of the state exactly."""
 
 
 class CentreExpansion:
@@ -100,70 +98,35 @@ class CentreExpansion:
         """See `Expansion`."""
         return next_crossing(self._coefficients(step)[section], self.arithmetic.bits, starts_on_section)
 
-    def solution(self, step: Fraction) -> tuple[list[list[fmpz_poly]], Evaluation]:
+    def solve(self, along: FieldAlong, step: Fraction) -> None:
         """See `Expansion`."""
-        initial, parameters = [x.coefs for x in self.state], [p.coefs for p in self.parameters]
-        return solve(self.program, self.arithmetic, self._coefficients(step), initial, parameters, step)
-
-
-def solve(
-    program: PreparedProgram,
-    arithmetic: Arithmetic,
-    centre: Sequence[Sequence[int]],
-    initial: Sequence[Sequence[fmpz_poly]],
-    parameters: Sequence[Sequence[fmpz_poly]],
-    step: Fraction,
-) -> tuple[list[list[fmpz_poly]], Evaluation]:
-    """Time polynomials of all state components, and the vector field evaluated on them.
-
-    Args:
-        centre: coefficients in theta of the centre's orbit, per component.
-        initial: known parts of the initial value (constant in theta), per component and monomial.
-        parameters: the same for the parameters.
-        step: the time that theta = 1 stands for.
-
-    Returns:
-        known parts per component and monomial, and the filled evaluation of the program.
-    """
-    evaluation = Evaluation(program, arithmetic)
-    size = len(initial)
-    monomials = range(len(arithmetic.grading.monomials))
-    solution: list[list[fmpz_poly]] = [[_ZERO for _ in monomials] for _ in range(size)]
-    for component in range(size):
-        solution[component][0] = fmpz_poly(list(centre[component]))
-    evaluation.fill(0, [row[0] for row in (*solution, *parameters)])
-    jacobian = centre_jacobian(evaluation, size)
-    equations: dict[int, LinearEquation] = {}
-    for position in monomials[1:]:
-        constants = [row[position] for row in parameters]
-        factors = arithmetic.grading.factors[position]
-        forced = any(p.length() for p in constants) or any(i and j for i, j in factors)
-        if forced:
-            evaluation.try_out(position, [_ZERO] * size + constants)
-            forcing = [evaluation.coefs[output][position] for output in program.outputs]
-        else:
-            forcing = [_ZERO] * size
-        start = [row[position] for row in initial]
-        if forced or any(p.length() for p in start):
-            grade = arithmetic.grading.grades[position]
+        arithmetic, size = self.arithmetic, len(self.state)
+        along.give([fmpz_poly(list(row)) for row in self._coefficients(step)])
+        jacobian = centre_jacobian(along)
+        equations: dict[int, LinearEquation] = {}
+        for position, grade in list(enumerate(arithmetic.grading.grades))[1:]:
+            start = [x.coefs[position] for x in self.state]
+            factors = arithmetic.grading.factors[position]
+            forced = any(p.coefs[position].length() for p in self.parameters) or any(i and j for i, j in factors)
+            if not forced and not any(p.length() for p in start):
+                along.give([_ZERO] * size)
+                continue
             if grade not in equations:
                 spare = arithmetic.spare_bits(grade)
                 unit = fmpz(1 << spare)
                 rounded = [{j: slope // unit for j, slope in row.items()} for row in jacobian]
                 equations[grade] = LinearEquation(rounded, arithmetic.bits - spare, arithmetic.degree, step)
-            for row, column in zip(solution, equations[grade].solution(forcing, start), strict=True):
-                row[position] = column
-        evaluation.fill(position, [row[position] for row in solution] + constants)
-    return solution, evaluation
+            forcing = along.forcing() if forced else [_ZERO] * size
+            along.give(equations[grade].solution(forcing, start))
 
 
-def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
+def centre_jacobian(along: FieldAlong) -> Jacobian:
     """Approximate partial derivatives of the vector field along the centre, as polynomials in theta.
 
     Row i maps j to d f_i / d x_j; entries that vanish are absent.
     """
-    arithmetic, nodes = evaluation.arithmetic, evaluation.program.nodes
-    centre = [row[0] for row in evaluation.coefs]
+    arithmetic, program = along.arithmetic, along.program
+    centre, reciprocals = along.centre()
 
     def scaled(slope: fmpz_poly, factor: Fraction) -> fmpz_poly:
         return slope * fmpz(factor.numerator) // fmpz(factor.denominator)
@@ -172,8 +135,8 @@ def centre_jacobian(evaluation: Evaluation, size: int) -> Jacobian:
         return sum(starmap(mul, pairs), _ZERO).truncate(arithmetic.degree + 1) // arithmetic.one
 
     def slope_of_power(index: int) -> fmpz_poly:
-        return scaled(dot([(centre[index], evaluation.reciprocal(index))]), nodes[index].value)
+        return scaled(dot([(centre[index], reciprocals[index])]), program.nodes[index].value)
 
     one = fmpz_poly([arithmetic.one])
-    slopes = partial_derivatives(evaluation.program, size, centre, one, scaled, dot, slope_of_power)
+    slopes = partial_derivatives(program, len(along.state), centre, one, scaled, dot, slope_of_power)
     return [{j: slope for j, slope in row.items() if slope.length()} for row in slopes]

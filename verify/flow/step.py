@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from flint import fmpz, fmpz_poly
+from flint import fmpz
 
 from orbitproof.verify.algebra import (
     Arithmetic,
-    Evaluation,
     GradedNorm,
     PreparedProgram,
     Series,
@@ -19,7 +18,9 @@ from orbitproof.verify.algebra import (
     inflate,
 )
 from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow.field_along import FieldAlong
 from orbitproof.verify.flow.gronwall import (
+    LEAST_ERROR,
     PARTS,
     centre_and_norms,
     comparison_matrices,
@@ -53,47 +54,28 @@ def advance(expansion: Expansion, step: Fraction) -> FlowStep:
 
     Raises `IntegrationFailure` if no tube was found in which the solution provably stays.
     """
-    approximate = expansion.solution(step)
-    return enclose_step(
-        expansion.program, expansion.arithmetic, approximate, expansion.state, expansion.parameters, step
-    )
+    along = FieldAlong(expansion.program, expansion.arithmetic, expansion.state, expansion.parameters)
+    expansion.solve(along, step)
+    return enclose_step(along, step)
 
 
-def enclose_step(
-    program: PreparedProgram,
-    arithmetic: Arithmetic,
-    approximate: tuple[Sequence[Sequence[fmpz_poly]], Evaluation],
-    state: Sequence[Series],
-    parameters: Sequence[Series],
-    step: Fraction,
-) -> FlowStep:
+def enclose_step(along: FieldAlong, step: Fraction) -> FlowStep:
     """Enclose the solutions around an approximate one, whatever it is (as `advance`).
 
     Args:
-        approximate: known parts of a solution that starts at those of `state`, per component and monomial, and
-            the vector field evaluated on them.
+        along: the approximate solution, with the vector field on it.
     """
-    coefs, evaluation = approximate
-    size = len(state)
-    _check_start(arithmetic, coefs, state)
-    exact = [Series(arithmetic, row, arithmetic.zero_errors()) for row in coefs]
-    nodes = evaluation.enclose([*exact, *parameters])
-    field = [nodes[output] for output in program.outputs]
+    if not step > 0:
+        raise ValueError("a step is positive")
+    state = along.state
+    exact, field = along.enclosed()
     sources = [
-        [inflate(e + d) for e, d in zip(state[i].errors, _defect(exact[i], field[i], step), strict=True)]
-        for i in range(size)
+        [inflate(e + d) for e, d in zip(x.errors, _defect(solution, slope, step), strict=True)]
+        for x, solution, slope in zip(state, exact, field, strict=True)
     ]
-    bound, slopes = _tube(program, arithmetic, exact, parameters, sources, step)
+    bound, slopes = _tube(along.program, along.arithmetic, exact, along.parameters, sources, step)
     solution = tuple(x.with_errors(errors) for x, errors in zip(exact, bound, strict=True))
     return FlowStep(solution, tuple(slopes), tuple(x.at_end() for x in solution))
-
-
-def _check_start(arithmetic: Arithmetic, coefs: Sequence[Sequence[fmpz_poly]], state: Sequence[Series]) -> None:
-    powers = arithmetic.width + 1
-    for row, x in zip(coefs, state, strict=True):
-        for solved, given in zip(row, x.coefs, strict=True):
-            if given.length() > powers or any(solved[power] != given[power] for power in range(powers)):
-                raise ValueError("the approximate solution does not start at the known part of the state")
 
 
 def _defect(solution: Series, field: Series, step: Fraction) -> GradedNorm:
@@ -133,7 +115,8 @@ def _tube(
         derivatives, slopes = derivative_bounds(program, size, [*inputs, *constants])
         bound = start.reshape(-1)
         for matrix in comparison_matrices(derivatives, slots):
-            bound = exponential_bound(matrix * (fraction_above(step) / PARTS), bound)
+            # What underflows in the product is less than what is added, however small the step.
+            bound = exponential_bound(matrix * (fraction_above(step) / PARTS) + LEAST_ERROR, bound)
         errors = bound.reshape(size, slots)
         if bool(np.all(errors < tube)) and bool(np.all(np.isfinite(tube))):
             return [[float(value) for value in row] for row in errors], slopes

@@ -28,6 +28,7 @@ from orbitproof.verify.algebra import (
     to_points,
 )
 from orbitproof.verify.flow.centre import TaylorRecurrence, next_crossing, step_size
+from orbitproof.verify.flow.field_along import FieldAlong
 from orbitproof.verify.flow.solution import CentreExpansion, Expansion
 
 _MINUS_ONE = Fraction(-1)
@@ -70,7 +71,7 @@ class CircleExpansion:
         scaled = np.ldexp(centre * float(step) ** np.arange(len(centre)), _CENTRE_BITS)
         return next_crossing([int(value) for value in scaled], _CENTRE_BITS, starts_on_section)
 
-    def solution(self, step: Fraction) -> tuple[list[list[fmpz_poly]], Evaluation]:
+    def solve(self, along: FieldAlong, step: Fraction) -> None:
         """See `Expansion`."""
         program, arithmetic, taylor = self.program, self.arithmetic, self.taylor
         degree, width, bits = arithmetic.degree, arithmetic.width, arithmetic.bits
@@ -96,10 +97,8 @@ class CircleExpansion:
         corrections = from_points(variation[:, :, 1], width)
         for component in range(size):
             solution[component][0] = solution[component][0] + arithmetic.pack(corrections[component], bits)
-        evaluation = Evaluation(program, arithmetic)
-        for position in range(len(arithmetic.grading.monomials)):
-            evaluation.fill(position, [row[position] for row in (*solution, *constants)])
-        return solution, evaluation
+        for column in zip(*solution, strict=True):
+            along.give(column)
 
 
 def expand(

@@ -314,8 +314,13 @@ def kernel_components(
 
 
 def at_start(program: Program, arguments: Sequence[Series]) -> list[Series]:
-    """Values of a program at elements that do not depend on time, so that degree 0 does."""
+    """Values of a program at elements that do not depend on time, so that degree 0 does.
+
+    Raises `ValueError` if one does.
+    """
     arithmetic = arguments[0].arithmetic
+    if any(p.length() > arithmetic.stride for x in arguments for p in x.coefs):
+        raise ValueError("an element depends on time")
     flat = replace(arithmetic, degree=0)
     values = evaluate(prepare(program), [Series(flat, x.coefs, x.errors) for x in arguments])
     return [Series(arithmetic, x.coefs, x.errors) for x in values]

@@ -1,0 +1,60 @@
+"""A process that runs tests on a copy of the package, quick tests before slow ones."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+_QUICK = 0.25
+
+
+class QuickFirst:
+    """A plugin of pytest that puts tests in order by the seconds that they took before.
+
+    Attributes:
+        seconds: what they take now.
+        failed: those that fail, in order; files that cannot be collected among them.
+    """
+
+    def __init__(self, before: Mapping[str, float]) -> None:
+        self.before = before
+        self.seconds: dict[str, float] = {}
+        self.failed: list[str] = []
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Quick tests keep their order, so that what they share is made once."""
+        items.sort(key=lambda item: max(_QUICK, self.before.get(item.nodeid, 0.0)))
+
+    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+        if report.failed:
+            self.failed.append(report.nodeid)
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self.seconds[report.nodeid] = round(self.seconds.get(report.nodeid, 0.0) + report.duration, 2)
+        if report.failed:
+            self.failed.append(report.nodeid)
+
+
+def run_tests(folder: Path, arguments: Sequence[str], before: Mapping[str, float]) -> None:
+    """Run pytest in a folder whose ``src`` holds the package; leaves ``told.json`` and ``output.txt`` there."""
+    # A session of its own, which ends with all processes that a fault may leave waiting.
+    os.setsid()
+    os.chdir(folder)
+    output = os.open("output.txt", os.O_WRONLY | os.O_CREAT)
+    for stream in (1, 2):
+        os.dup2(output, stream)
+    package = str(folder / "src")
+    sys.path.insert(0, package)
+    sys.dont_write_bytecode = True
+    os.environ |= {"PYTHONPATH": package, "PYTHONDONTWRITEBYTECODE": "1", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    plugin = QuickFirst(before)
+    code = int(pytest.main([*arguments, "-p", "_hypothesis_pytestplugin"], plugins=[plugin]))
+    told = {"code": code, "failed": plugin.failed, "seconds": plugin.seconds}
+    Path("told.json").write_text(json.dumps(told), encoding="utf-8")
+    sys.stdout.flush()
+    os._exit(0)

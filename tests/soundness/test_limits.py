@@ -1,0 +1,247 @@
+"""Files that would take all time or memory: what cannot be checked is said so, and everything else goes on."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb
+from support import process_work
+from support.claims import known
+from support.forgeries import DATA, atlas_certificate, forged, read
+
+from orbitproof import verify
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import CR3BP, Program, record
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.atlas import apart, conclusion_apart
+from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, rechecking, side_by_side
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
+from orbitproof.verify.engines import CheckLimits
+from orbitproof.verify.evidence import ball_to_json
+
+HEAD = {"format": "orbitproof-certificates", "version": 1, "software": {}}
+INPUTS = [f"v{n} = {name}" for n, name in enumerate(("x", "y", "z", "vx", "vy", "vz", "mu"))]
+
+
+def program(*lines: str) -> str:
+    """A function of state and parameters of the three-body problem, whose value is the last line."""
+    body = [*INPUTS, *(f"v{n} = {line}" for n, line in enumerate(lines, start=len(INPUTS)))]
+    return "\n".join([*body, f"return v{len(body) - 1}"])
+
+
+def squarings(first: str, number: int) -> str:
+    return program(first, *(f"v{n} * v{n}" for n in range(len(INPUTS), len(INPUTS) + number)))
+
+
+INTEGRALS = {
+    "a power": program("v0 + v2", "v7 ** (999999999)"),
+    "a power of a power": program("v0 + v2", "v7 ** (100)", "v8 ** (100)", "v9 ** (100)"),
+    "a root of a power": program("v0 + v2", "v7 ** (1/999999999)", "v8 ** (-999999998/999999999)"),
+    "squarings of a constant": squarings("3", 60),
+    "powers of a constant": program("3", "v7 ** (100)", "v8 ** (100)", "v9 ** (100)", "v10 ** (100)"),
+    "powers of a quotient": program("1/3", "v7 ** (-100)", "v8 ** (-100)", "v9 ** (-100)", "v10 ** (-100)"),
+    "squarings of a polynomial": squarings("v0 + v2", 40),
+    "squarings of a quotient": program("v0 + v2", "v6 / v7", *(f"v{n} * v{n}" for n in range(8, 48))),
+}
+
+
+@pytest.fixture(scope="module")
+def honest() -> dict[str, Any]:
+    """The certificate of a Falkner-Skan touch-and-go bifurcation, which stands."""
+    return certify(known("fs3"), Limits(max_precision=256)).to_json()
+
+
+def stranger(integral: str) -> dict[str, Any]:
+    """A certificate that claims nothing, of a system that nobody knows, with this first integral."""
+    rows = json.loads((DATA / "figures-certificates.json").read_text("utf-8"))["certificates"]
+
+    def change(entry: dict[str, Any]) -> None:
+        entry["id"] = "stranger"
+        entry["statement"]["candidate"].update(id="stranger", system="stranger")
+        entry["statement"].update(first_integral=integral, names={"system": "stranger", "first_integral": "H"})
+        entry["statement"].pop("theorem")
+        reason = {"condition": "symmetries", "message": "not shown", "remedy": "none"}
+        entry.update(verdict="not proved", reason=reason, results=None, hypotheses=[], enclosures=None)
+
+    return forged(next(row for row in rows if row["id"] == "earth-moon-L1-halo-k2-1"), change)
+
+
+def written(path: Path, *entries: dict[str, Any]) -> str:
+    path.write_text(json.dumps({**HEAD, "certificates": list(entries)}), "utf-8")
+    return str(path)
+
+
+def rows_of(capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
+    """The lines of the table of checks, by id."""
+    return {line.split()[0]: line for line in capsys.readouterr().out.splitlines() if "  " in line}
+
+
+@pytest.mark.parametrize("kind", INTEGRALS)
+def test_a_first_integral_without_end_is_refused_before_it_is_evaluated(
+    kind: str, honest: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path / "both.json", stranger(INTEGRALS[kind]), honest)
+    main(["--recheck", path, "--quiet", "--row-timeout", "20", "--memory", "1"])
+    rows = rows_of(capsys)
+    assert "cannot be checked" not in rows["stranger"]
+    assert " stands " in rows[honest["id"]]
+    with pytest.raises(ValueError, match="exponent") if "999999999" in INTEGRALS[kind] else nullcontext():
+        function = Program.from_text(INTEGRALS[kind])
+        assert not is_first_integral(CR3BP.program, function)
+        assert derivative_terms(function, "x") is None
+
+
+def test_a_first_integral_that_takes_some_work_is_shown() -> None:
+    integral = CR3BP.first_integral
+    assert integral is not None
+    power = record(lambda x, p: (integral(x, p)[0] ** 4,), CR3BP.state, tuple(CR3BP.parameters))
+    assert is_first_integral(CR3BP.program, power)
+
+
+def slow(honest: dict[str, Any]) -> dict[str, Any]:
+    """A certificate that says it was made with so many bits that integrating again takes hours."""
+
+    def change(entry: dict[str, Any]) -> None:
+        entry["id"] = entry["statement"]["candidate"]["id"] = "slow"
+        entry["computation"].update(precision=4000, order=4000)
+        entry.update(rechecking.derived(entry))
+
+    return forged(honest, change)
+
+
+def test_an_integration_without_end_costs_its_own_row_only(
+    honest: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path / "both.json", slow(honest), honest)
+    assert main(["--recheck", path, "--quiet"]) == 0
+    assert main(["--recheck", "--integrate", path, "--quiet", "--row-timeout", "1"]) == 1
+    table = capsys.readouterr().out
+    assert "slow: the time limit of 1 s passed within one step; the process was ended" in table
+    assert f"{honest['id']}  proved   stands" in table
+    assert multiprocessing.active_children() == []
+
+
+def test_a_notebook_survives_an_integration_without_end(honest: dict[str, Any]) -> None:
+    entries = [Certificate.from_json(entry) for entry in (slow(honest), honest)]
+    first, second = verify.recheck(entries, integrate=True, timeout=1.0, quiet=True)
+    assert (first.stands, first.findings, first.level) == (False, (), Level.CONCLUSION)
+    assert "time limit" in first.obstacle
+    assert second.stands
+    with pytest.raises(ValueError, match="timeout"):
+        verify.recheck(entries, timeout=-1.0, quiet=True)
+    with pytest.raises(ValueError, match="memory"):
+        verify.recheck(entries, memory=0.0, quiet=True)
+
+
+ENDS = {
+    "hangs": (process_work.hanging, "the time limit of 0.5 s passed"),
+    "is ended by FLINT": (process_work.aborting, "SIGABRT"),
+    "takes memory without end": (process_work.growing, "more memory than 0.25 GiB"),
+    "takes memory in FLINT": (process_work.growing_in_flint, "SIGABRT"),
+}
+LIMITS = ["--row-timeout", "0.5", "--memory", "0.25"]
+
+
+@pytest.mark.parametrize("how", ENDS)
+def test_a_check_that_does_not_end_is_an_obstacle(
+    how: str,
+    honest: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    work, words = ENDS[how]
+    monkeypatch.setattr(side_by_side, "recheck_task", work)
+    path = written(tmp_path / "one.json", honest)
+    assert main(["--recheck", path, "--quiet", *LIMITS]) == 1
+    out = capsys.readouterr().out
+    assert words in out
+    assert "cannot be checked here" in out
+    assert "DOES NOT" not in out
+
+
+@pytest.mark.parametrize("how", ENDS)
+def test_the_check_of_a_curve_that_does_not_end_is_an_obstacle(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    work, words = ENDS[how]
+    monkeypatch.setattr(apart, "_conclusion", work)
+    found = conclusion_apart({"id": "curve", "verdict": "proved"}, CheckLimits(0.5, 2**28))
+    assert words in found.obstacle
+    assert found.findings == ()
+
+
+@pytest.mark.parametrize("how", ENDS)
+def test_a_place_that_does_not_end_is_an_obstacle_of_its_row(
+    how: str, honest: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    work, words = ENDS[how]
+    monkeypatch.setattr(apart, "_place", work)
+    plain = Certificate.from_json(honest)
+    place = {"rests_on": {"id": "curve", "digest": "sha256:" + 64 * "0"}, "piece": "p", "s": ball_to_json(arb(0)),
+             "mirrored": False, "other_point": False, "statement": "It lies there."}  # fmt: skip
+    placed = plain.with_place(place)
+    check = Recheck(plain.id, "proved", 11, (), level=Level.CONCLUSION)
+    found = apart.recheck_places_apart(None, None, [placed], {plain.id: check}, CheckLimits(0.5, 2**28))
+    assert words in found[plain.id].obstacle
+    assert found[plain.id].level is Level.FORM
+    assert apart.recheck_places_apart(None, None, [plain], {plain.id: check}, CheckLimits(0.5))[plain.id] is check
+
+
+def refused(path: Path, text: str, command: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    """The one line with which a command refuses a file."""
+    path.write_text(text, "utf-8")
+    assert main([*command, "--quiet", str(path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    return line
+
+
+@pytest.mark.parametrize("depth", [200, 900, 5_000, 100_000])
+@pytest.mark.parametrize("command", [["--recheck"], ["--second-proof"], ["atlas", "--recheck"]])
+def test_a_document_of_great_depth_is_refused_in_one_line(
+    depth: int, command: list[str], honest: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if command[0] == "atlas":
+        document: dict[str, Any] = forged(a_curve(), lambda curve: curve["conclusion"].update(id="HERE"))
+    else:
+        document = {**HEAD, "certificates": [{**honest, "reason": "HERE"}]}
+    text = json.dumps(document).replace('"HERE"', '{"a":' * depth + "1" + "}" * depth)
+    line = refused(tmp_path / "deep.json", text, command, capsys)
+    assert "nested" in line or "recursion" in line
+
+
+def a_curve() -> dict[str, Any]:
+    """The certificate of an atlas on which nothing is proved."""
+    atlas = read("atlas-lyapunov.json")
+    return json.loads(json.dumps(atlas_certificate(atlas, [])))  # type: ignore[no-any-return]
+
+
+def test_numbers_that_fill_the_memory_are_refused_in_one_line(
+    honest: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = json.dumps({**HEAD, "certificates": [{**honest, "results": ["0x1p999999"] * 10_000}]})
+    assert "numbers are too long" in refused(tmp_path / "long.json", text, ["--recheck"], capsys)
+    spaced = json.dumps({**HEAD, "certificates": [{**honest, "results": ["1e-99999"] * 30_000}]}, indent=1)
+    assert "numbers are too long" in refused(tmp_path / "long.json", spaced, ["--recheck"], capsys)
+
+
+@pytest.mark.parametrize("text", ["0x1p9999999", "1e999999", "1e999999999", "9" * 5000, "0x1p999999999"])
+def test_a_number_that_is_too_long_to_write_out_is_none(text: str) -> None:
+    with pytest.raises(ValueError):
+        parse_exact(text)
+
+
+def test_a_program_has_bounded_exponents_and_lines() -> None:
+    with pytest.raises(ValueError, match="exponent 101 is too large"):
+        Program.from_text(program("v0 ** (101)"))
+    with pytest.raises(ValueError, match="exponent 1/101 is too large"):
+        Program.from_text(program("v0 ** (1/101)"))
+    with pytest.raises(ValueError, match="exponent 1000000000 is too large"):
+        record(lambda x: (x[0] ** 10**9,), ("x",))
+    assert Program.from_text(program("v0 ** (-99/100)"))
+    with pytest.raises(ValueError, match="at most 10000 lines"):
+        Program.from_text(squarings("v0 * v1", 10_000))
