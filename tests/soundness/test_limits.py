@@ -15,10 +15,12 @@ from support.claims import known
 from support.forgeries import DATA, atlas_certificate, forged, read
 
 from orbitproof import verify
+from orbitproof.figures.report.command import main as report
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP, Program, record
+from orbitproof.verify import second_proofs
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.atlas import apart, conclusion_apart
+from orbitproof.verify.atlas import AtlasCertificate, apart, atlas_of, conclusion_apart, places_on_apart
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, rechecking, side_by_side
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
@@ -245,3 +247,46 @@ def test_a_program_has_bounded_exponents_and_lines() -> None:
     assert Program.from_text(program("v0 ** (-99/100)"))
     with pytest.raises(ValueError, match="at most 10000 lines"):
         Program.from_text(squarings("v0 * v1", 10_000))
+
+
+def test_commands_say_what_cannot_be_checked(
+    honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(apart, "_conclusion", process_work.hanging)
+    monkeypatch.setattr(side_by_side, "recheck_task", process_work.aborting)
+    rows, curve = written(tmp_path / "rows.json", honest), tmp_path / "curve.json"
+    curve.write_text(json.dumps(a_curve()), "utf-8")
+    assert main(["atlas", "--recheck", str(curve), "--quiet", "--timeout", "0.5"]) == 1
+    out = capsys.readouterr().out
+    assert "cannot be checked here" in out
+    assert "time limit of 0.5 s" in out
+    output = tmp_path / "report.md"
+    assert report([rows, str(curve), "-o", str(output), "--quiet", "--timeout", "0.5", "--memory", "1"]) == 1
+    first, second = (line for line in capsys.readouterr().err.splitlines() if line.startswith("REFUSED"))
+    assert first.startswith(f"REFUSED {rows}: {honest['id']}: its process ended")
+    assert "time limit of 0.5 s" in second
+    assert not output.exists()
+
+
+def test_an_orbit_is_not_placed_on_a_curve_that_cannot_be_checked(
+    honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(apart, "_places", process_work.hanging)
+    document = a_curve()
+    curve, orbit = AtlasCertificate(atlas_of(document), document), Certificate.from_json(honest)
+    (placed,) = places_on_apart(curve, [orbit], CheckLimits(0.5))
+    assert placed.certificate == orbit
+    assert "not shown to lie" in placed.line
+    assert "time limit of 0.5 s" in placed.line
+
+
+def test_a_statement_that_ends_the_reader_of_second_proofs_costs_its_own_row_only(
+    honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(second_proofs, "_first_problem", process_work.aborting)
+    monkeypatch.setattr(second_proofs, "prove_row", process_work.growing)
+    path = written(tmp_path / "rows.json", honest)
+    assert main(["--second-proof", path, "--quiet", "--memory", "0.25"]) == 1
+    out = capsys.readouterr().out
+    assert "cannot follow" in out
+    assert "more memory than 0.25 GiB" in out
