@@ -128,8 +128,10 @@ def tested(folder: Path, tests: Iterable[str], slow: bool, times: Mapping[str, f
     end(process)
     told = folder / "told.json"
     found = json.loads(told.read_text(encoding="utf-8")) if told.exists() else {"code": 1, "failed": [], "seconds": {}}
-    if found["code"] in (3, 4):
-        raise RuntimeError(f"pytest did not run:\n{(folder / 'output.txt').read_text(encoding='utf-8')}")
+    ended = process.exitcode is not None and process.exitcode < 0
+    if found["code"] in (3, 4) or not (told.exists() or ended):
+        output = folder / "output.txt"
+        raise RuntimeError(f"pytest did not run:\n{output.read_text(encoding='utf-8') if output.exists() else ''}")
     failed = found["failed"]
     verdict = "timed out" if late else "survives" if found["code"] in (0, 5) else "found"
     by = failed[0] if failed else "the end of the process" if verdict == "found" else ""
