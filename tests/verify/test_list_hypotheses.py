@@ -13,15 +13,18 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support.flow_checks import ball
+from support.forgeries import checked
 from support.one_piece import OnePiece
-from support.stability_cases import listed, results
+from support.stability_cases import atlas, listed, results
 
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.program import record
 from orbitproof.shared.systems.system import ReversibleSystem
+from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.evidence.balls_as_text import ball_from_json
+from orbitproof.verify.evidence.outcome import NotEstablishedError, Reason
 from orbitproof.verify.stability.decided import open_on
-from orbitproof.verify.stability.level import gradient
+from orbitproof.verify.stability.level import Level, gradient
 
 LOSS = "loss of R"
 
@@ -111,6 +114,22 @@ def test_a_family_parameter_is_a_level_that_is_nowhere_stationary() -> None:
     (hypothesis,) = document["hypotheses"]
     assert (hypothesis["name"], hypothesis["holds"]) == ("level", True)
     assert "beta is a coordinate of Fix(R)" in hypothesis["statement"]
+
+
+def test_a_list_whose_hypothesis_is_not_shown_is_not_proved(monkeypatch: Any) -> None:
+    """And the file says what was asked for, so that checking it again makes the same."""
+    reason = Reason("level", "it may vanish", "another first integral")
+
+    def refuse(_: Any) -> Any:
+        raise NotEstablishedError(reason)
+
+    monkeypatch.setattr(Level, "hypotheses", property(refuse))
+    conclusion = listed(results(), 5)
+    assert conclusion["verdict"] == "not proved"
+    assert conclusion["reason"] == reason.to_json()
+    assert conclusion["statement"] == ""
+    assert conclusion["complete"]["order"] == 5
+    assert checked(make_atlas_certificate(atlas(), results(), conclusion)).stands
 
 
 def functions(x: Any, y: Any) -> tuple[Any, ...]:

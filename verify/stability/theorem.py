@@ -10,7 +10,14 @@ from flint import ctx
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.curve import Conclusion, ProvedCurve
 from orbitproof.verify.distances import is_distance_of_orbits
-from orbitproof.verify.evidence import EmptyIntersectionError, NotEstablishedError, Proved, Reason, hypothesis_to_json
+from orbitproof.verify.evidence import (
+    EmptyIntersectionError,
+    IntegrationFailure,
+    NotEstablishedError,
+    Proved,
+    Reason,
+    hypothesis_to_json,
+)
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import stable_intervals
@@ -32,20 +39,19 @@ def with_complete_list(
     document = conclusion.to_json()
     if not is_distance_of_orbits(atlas.system, atlas.claim.symmetry):
         results = [_without_distance(result) for result in results]
+    nothing = _EMPTY | {"order": order}
     if not isinstance(conclusion.outcome, Proved):
-        return {**document, "complete": _EMPTY | {"order": order}}
+        return {**document, "complete": nothing}
     chain = conclusion.outcome.results.chain
     with ctx.workprec(PRECISION):
         try:
             found = complete_list(atlas, chain, results, order, conclusion.bifurcations)
             across = list_across(atlas, chain, found, conclusion.bifurcations)
         except EmptyIntersectionError as error:
-            reason = Reason(
-                "complete", f"the complete list and the certificates contradict each other: {error}", "report this"
-            )
-            return {**document, "verdict": "not proved", "reason": reason.to_json(), "statement": ""}
-        except NotEstablishedError as error:
-            return {**document, "verdict": "not proved", "reason": error.reason.to_json(), "statement": ""}
+            message = f"the complete list and the certificates contradict each other: {error}"
+            return {**_refused(document, Reason("complete", message, "report this")), "complete": nothing}
+        except (NotEstablishedError, IntegrationFailure) as error:
+            return {**_refused(document, error.reason), "complete": nothing}
         stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
         words = statement(atlas, found, stable, unknown)
         if across is not None:
@@ -66,6 +72,10 @@ def with_complete_list(
             **({} if across is None else {"out_of_plane": across.to_json()}),
         },
     }
+
+
+def _refused(document: Mapping[str, Any], reason: Reason) -> dict[str, Any]:
+    return {**document, "verdict": "not proved", "reason": reason.to_json(), "statement": ""}
 
 
 def _without_distance(result: Mapping[str, Any]) -> Mapping[str, Any]:
