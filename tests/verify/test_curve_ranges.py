@@ -124,3 +124,13 @@ def test_signs_on_an_interval_are_those_of_the_curve(centre: int, width: int) ->
         negative = tube.coordinate_is_beyond_zero(1, -1, tube.runs[0], lower, upper)
     assert positive == (lower > 0)
     assert negative == (upper < 0)
+
+
+@pytest.mark.parametrize(("height", "known"), [(Fraction(1, 2**12), True), (Fraction(1, 2**16), False)])
+def test_what_is_unknown_of_a_coordinate_may_change_its_sign(height: Fraction, known: bool) -> None:
+    """x of the circle's piece around 0, moved such that it is `height` at s = 0, known to 2^-14."""
+    piece = circle_piece(0, 0.0)
+    piece = replace(piece, centre=(piece.centre[0] - piece.point(Fraction(0))[0] + height, *piece.centre[1:]))
+    tube = read_tube(piece, [{**proved(piece), "deviation": ["0x1p-14", "0x1p-14"]}])
+    with ctx.workprec(128):
+        assert tube.coordinate_is_beyond_zero(0, 1, tube.runs[0], Fraction(0), Fraction(1, 2**12)) == known

@@ -37,6 +37,7 @@ from orbitproof.shared.formats.atlas import Claim, Piece
 from orbitproof.shared.systems.system import CR3BP
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.curve.tube import read_tube
+from orbitproof.verify.evidence import enclose
 from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.outcome import Proved
 
@@ -75,6 +76,28 @@ def test_joints_are_where_the_pieces_overlap() -> None:
         expected = math.sin(math.asin(float(joint.leaves * HALF_WIDTH)) - math.pi / 5) / float(HALF_WIDTH)
         assert abs(float(joint.enters.mid()) - expected) < 1e-6
         assert joint.turn > 0
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_a_stretch_is_entered_between_bounds_and_holds_what_lies_surely_behind_them(case: Callable[[], Case]) -> None:
+    chain = proof(concluded(case())).chain
+    for joint in chain.joints:
+        lower, upper = bounds(joint.enters)
+        entered = [each for each in chain.stretches if each.tube.piece.id == joint.after]
+        assert any(each.enters <= lower <= upper <= each.entered for each in entered)
+    for stretch in chain.stretches:
+        assert stretch.contains(enclose((stretch.entered + stretch.leaves) / 2))
+        if stretch.enters < stretch.entered:
+            assert not stretch.contains(enclose((stretch.enters + stretch.entered) / 2))
+
+
+def test_slopes_of_a_regular_piece_are_known_to_their_bound_at_its_middle_too() -> None:
+    atlas, results = loop()
+    result = {**results[0], "slope_deviation": ["0.125", "0.25"]}
+    tube = read_tube(atlas.curve_pieces()[0], [result])
+    for s in (Fraction(0), Fraction(1, 2), Fraction(-1)):
+        _, *across = tube.local_slope(tube.runs[0], s)
+        assert [float(ball.rad()) >= width for ball, width in zip(across, (0.125, 0.25), strict=True)] == [True, True]
 
 
 def test_intervals_of_a_piece_that_touch_are_enough() -> None:
