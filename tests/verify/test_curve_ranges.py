@@ -126,11 +126,25 @@ def test_signs_on_an_interval_are_those_of_the_curve(centre: int, width: int) ->
     assert negative == (upper < 0)
 
 
-@pytest.mark.parametrize(("height", "known"), [(Fraction(1, 2**12), True), (Fraction(1, 2**16), False)])
+@pytest.mark.parametrize(("height", "known"), [(Fraction(1, 2**28), True), (Fraction(1, 2**32), False)])
 def test_what_is_unknown_of_a_coordinate_may_change_its_sign(height: Fraction, known: bool) -> None:
-    """x of the circle's piece around 0, moved such that it is `height` at s = 0, known to 2^-14."""
+    """x of the circle's piece around 0, moved such that it is `height` at s = 0, known to 2^-30."""
     piece = circle_piece(0, 0.0)
     piece = replace(piece, centre=(piece.centre[0] - piece.point(Fraction(0))[0] + height, *piece.centre[1:]))
-    tube = read_tube(piece, [{**proved(piece), "deviation": ["0x1p-14", "0x1p-14"]}])
+    tube = read_tube(piece, [{**proved(piece), "deviation": ["0x1p-30", "0x1p-30"]}])
     with ctx.workprec(128):
-        assert tube.coordinate_is_beyond_zero(0, 1, tube.runs[0], Fraction(0), Fraction(1, 2**12)) == known
+        assert tube.coordinate_is_beyond_zero(0, 1, tube.runs[0], Fraction(0), Fraction(1, 2**16)) == known
+
+
+def test_runs_end_at_every_gap_and_are_as_long_as_their_longest_interval() -> None:
+    piece = circle_piece(0, 0.0)
+
+    def runs(*intervals: tuple[str, str]) -> list[tuple[Fraction, Fraction]]:
+        tube = read_tube(piece, [{**proved(piece), "interval": list(interval)} for interval in intervals])
+        return [(run.start, run.end) for run in tube.runs]
+
+    assert runs(("-1", "0x1p-20"), ("0x3p-20", "1")) == [
+        (Fraction(-1), Fraction(1, 2**20)),
+        (Fraction(3, 2**20), Fraction(1)),
+    ]
+    assert runs(("-1", "0.75"), ("-0.5", "0.25")) == [(Fraction(-1), Fraction(3, 4))]
