@@ -3,7 +3,8 @@
 The files beside this one are the table, one for each room of the trusted modules (`read`). Every fault is applied to a
 copy of the package, and the tests of its room run on the copy until one of them fails; those that `make test` runs, and
 with ``--slow`` those that `make test-slow` runs where no other has noticed the fault. Results are kept one by one, and
-the same command goes on; it tries a fault again when its patch, the modules beside it or its tests have changed.
+the same command goes on; it tries a fault again when its patch or the modules beside it have changed, and one that no
+test has noticed when its tests have.
 """
 
 from __future__ import annotations
@@ -71,8 +72,13 @@ class Fault:
         return f"{self.room}: {self.breaks}"
 
     def key(self) -> str:
-        """Digest of what the result depends on: the patch, the modules beside it, the tests."""
-        return _digest([self.old, self.new], [self.file], [*self.first, *self.tests])
+        """Digest of the patch and the modules beside it."""
+        return _digest([self.file, self.old, self.new], sorted((ROOT / self.file).parent.glob("*.py")))
+
+    def digest_of_tests(self) -> str:
+        """Digest of the files of the tests."""
+        names = dict.fromkeys(test.partition("::")[0] for test in (*self.first, *self.tests))
+        return _digest(names, [ROOT / name for name in names])
 
     def applied(self, text: str) -> str:
         """The module with the fault. Raises `ValueError` unless the old text occurs once and the new one differs."""
@@ -81,12 +87,8 @@ class Fault:
         return text.replace(self.old, self.new)
 
 
-def _digest(texts: Sequence[str], modules: Iterable[str], tests: Iterable[str]) -> str:
-    """Digest of texts, of all modules beside the named ones, and of the files of tests."""
-    folders = sorted({(ROOT / name).parent for name in modules})
-    files = [path for folder in folders for path in sorted(folder.glob("*.py"))]
-    files += [ROOT / name for name in dict.fromkeys(test.partition("::")[0] for test in tests)]
-    parts = [*texts, *modules, *tests, *(path.read_text(encoding="utf-8") for path in files)]
+def _digest(texts: Iterable[str], files: Iterable[Path]) -> str:
+    parts = [*texts, *(path.read_text(encoding="utf-8") for path in files)]
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:20]
 
 
@@ -179,8 +181,10 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
     keys = {fault.name: fault.key() for fault in faults}
 
     def is_missing(fault: Fault) -> bool:
-        before = known.get(keys[fault.name])
-        return before is None or (slow and before["verdict"] == "survives" and not before["slow"])
+        before = known.get(keys[fault.name], {})
+        if before.get("verdict", "survives") != "survives":
+            return False
+        return not before or before["tests"] != fault.digest_of_tests() or (slow and not before["slow"])
 
     missing = [fault for fault in faults if is_missing(fault)]
     for fault in missing:
@@ -193,7 +197,7 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
                 times.update(result.pop("times"))
                 result.pop("failed")
                 known["times"] = times
-                known[keys[fault.name]] = {"name": fault.name, **result}
+                known[keys[fault.name]] = {"name": fault.name, "tests": fault.digest_of_tests(), **result}
                 output.write_text(json.dumps(known, indent=1), encoding="utf-8")
                 place = f"{number}/{len(missing)}"
                 tell(f"{place} {result['verdict']:9} {fault.name}  {result['by']} {result['seconds']} s")
