@@ -187,7 +187,7 @@ def _recheck(options: argparse.Namespace) -> int:
 
     def finished(result: Recheck) -> None:
         done[result.id] = result
-        display.finish(result.id, "stands" if result.stands else "does not stand")
+        display.finish(result.id, "stands" if result.stands_without_place else "does not stand")
 
     interrupted = False
     try:

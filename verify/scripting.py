@@ -125,7 +125,7 @@ def recheck(
 
     def finished(result: Recheck) -> None:
         found[result.id] = result
-        display.finish(result.id, "stands" if result.stands else "does not stand")
+        display.finish(result.id, result.word)
 
     with display.shown():
         recheck_all(entries, integrate, _jobs(jobs), display.advance, finished, limits)

@@ -15,8 +15,6 @@ from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_o
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.verify.certificate import theorem_in_full
-from orbitproof.verify.claim import setting
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 
 _DIGITS = 34
@@ -67,16 +65,8 @@ def statement_blocks(entry: Checked) -> tuple[Block, ...]:
 
 
 def _in_full(entry: Checked) -> str:
-    """What a certificate says in full; certificates of before do not, and it follows from them in the same way."""
-    if isinstance(entry, CheckedAtlas):
-        statement = entry.document["statement"]
-        if "in_full" in statement:
-            return str(statement["in_full"])
-        atlas = entry.atlas
-        words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry, atlas.claim.crossings)
-        return "\n".join([*words, "Theorem.", str(statement["theorem"])])
-    form = None if entry.claim is entry.candidate else entry.claim
-    return theorem_in_full(entry.certificate, entry.candidate, form)
+    statement = entry.certificate.statement if isinstance(entry, CheckedRow) else entry.document["statement"]
+    return str(statement["in_full"])
 
 
 _EQUATION = re.compile(r"  ([\w']+) = (.*)")
@@ -125,7 +115,7 @@ def _normal_form(entry: CheckedRow) -> Iterator[Block]:
 
 
 def _notes(entry: Checked) -> Iterator[Block]:
-    for note in entry.check.notes:
+    for note in (*entry.check.notes, *([entry.check.open_place] if entry.check.open_place else [])):
         yield Paragraph((f"Note: {note}.",))
 
 

@@ -105,7 +105,8 @@ def check_files(
             if not isinstance(entry, Certificate):
                 finished(conclusion_apart(entry, CheckLimits(timeout, memory, LONG_CHECK_SECONDS)))
     found = [(path, entry, checks[name]) for name, (path, entry) in zip(names, entries, strict=True)]
-    refused = [(path, check) for path, _, check in found if not check.stands]
+    # A place on a curve is not told.
+    refused = [(path, check) for path, _, check in found if not check.stands_without_place]
     if refused:
         raise Refused(refused)
     return [_checked(path, entry, check) for path, entry, check in found]
@@ -143,8 +144,10 @@ def _work(entry: Certificate | Mapping[str, Any]) -> float:
 
 
 def _checked(path: Path, entry: Certificate | Mapping[str, Any], check: Recheck) -> Checked:
+    # Words that are not this version's follow from nothing, and are not told.
     if not isinstance(entry, Certificate):
-        return CheckedAtlas(path, atlas_of(entry), entry, check)
+        return CheckedAtlas(path, atlas_of(entry), check.rendered or entry, check)
+    entry = entry if check.rendered is None else Certificate.from_json(check.rendered)
     statement = entry.statement
     stated = statement["candidate"]
     candidate = candidate_from_json(stated, "statement.candidate", systems_with(SYSTEMS, statement, stated))

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from orbitproof.shared.formats.candidates import find_system, read_system
-from orbitproof.shared.formats.documents import InputError, read_document, validate_document, write_text
+from orbitproof.shared.formats.documents import ID_IN_WORDS, InputError, read_document, validate_document, write_text
 from orbitproof.shared.formats.pieces import (
     AnyPiece,
     LibrationPiece,
@@ -24,7 +24,7 @@ from orbitproof.shared.formats.pieces import (
     piece_from_json,
 )
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ReversibleSystem, describe
+from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, LINE, ReversibleSystem, describe, fits
 
 SURFACE = "symmetry-breaking-surface"
 CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
@@ -156,9 +156,9 @@ def atlas_from_json(
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}: field {name}: {why}; {remedy}")
 
-    for name in ("id", "title"):
-        if not entry[name].isprintable():
-            refuse(name, f"{entry[name]!r} has characters that cannot be printed", "use letters, digits and signs")
+    for name, pattern, wanted in (("id", ID, ID_IN_WORDS), ("title", LINE, "give one line of text")):
+        if not fits(pattern, entry[name]):
+            refuse(name, f"{entry[name]!r} is no {name}", wanted)
     surface = entry["claim"]["kind"] == SURFACE
     if surface == ("parameters" in entry):
         why = "a surface has its parameters in its pieces" if surface else "missing"

@@ -9,9 +9,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
-from orbitproof.shared.formats.documents import InputError, read_document, short, validator, write_document
+from orbitproof.shared.formats.documents import ID_IN_WORDS, InputError, read_document, short, validator, write_document
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.shared.systems import SYSTEMS, DescriptionError, ReversibleSystem, describe, described
+from orbitproof.shared.systems import ID, SYSTEMS, DescriptionError, ReversibleSystem, describe, described, fits
 
 FOLD = "fold"
 ONCE = ("symmetry_breaking", FOLD)
@@ -89,8 +89,8 @@ class Candidate:
         def refuse(name: str, why: str, remedy: str) -> NoReturn:
             raise InputError(f"{name}: {why}; {remedy}")
 
-        if not isinstance(self.id, str) or not self.id or not self.id.isprintable():
-            refuse("id", f"{self.id!r} has characters that cannot be printed, or none", "use letters, digits and signs")
+        if not fits(ID, self.id):
+            refuse("id", f"{self.id!r} is no id", ID_IN_WORDS)
         if self.kind not in (*KINDS, ORBIT):
             refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join((*KINDS, ORBIT))}")
         if not isinstance(self.k, int) or self.k < 1:

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems import MASS_PARAMETERS
+from orbitproof.shared.systems import ID, IDENTIFIER, LINE, MASS_PARAMETERS, SYSTEM, TITLE
 
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
@@ -144,6 +144,16 @@ def validate_document(document: object, name: str, source: str) -> None:
         raise InputError(f"{source}: field {where}: {_broken_rule(error)}; see shared/schemas/{name}.schema.json")
 
 
+ID_IN_WORDS = "use letters, digits and . _ + = / ( ) ' -, at most five words and 100 characters"
+_FORMS = {
+    ID: f"is no id; {ID_IN_WORDS}",
+    IDENTIFIER: "is no name; use letters, digits and _, a letter first",
+    LINE: "is not one line of printable text",
+    SYSTEM: "is no name of a system; use letters, digits, - and _, a letter first",
+    TITLE: "is no title; give letters, digits and signs such as . , ' ( ) + - * / ^ =, and no sentences",
+}
+"""What texts of these patterns have to be, in words."""
+
 _SIZES = {
     "minItems": "needs at least {} entries",
     "maxItems": "has room for {} entries",
@@ -171,7 +181,7 @@ def _broken_rule(error: ValidationError) -> str:
     if isinstance(value, str) and value in MASS_PARAMETERS:
         text = f"is the name of a mass parameter; write its value, {format_exact(MASS_PARAMETERS[value])}"
     elif rule == "pattern":
-        text = f"must have the form {wanted}"
+        text = _FORMS.get(wanted, f"must have the form {wanted}")
     elif rule in ("const", "enum"):
         text = "must be " + " or ".join(json.dumps(choice) for choice in ([wanted] if rule == "const" else wanted))
     elif rule == "type":

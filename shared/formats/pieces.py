@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NoReturn
 
-from orbitproof.shared.formats.documents import InputError
+from orbitproof.shared.formats.documents import ID_IN_WORDS, InputError
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ID, ReversibleSystem, fits
 
 COORDINATES = ("auto", "physical", "regularised")
 
@@ -176,8 +176,8 @@ def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:
 def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> AnyPiece:
     """A piece from a schema-valid JSON object; raises `InputError` that names the field."""
     numbers = _Numbers(entry, source)
-    if not entry["id"].isprintable():
-        numbers.refuse("id", "has characters that cannot be printed", "use letters, digits and signs")
+    if not fits(ID, entry["id"]):
+        numbers.refuse("id", f"{entry['id']!r} is no id", ID_IN_WORDS)
     if entry["kind"] == LibrationPiece.kind:
         return _libration_piece(entry, numbers)
     size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)

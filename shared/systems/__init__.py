@@ -10,6 +10,7 @@ from orbitproof.shared.systems.description import (
 from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
+from orbitproof.shared.systems.names import ID, IDENTIFIER, LINE, SYSTEM, TITLE, fits, is_title
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
 from orbitproof.shared.systems.system import (
@@ -33,13 +34,18 @@ __all__ = [
     "CR3BP_AXIAL",
     "FALKNER_SKAN",
     "HILL",
+    "ID",
+    "IDENTIFIER",
     "KEYS",
+    "LINE",
     "MASS_PARAMETERS",
     "OVER_MASSES",
     "REGULARISATIONS",
     "SIDES",
+    "SYSTEM",
     "SYSTEMS",
     "THREE_BODY",
+    "TITLE",
     "DerivedParameter",
     "DescriptionError",
     "FixedLevel",
@@ -53,6 +59,8 @@ __all__ = [
     "described",
     "evaluate_formula",
     "fault",
+    "fits",
+    "is_title",
     "mass_of_distance",
     "program_function",
     "record",

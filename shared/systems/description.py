@@ -17,11 +17,10 @@ from typing import Any
 
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
+from orbitproof.shared.systems.names import IDENTIFIER, LONGEST_TITLE, SYSTEM, fits, is_title
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}", re.ASCII)
-_VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}", re.ASCII)
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
     "level_coordinate", "reversors", "reversor",
@@ -118,12 +117,13 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
         if key not in _OPTIONAL and key not in entry:
             raise DescriptionError(f"{key}: missing; give name, state, field, R and section at least")
     name = entry["name"]
-    if not isinstance(name, str) or _NAME.fullmatch(name) is None:
+    if not fits(SYSTEM, name):
         raise DescriptionError(f"name: {name!r} is no name; use letters, digits, - and _, a letter first")
     for key in ("title", "first_integral_name", "distance_name"):
         text = entry.get(key)
-        if text is not None and (not isinstance(text, str) or not text.isprintable() or not 0 < len(text) <= 200):
-            raise DescriptionError(f"{key}: {text!r} is no title; give one line of text")
+        if text is not None and not is_title(text):
+            what = f"{LONGEST_TITLE} letters, digits and signs such as . , ' ( ) + - * / ^ = at most, and no sentences"
+            raise DescriptionError(f"{key}: {text!r} is no title; give {what}")
     state = _names("state", entry["state"])
     ranges = _ranges(entry.get("parameters", ()))
     variables = (*state, *ranges)
@@ -170,7 +170,7 @@ def _mapping(key: str, value: Any) -> Mapping[str, Any]:
 
 
 def _name(key: str, value: Any) -> str:
-    if not isinstance(value, str) or _VARIABLE.fullmatch(value) is None or keyword.iskeyword(value):
+    if not isinstance(value, str) or not fits(IDENTIFIER, value) or keyword.iskeyword(value):
         raise DescriptionError(f"{key}: {value!r} is no name; use letters, digits and _, a letter first")
     # In the text of a program v0, v1, .. are its lines.
     if re.fullmatch(r"v[0-9]+", value) or value == "sqrt":

@@ -128,7 +128,7 @@ class Program:
 
 _LINE = re.compile(
     r"v(?P<index>[0-9]{1,9}) = (?:"
-    r"(?P<name>[A-Za-z_][A-Za-z0-9_]*)"
+    r"(?P<name>[A-Za-z_][A-Za-z0-9_]{0,59})"
     r"|(?P<constant>-?[0-9]{1,4000}(?:/[0-9]{1,4000})?)"
     r"|v(?P<base>[0-9]{1,9}) \*\* \((?P<exponent>-?[0-9]{1,9}(?:/[0-9]{1,9})?)\)"
     r"|v(?P<left>[0-9]{1,9}) (?P<sign>[-+*/]) v(?P<right>[0-9]{1,9})"

@@ -169,14 +169,25 @@ def _other_side(entry: dict[str, Any]) -> None:
 
 
 def _more_words(entry: dict[str, Any]) -> None:
-    entry["statement"]["theorem"] += " The orbits are stable."
+    for key in ("theorem", "in_full"):
+        entry["statement"][key] += " The orbits are stable."
 
 
 def _other_system(entry: dict[str, Any]) -> None:
     entry["statement"]["names"]["system"] = "three-body problem of everything"
 
 
-@pytest.mark.parametrize("change", [_other_side, _more_words, _other_system])
+def test_the_words_of_a_certificate_are_told_anew(rows: list[Certificate], tmp_path: Path) -> None:
+    foreign = Certificate.from_json(forged(rows[0].to_json(), _more_words))
+    write_certificates(tmp_path / "rows.json", [foreign])
+    target = tmp_path / "report.html"
+    assert main(words(tmp_path / "rows.json", "-o", target, "--quiet")) == 0
+    page = Page(target.read_text("utf-8"))
+    assert "orbits are stable" not in page.text
+    assert "worded otherwise" in page.text
+
+
+@pytest.mark.parametrize("change", [_other_side, _other_system])
 def test_a_forged_certificate_is_refused_and_named(
     change: Callable[[Any], Any], files: list[Path], rows: list[Certificate], tmp_path: Path, capsys: Any
 ) -> None:
@@ -191,21 +202,24 @@ def test_a_forged_certificate_is_refused_and_named(
     ]
 
 
-def test_a_forged_surface_is_refused_also_with_its_digest_kept(
+def test_a_changed_surface_is_told_in_its_own_words_and_refused_with_its_digest_kept(
     surface: dict[str, Any], tmp_path: Path, capsys: Any
 ) -> None:
     path = tmp_path / "surface.json"
 
     def widen(document: dict[str, Any]) -> None:
         theorem = document["conclusion"]["statement"].replace("smooth", "analytic")
-        document["statement"]["theorem"] = document["conclusion"]["statement"] = theorem
+        document["statement"]["theorem"] = document["statement"]["in_full"] = theorem
+        document["conclusion"]["statement"] = theorem
 
+    path.write_text(json.dumps(forged(surface, widen)))
+    assert main(words(path, "-o", tmp_path / "report.md", "--quiet")) == 0
+    assert "analytic" not in (tmp_path / "report.md").read_text()
     kept = copy.deepcopy(surface)
     widen(kept)
-    for document in (forged(surface, widen), kept):
-        path.write_text(json.dumps(document))
-        assert main(words(path, "-o", tmp_path / "report.md", "--quiet")) == 1
-        assert f"REFUSED {path}: {surface['id']}: " in capsys.readouterr().err
+    path.write_text(json.dumps(kept))
+    assert main(words(path, "-o", tmp_path / "report.md", "--quiet")) == 1
+    assert f"REFUSED {path}: {surface['id']}: " in capsys.readouterr().err
 
 
 def test_a_complete_list_of_resonances_is_told_as_it_is_certified(tmp_path: Path, capsys: Any) -> None:
@@ -218,8 +232,13 @@ def test_a_complete_list_of_resonances_is_told_as_it_is_certified(tmp_path: Path
     assert "1:11, a stability parameter is cos(2 pi 5/11): beta in [347.21" in page.text
     assert page.pictures == 2
     document = json.loads(certificate.read_text())
-    theorem = document["statement"]["theorem"].replace("5/11): beta in [347.21", "5/11): beta in [347.22")
-    false = forged(document, lambda entry: entry["statement"].update(theorem=theorem))
+    theorem = document["statement"]["theorem"].replace("beta in [347.21", "beta in [347.22")
+    assert theorem != document["statement"]["theorem"]
+    foreign = forged(document, lambda entry: entry["statement"].update(theorem=theorem, in_full=theorem))
+    certificate.write_text(json.dumps(foreign))
+    assert main(words(certificate, "-o", tmp_path / "false.html", "--quiet")) == 0
+    assert "beta in [347.22" not in Page((tmp_path / "false.html").read_text("utf-8")).text
+    false = forged(document, lambda entry: entry["conclusion"]["complete"]["points"].pop())
     certificate.write_text(json.dumps(false))
     assert main(words(certificate, "-o", tmp_path / "false.html", "--quiet")) == 1
     assert "REFUSED" in capsys.readouterr().err

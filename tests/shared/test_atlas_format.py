@@ -171,7 +171,7 @@ BAD: list[tuple[dict[str, Any], str, Any, str, str]] = [
     (CURVE, "pieces.1.tube.1", "0", "pieces[1].tube[1]", "not positive"),
     (CURVE, "pieces.1.coordinates", "polar", "pieces[1].coordinates", "must be"),
     (CURVE, "pieces.1.id", "p000", "pieces[1].id", "appears twice"),
-    (CURVE, "pieces.1.id", "a\nb", "pieces[1].id", "cannot be printed"),
+    (CURVE, "pieces.1.id", "a\nb", "pieces[1].id", "is no id"),
     (CURVE, "pieces.1", PATCH, "pieces[1].kind", "belongs to surfaces"),
     (CURVE, "system", "pendulum", "atlas.system", "unknown system 'pendulum'"),
     (CURVE, "parameters", ..., "parameters", "missing"),

@@ -97,11 +97,6 @@ def test_a_certificate_of_a_point_stands_at_every_level(point: Certificate) -> N
 # What is printed follows from what is stored
 
 
-def _infinitely_many(document: Document) -> None:
-    text = "infinitely many period doublings for beta from 1 to 1000000"
-    document["statement"]["theorem"] = document["conclusion"]["statement"] = text
-
-
 def _listed(document: Document) -> None:
     document["conclusion"]["bifurcations"][0].update(on_curve=True, piece="p000", reason="")
 
@@ -112,11 +107,8 @@ def _dropped_from_the_list(document: Document) -> None:
 
 
 CONCLUSION: dict[str, tuple[Callable[[Document], Any], str]] = {
-    "theorem": (_infinitely_many, "theorem"),
-    "theorem of the statement alone": (lambda d: d["statement"].update(theorem="more"), "theorem"),
     "end": (lambda d: d["conclusion"]["ends"]["end"].update(d["conclusion"]["ends"]["start"]), "ends"),
     "bifurcation put on the curve": (_listed, "bifurcations"),
-    "bifurcation left out": (_dropped_from_the_list, "theorem"),
     "sign in the field": (
         lambda d: d["statement"].update(vector_field=d["statement"]["vector_field"].replace(" - ", " + ", 1)),
         "vector_field",
@@ -135,6 +127,34 @@ def test_what_does_not_follow_is_found_without_integrating(curve: Document, chan
     assert where in " ".join(finding.place for finding in found.findings)
 
 
+def _infinitely_many(document: Document) -> None:
+    text = "infinitely many period doublings for beta from 1 to 1000000"
+    document["statement"].update(theorem=text, in_full=text)
+    document["conclusion"]["statement"] = text
+
+
+REWORDED: dict[str, Callable[[Document], Any]] = {
+    "theorem": _infinitely_many,
+    "theorem of the statement alone": lambda d: d["statement"].update(theorem="more"),
+    "hypothesis": lambda d: d["conclusion"]["hypotheses"][0].update(statement="anything"),
+    "bifurcation left out, and not in the words": _dropped_from_the_list,
+}
+
+
+@pytest.mark.parametrize("change", REWORDED.values(), ids=REWORDED.keys())
+def test_a_true_certificate_in_other_words_is_told_in_those_of_this_version(curve: Document, change: Any) -> None:
+    other = forged(curve, change)
+    found = checked(other)
+    assert (found.findings, found.word) == ((), "stands, worded otherwise")
+    assert found.rendered is not None
+    again = atlas_certificate(
+        atlas_of(other), other["results"], [Certificate.from_json(entry) for entry in other["rests_on"]]
+    )
+    assert found.rendered == {**again, "digest": other["digest"]}
+    assert "infinitely" not in json.dumps(found.rendered)
+    assert checked(curve).rendered is None
+
+
 def test_a_certificate_with_other_bifurcations_than_it_lists_is_malformed(curve: Document) -> None:
     found = checked(forged(curve, lambda d: d.update(rests_on=[])))
     assert found.level is Level.NONE
@@ -148,8 +168,8 @@ def test_certificates_beside_the_file_have_to_be_those_in_it(curve: Document, po
         assert [finding.place for finding in checked(curve, given=given).findings] == ["rests_on"]
 
 
-@pytest.mark.parametrize("key", ["rests_on"])
-def test_a_file_that_lacks_what_it_rests_on_is_malformed(curve: Document, key: str) -> None:
+@pytest.mark.parametrize("key", ["rests_on", "names", "in_full"])
+def test_a_file_that_lacks_what_it_rests_on_or_says_is_malformed(curve: Document, key: str) -> None:
     found = checked(forged(curve, lambda d: (d if key in d else d["statement"]).pop(key)))
     assert found.level is Level.NONE
     assert repr(key) in found.findings[0].message
@@ -308,8 +328,6 @@ def test_a_system_that_is_not_known_is_checked_by_the_program_of_the_file(name: 
 def test_a_field_of_an_unknown_system_that_gives_no_such_orbit_is_found_by_integrating(point: Certificate) -> None:
     def turn(entry: Document) -> None:
         entry["statement"]["vector_field"] = entry["statement"]["vector_field"].replace("v9 = v7 - v8", "v9 = v8 - v7")
-        # The formulas that are printed from it would say so.
-        del entry["statement"]["in_full"]
 
     document = renamed(point.to_json(), turn)
     assert document["statement"]["vector_field"] != point.statement["vector_field"]
@@ -342,11 +360,9 @@ def test_bifurcations_of_an_unknown_system_are_looked_for_on_its_curve(point: Ce
     assert checked(document, honest(results)).level is Level.CONCLUSION
 
 
-def test_an_unknown_system_without_its_names_cannot_be_checked(point: Certificate) -> None:
-    entry = renamed(point.to_json(), lambda d: d["statement"].pop("names"))
-    found = recheck(Certificate.from_json(entry))
-    assert found.word == "cannot be checked here"
-    assert not found.findings
+def test_a_statement_without_its_names_is_malformed(point: Certificate) -> None:
+    with pytest.raises(InputError, match="names"):
+        Certificate.from_json(forged(point.to_json(), lambda d: d["statement"].pop("names")))
 
 
 @pytest.mark.parametrize(
@@ -386,6 +402,8 @@ Survey = dict[tuple[str, str], set[str]]
 def survey(document: Document, check: Callable[[Document], Recheck], each: int) -> Survey:
     """For each field and way of changing what found it: "form", "conclusion", "integration", or "nothing".
 
+    Where only words are changed, "words": the certificate stands, and is told in other words.
+
     At most `each` places of a field are tried.
     """
     found: Survey = {}
@@ -402,6 +420,7 @@ def survey(document: Document, check: Callable[[Document], Recheck], each: int) 
         else:
             # What was passed is one less than what found it.
             finder = "nothing" if result.stands else Level(result.level + 1).name.lower()
+            finder = "words" if result.stands and result.rendered is not None else finder
         found.setdefault(key, set()).add(finder)
     return found
 
@@ -435,7 +454,7 @@ def test_every_changed_field_of_a_certificate_is_found_but_for_names(point: Cert
     assert missed - {(field, how) for field, how in missed if field.startswith("enclosures.")} == {
         ("statement.candidate.system", "other words")
     }
-    assert ("statement.theorem", "other words") in by("conclusion", found)
+    assert ("statement.theorem", "other words") in by("words", found)
     assert ("results.parameter.mid", "larger") in by("conclusion", found)
     assert ("hypotheses.*.name", "other words") in by("form", found)
 
@@ -458,5 +477,5 @@ def test_every_changed_field_of_an_atlas_is_found_but_for_names(
     }
     assert missed == {("statement.atlas.title", "other words")}
     assert by("integration", found)
-    assert ("statement.theorem", "other words") in by("conclusion", found)
+    assert ("statement.theorem", "other words") in by("words", found)
     assert ("conclusion.hypotheses.*.name", "other words") in by("form", found)

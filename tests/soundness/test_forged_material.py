@@ -2,24 +2,48 @@
 
 from __future__ import annotations
 
+import ast
 import copy
 from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
+from flint import arb, ctx
 from support import atlas_work, stability_cases
 from support.chain_cases import symmetric_arc
 from support.claims import known
 from support.forgeries import Document, atlas_certificate, checked, forged
 from test_forged_certificates import fabricated, of_parabola
 
+import orbitproof.verify.certificate.rechecking as rechecking
+from orbitproof import verify
+from orbitproof.figures.report.content import report_of
+from orbitproof.figures.report.theorems import check_files
+from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats.documents import validator
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.systems import ID, IDENTIFIER, LINE, SYSTEM, TITLE
 from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.certificate import Certificate, Level, Limits, digest, recheck
+from orbitproof.verify.certificate import (
+    UNCHECKED_REASON,
+    Certificate,
+    Level,
+    Limits,
+    differences,
+    digest,
+    recheck,
+    write_certificates,
+)
 from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.kinds import unconfirmed
+from orbitproof.verify.certificate.tables import ball_to_text
 from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.evidence import Proved, Stop, ball_from_json, ball_to_json
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +84,227 @@ def test_an_interval_about_a_symmetric_point_is_centred_there(ends: list[str]) -
     found = checked(atlas_certificate(atlas, results))
     assert found.level is Level.NONE
     assert [entry.place for entry in found.findings] == ["results[0].interval"]
+
+
+# A number that is a thousand times too narrow is not confirmed
+
+
+def narrowed(ball: str) -> str:
+    """A ball of a table with the same middle, a thousandth as wide, and off by half of what it was."""
+    middle, radius = (parse_exact(part) for part in ball.split(" +- "))
+    off = format_exact(middle + radius / 2)
+    return f"{off} +- {ball_to_text(arb(0, float(radius / 1000))).split(' +- ')[1] if radius else '0x0'}"
+
+
+@pytest.mark.parametrize("part", ["box", "centre"])
+def test_tables_a_thousand_times_too_narrow_do_not_stand(point: Certificate, part: str) -> None:
+    """All that follows from them is derived again, and overlaps what another integration gives."""
+    entry = point.to_json()
+    for components in entry["enclosures"]["iterates"]:
+        for table in components:
+            table[part] = [narrowed(ball) for ball in table[part]]
+    assert recheck(point, True).stands
+    again = Certificate.from_json(rechecking.derived(entry))
+    if again.proved:
+        assert recheck(again).stands
+    found = recheck(again, True)
+    assert not found.stands
+    assert found.findings
+
+
+@pytest.mark.parametrize("name", ["em1", "fs5"])
+def test_honest_tables_are_confirmed_by_one_integration_or_another(name: str) -> None:
+    """Of the first some entries are zero by symmetry; of the second those of a higher order are a little wider."""
+    found = recheck(certify(known(name), Limits(max_precision=256)), True)
+    assert (found.findings, found.level) == ((), Level.INTEGRATION)
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_hypotheses_a_thousand_times_too_narrow_are_not_confirmed(point: Certificate, number: int) -> None:
+    """Compared with what new integrations find, whatever the tables are."""
+    entry = point.to_json()
+    stated = rechecking._read(entry)
+    fresh = rechecking.enclose(stated.claim, rechecking.IntegratorSettings(300, 100))
+    outcome = rechecking._conclude(stated.claim, 300, fresh)
+    assert isinstance(outcome, Proved)
+    assert not list(unconfirmed(entry, outcome, "here"))
+    hypothesis = [item for item in entry["hypotheses"] if item["enclosures"]][number]
+    name, ball = next(iter(hypothesis["enclosures"].items()))
+    with ctx.workprec(600):
+        value = ball_from_json(ball)
+        hypothesis["enclosures"][name] = ball_to_json(arb(value.mid() + value.rad() / 2, value.rad() / 1000))
+        findings = list(unconfirmed(entry, outcome, "here"))
+    assert [finding.place for finding in findings] == [f"here, hypothesis {hypothesis['name']}, {name}"]
+
+
+# What claims nothing says nothing
+
+
+SENTENCE = "SHOWN TO BE FALSE. There is no such orbit, and period 17-tupling happens at beta = 500"
+
+
+@pytest.fixture(scope="module")
+def refused() -> Certificate:
+    """A certificate that proves nothing, with tables."""
+    return certify(replace(known("fs3"), centre=(Fraction(450), Fraction("0.93"))), Limits(max_precision=256))
+
+
+@pytest.mark.parametrize("kind", ["condition", "theorem", "in_full", "control", "hypothesis"])
+def test_what_is_not_proved_has_no_theorem_and_a_reason_that_a_run_gives(refused: Certificate, kind: str) -> None:
+    assert recheck(refused).stands
+    assert UNCHECKED_REASON in recheck(refused).notes
+
+    def change(entry: Document) -> None:
+        if kind == "condition":
+            entry["reason"]["condition"] = "there is no such orbit"
+        elif kind == "control":
+            entry["reason"]["message"] = "first line\n  falkner-skan  proved  stands"
+        elif kind == "hypothesis":
+            entry["hypotheses"].append({**entry["hypotheses"][-1], "name": "C17", "statement": SENTENCE})
+        else:
+            entry["statement"][kind] = SENTENCE
+
+    try:
+        found = recheck(Certificate.from_json(forged(refused.to_json(), change)))
+    except InputError:
+        assert kind in ("theorem", "in_full", "control")
+    else:
+        assert not found.stands
+
+
+def test_the_reasons_of_a_run_are_quoted_in_a_report(refused: Certificate, tmp_path: Path) -> None:
+    text = forged(refused.to_json(), lambda entry: entry["reason"].update(message=SENTENCE))
+    write_certificates(tmp_path / "forged.json", [Certificate.from_json(text)])
+    report = str(report_of(check_files([tmp_path / "forged.json"])))
+    assert f"the run said: '{SENTENCE}'" in report
+    assert "claim nothing" in report
+
+
+def test_every_condition_that_the_verifier_gives_is_a_hypothesis_or_a_stop() -> None:
+    """What a certificate may give as a reason is a closed set; nothing that a run says is outside of it."""
+    stops, names = {stop.value for stop in Stop}, set()
+    for path in Path(verify.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+                called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+                if called in ("Reason", "IntegrationFailure", "broken_off"):
+                    names.add(node.args[0].value)
+    assert {"time", "process", "memory"} <= stops
+    assert len(names) > 20
+    assert names <= stops
+
+
+# Names are names, and types are types
+
+
+BAD_NAMES = (
+    "", " ", "a\nb", "b\n", "a\u202eb", "a\x1b[31m", "it is proved that there are infinitely many of them",
+    "weather. It is proved", "x" * 101,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", BAD_NAMES)
+def test_an_id_is_no_sentence(point: Certificate, text: str) -> None:
+    with pytest.raises(InputError):
+        Certificate.from_json(forged(point.to_json(), lambda entry: entry.update(id=text)))
+    with pytest.raises(InputError):
+        replace(known("fs3"), id=text)
+
+
+@pytest.mark.parametrize("text", ["weather. It is proved", "a\nb", "b\n", "a\u2028b", "x" * 201, ""])
+@pytest.mark.parametrize("key", ["system", "first_integral", "distance_from"])
+def test_a_title_in_a_statement_is_no_sentence(point: Certificate, key: str, text: str) -> None:
+    with pytest.raises(InputError):
+        Certificate.from_json(forged(point.to_json(), lambda entry: entry["statement"]["names"].update({key: text})))
+
+
+def test_the_title_of_a_system_that_is_not_known_here_is_short(point: Certificate) -> None:
+    def rename(entry: Document) -> None:
+        entry["statement"]["candidate"]["system"] = "somebody-elses"
+        entry["statement"]["names"]["system"] = "x" * 65
+
+    found = recheck(Certificate.from_json(forged(point.to_json(), rename)))
+    assert "is no title" in found.findings[0].message
+
+
+@pytest.mark.parametrize("name", ["S is proved to break", "S\n", "", "1S"])
+def test_a_symmetry_has_a_name(point: Certificate, name: str) -> None:
+    entry = forged(point.to_json(), lambda entry: entry["statement"]["candidate"].update(symmetry=name))
+    assert not recheck(Certificate.from_json(entry)).stands
+
+
+def test_the_schemas_have_the_patterns_of_names() -> None:
+    patterns = {"id": ID, "identifier": IDENTIFIER, "line": LINE, "system": SYSTEM, "title": TITLE}
+    seen = set()
+    for name in ("candidates", "atlas", "system", "certificates", "atlas-certificate"):
+        for key, entry in validator(name).schema["$defs"].items():
+            if key in patterns:
+                assert entry["pattern"] == patterns[key]
+                seen.add(key)
+    assert seen == set(patterns)
+
+
+TYPES: dict[str, Any] = {
+    "order": lambda entry: entry["computation"].update(order=65536),
+    "holds": lambda entry: entry["hypotheses"][0].update(holds=1),
+    "key of the results": lambda entry: entry["results"].update(more="SHOWN"),
+    "key of a hypothesis": lambda entry: entry["hypotheses"][0].update(more="SHOWN"),
+    "k": lambda entry: entry["statement"]["candidate"].update(k=True),
+    "precision": lambda entry: entry["computation"].update(precision=10**7),
+}
+
+
+@pytest.mark.parametrize("change", TYPES.values(), ids=TYPES.keys())
+def test_values_of_other_types_and_keys_that_nobody_knows_are_malformed(point: Certificate, change: Any) -> None:
+    try:
+        entry = Certificate.from_json(forged(point.to_json(), change))
+    except InputError:
+        return
+    assert recheck(entry).level is Level.NONE
+
+
+ATLAS_TYPES: dict[str, Any] = {
+    "order": lambda entry: entry["results"][0]["computation"].update(order=65536),
+    "key of the computation": lambda entry: entry["results"][0]["computation"].update(more="SHOWN"),
+    "key of a result": lambda entry: entry["results"][0].update(more="SHOWN"),
+    "key of the conclusion": lambda entry: entry["conclusion"].update(more="SHOWN"),
+    "holds": lambda entry: entry["conclusion"]["hypotheses"][0].update(holds=1),
+    "key of a hypothesis": lambda entry: entry["conclusion"]["hypotheses"][0].update(more="SHOWN"),
+}
+
+
+@pytest.mark.parametrize("change", ATLAS_TYPES.values(), ids=ATLAS_TYPES.keys())
+def test_the_same_of_an_atlas(change: Any) -> None:
+    document = atlas_certificate(*of_parabola())
+    assert checked(forged(document, lambda entry: None)).stands
+    assert checked(forged(document, change)).level is Level.NONE
+
+
+def test_types_are_compared_inside_of_what_is_equal_otherwise() -> None:
+    assert [entry.place for entry in differences({"a": [1, {"b": True}]}, {"a": [1, {"b": 1}]}, "")] == ["a[1], b"]
+    assert not list(differences({"a": [1, True]}, {"a": [1, True]}, ""))
+
+
+# A place on a curve is checked with the curve, or not at all
+
+
+def test_a_place_is_open_without_its_curve(point: Certificate) -> None:
+    place = {
+        "rests_on": {"id": "curve", "digest": "sha256:" + 64 * "0"},
+        "piece": "p001",
+        "s": ball_to_json(arb(0, 0.5)),
+        "mirrored": False,
+        "other_point": False,
+        "statement": "The point x lies on every curve.",
+    }
+    placed = point.with_place(place)
+    found = recheck(placed)
+    assert (found.stands, found.stands_without_place, found.word) == (False, True, "cannot be checked here")
+    assert found.passed is Level.FORM
+    assert "--curve" in found.open_place
+    (from_python,) = verify.recheck(placed, quiet=True)
+    assert not from_python.stands
+    assert recheck(placed.with_place(None)).stands
 
 
 # Each certificate that a theorem rests on is checked itself

@@ -145,4 +145,5 @@ def _other_text(text: str, place: Place) -> Iterator[Change]:
         yield Change(place, "smaller", format_exact(number / 2 if number else parse_exact("-0x1p-40")))
         return
     choices = {"above": "below", "below": "above", "both": "above", "proved": "not proved"}
-    yield Change(place, "other words", choices.get(text, f"{text} indeed"))
+    joined = "-" if place[-1] == "system" else " "
+    yield Change(place, "other words", choices.get(text, f"{text}{joined}indeed"))

@@ -175,7 +175,6 @@ FORGERIES: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "decimal of an enclosure": (lambda e: hypothesis(e, "G_11")["enclosures"]["G_11"].update(decimal="[1, 2]"), "G_11"),
     "an enclosure left out": (lambda e: hypothesis(e, "C3")["enclosures"].pop("g_0"), "g_0"),
     "an enclosure added": (lambda e: hypothesis(e, "C3")["enclosures"].update(more=e["results"]["parameter"]), "more"),
-    "words of a hypothesis": (lambda e: hypothesis(e, "C3").update(statement="anything"), "C3"),
     "name of a hypothesis": (lambda e: hypothesis(e, "C3").update(name="C5"), "hypotheses"),
     "a hypothesis left out": (lambda e: e["hypotheses"].remove(hypothesis(e, "regular-2")), "hypotheses"),
     "a hypothesis added": (lambda e: e["hypotheses"].append(hypothesis(e, "C3")), "hypotheses"),
@@ -191,17 +190,16 @@ FORGERIES: dict[str, tuple[Callable[[Entry], Any], str]] = {
     "vector field": (lambda e: e["statement"].update(vector_field="v0 = x"), "vector_field"),
     "R": (lambda e: e["statement"].update(reversing_symmetry=[1, 1, -1]), "reversing_symmetry"),
     "section": (lambda e: e["statement"].update(section="x"), "section"),
-    "theorem": (lambda e: e["statement"].update(theorem="There is life on Mars."), "theorem"),
     "id": (lambda e: e.update(id="another"), "id"),
     "parameter": (_other_results, "results, parameter"),
     "point": (lambda e: shift(e["results"]["point"]["y"], "mid", 500), "results, point"),
     "side": (lambda e: e["results"].update(side="above"), "results, side"),
     "normal form": (lambda e: e["results"]["normal_form"].pop("beta"), "normal_form"),
     "precision": (lambda e: e["computation"].update(precision=70), "hypothesis"),
-    "an impossible precision": (lambda e: e["computation"].update(precision=10**9), "certificate"),
+    "an impossible precision": (lambda e: e["computation"].update(precision=1), "certificate"),
     "verdict": (
         lambda e: (
-            e["statement"].pop("theorem"),
+            (e["statement"].pop("theorem"), e["statement"].pop("in_full")),
             e.update(verdict="not proved", results=None, reason={"condition": "C3", "message": "m", "remedy": "r"}),
         ),
         "verdict",
@@ -218,6 +216,30 @@ def test_a_forgery_with_a_new_digest_is_named(proved: Certificate, change: Any, 
     assert "digest" not in places(result)
 
 
+REWORDED: dict[str, Callable[[Entry], Any]] = {
+    "theorem": lambda e: e["statement"].update(theorem="There is life on Mars."),
+    "theorem in full": lambda e: e["statement"].update(in_full=e["statement"]["in_full"] + "\nAnd on Venus."),
+    "words of a hypothesis": lambda e: hypothesis(e, "C3").update(statement="anything"),
+    "section of a hypothesis": lambda e: hypothesis(e, "C3").update(section="99.9"),
+}
+
+
+@pytest.mark.usefixtures("no_integration")
+@pytest.mark.parametrize("change", REWORDED.values(), ids=REWORDED.keys())
+def test_a_true_certificate_in_other_words_stands_and_is_told_in_those_of_this_version(
+    proved: Certificate, change: Any
+) -> None:
+    other = forged(proved, change)
+    result = recheck(other)
+    assert (result.stands, result.word) == (True, "stands, worded otherwise")
+    assert "worded otherwise" in result.notes[-1]
+    assert result.rendered is not None
+    told, honest = dict(result.rendered), proved.to_json()
+    assert told.pop("digest") == other.to_json()["digest"]
+    assert told == {key: value for key, value in honest.items() if key != "digest"}
+    assert recheck(proved).rendered is None
+
+
 @pytest.mark.usefixtures("no_integration")
 def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: Certificate) -> None:
     assert refuted.verdict == "not proved"
@@ -226,7 +248,8 @@ def test_not_proved_cannot_be_turned_into_proved(proved: Certificate, refuted: C
         true = proved.to_json()
         for key in ("verdict", "reason", "hypotheses", "results", "computation"):
             entry[key] = true[key]
-        entry["statement"]["theorem"] = true["statement"]["theorem"]
+        for key in ("theorem", "in_full"):
+            entry["statement"][key] = true["statement"][key]
         if tables:
             entry["enclosures"] = true["enclosures"]
 
@@ -242,7 +265,8 @@ def test_what_a_wider_enclosure_does_not_confirm_is_enclosed_once_more(monkeypat
     (candidate,) = read_candidates(Path(__file__).parents[1] / "data" / "beam-candidate.json")
     certificate = certify(candidate, Limits(max_precision=256))
     assert recheck(certificate, integrate=True).stands
-    monkeypatch.setattr(rechecking, "_STILL_MORE_PRECISION", 0)
+    every = rechecking._settings
+    monkeypatch.setattr(rechecking, "_settings", lambda precision, order: list(every(precision, order))[:1])
     findings = recheck(certificate, integrate=True).findings
     assert findings
     assert all("does not confirm" in str(finding) for finding in findings)

@@ -40,7 +40,7 @@ def recheck_places_apart(
     found = dict(checks)
     for entry in certificates:
         check = checks.get(entry.id)
-        if check is None or not check.stands or "place" not in entry.to_json():
+        if check is None or not check.stands_without_place or "place" not in entry.to_json():
             continue
         result = apart(_place, entry.id, (curve, examined, entry, check), limits)
         if isinstance(result, Failure):

@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
-from orbitproof.verify.certificate import PLACE_IS_OPEN, Certificate, Finding, Level, Recheck, differences, recheck
+from orbitproof.verify.certificate import REWORDED, Certificate, Finding, Level, Recheck, differences, recheck
 from orbitproof.verify.curve import Bifurcation, conclude
 from orbitproof.verify.evidence import ball_to_json, located
 
@@ -57,39 +57,43 @@ def recheck_places(
     Args:
         curve: the certificate that the places rest on; without it they cannot be checked.
         examined: that one, checked as far as the others.
-        checks: of the certificates without their places, by id.
+        checks: of the certificates, by id, which leave their places open.
     """
     result = dict(checks)
     for entry in certificates:
         place = entry.to_json().get("place")
         check = checks.get(entry.id)
-        if place is None or check is None or not check.stands:
+        if place is None or check is None or not check.stands_without_place or curve is None:
             continue
-        notes = tuple(note for note in check.notes if note != PLACE_IS_OPEN)
-        if curve is None:
-            rests_on = place["rests_on"]
-            message = f"its place rests on the curve {rests_on['id']} ({rests_on['digest']}): give it with --curve FILE"
-            result[entry.id] = replace(check, obstacle=message, notes=notes, level=min(check.level, Level.FORM))
-            continue
-        findings = tuple(_differences(curve, examined, entry, place))
+        rendered, findings = check.rendered, []
+        for finding, again in _differences(curve, examined, entry, place):
+            if finding.in_words:
+                rendered = {**(rendered or entry.to_json()), "place": again}
+            else:
+                findings.append(finding)
         level = min(check.level, Level.FORM) if findings else check.level
-        result[entry.id] = replace(check, findings=findings, notes=notes, level=level)
+        notes = check.notes if rendered is check.rendered else tuple(dict.fromkeys((*check.notes, REWORDED)))
+        result[entry.id] = replace(
+            check, findings=tuple(findings), level=level, open_place="", rendered=rendered, notes=notes
+        )
     return result
 
 
 def _differences(
     curve: AtlasCertificate, examined: Recheck | None, entry: Certificate, stored: Mapping[str, Any]
-) -> Iterator[Finding]:
+) -> Iterator[tuple[Finding, Mapping[str, Any] | None]]:
+    """What is wrong with a stored place, each with the place that is found, if one is."""
     given = _rests_on(curve)
     if stored["rests_on"] != given:
         old, new = (f"{which['id']} ({which['digest']})" for which in (stored["rests_on"], given))
-        yield Finding("place", f"rests on the curve {old}; given is {new}")
+        yield Finding("place", f"rests on the curve {old}; given is {new}"), None
         return
     ((_, again, line),) = _placed(curve, examined, [entry])
     if again is None:
-        yield Finding("place", line)
+        yield Finding("place", line), None
         return
-    yield from differences(stored, again, "place")
+    for finding in differences(stored, again, "place", ("place",)):
+        yield finding, again
 
 
 def _placed(
@@ -102,7 +106,7 @@ def _placed(
             yield orbit, None, f"{orbit.id}: not shown to lie on {name}: that is no curve but a surface"
         return
     if not (curve.is_proved and examined.stands):
-        why = examined.findings[0].message if examined.findings else examined.obstacle or "it is not proved"
+        why = examined.why or "it is not proved"
         for orbit in orbits:
             yield orbit, None, f"{orbit.id}: not shown to lie on {name}: its certificate does not stand: {why}"
         return

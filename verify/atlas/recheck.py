@@ -2,7 +2,7 @@
 
 The form: digest, schema, names of the hypotheses, and the certificates that the file rests on. The conclusion: it is
 made again from the stored results and from the certificates that the file carries, and the certificate that results is
-compared with the stored one in every word and number. The integration: every stored interval is proved again, at
+compared with the stored one in all data. The integration: every stored interval is proved again, at
 another precision, order and width; the bounds and enclosures that are found have to lie within the stored ones; and so
 have the certificates of the bifurcations on the curve.
 """
@@ -23,6 +23,7 @@ from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
 from orbitproof.verify.atlas.splitting import covers, interval_of
 from orbitproof.verify.atlas.task import RunLimits, result_of, task_of
 from orbitproof.verify.certificate import (
+    UNCHECKED_REASON,
     UNKNOWN,
     Certificate,
     Examination,
@@ -38,8 +39,8 @@ from orbitproof.verify.certificate import (
     other_software,
     overlap,
     repeated,
-    statement_differences,
     systems_with,
+    unknown_reason,
 )
 from orbitproof.verify.curve import PieceLimits, curve_hypotheses
 from orbitproof.verify.engines import Answer, Task
@@ -138,10 +139,13 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
     names, listed = [entry.id for entry in carried], [entry["id"] for entry in conclusion["bifurcations"]]
     if listed != names:
         yield Finding("rests_on", f"carries {', '.join(names) or 'nothing'}; listed: {', '.join(listed)}")
-    names = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
+    found = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
     expected = list((surface_hypotheses if atlas.is_surface else curve_hypotheses)(atlas))
     if document["verdict"] == "proved":
-        yield from other_hypotheses(names, expected, document)
+        yield from other_hypotheses(found, expected, document)
+    else:
+        yield from unknown_reason(document["reason"], expected)
+        examination.notes += (UNCHECKED_REASON,)
 
 
 def _conclusion(
@@ -165,16 +169,14 @@ def _conclusion(
     conclusion = means.conclude(atlas, document["results"], bifurcations, order_of(document))
     examination.hypotheses = len(conclusion["hypotheses"])
     again = make_atlas_certificate(atlas, document["results"], conclusion, bifurcations)
-    # The statement is compared by itself; what made the file may differ.
-    apart = ("verdict", "statement", "software", "digest", "rests_on")
+    again["statement"] = named_as(document["statement"], again["statement"])
+    # What made the file may differ.
+    apart = ("software", "digest")
     old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, again))
-    found = [
-        *differences(document["verdict"], again["verdict"], "verdict"),
-        *statement_differences(document["statement"], named_as(document["statement"], again["statement"])),
-        *differences(old, new, ""),
-    ]
-    yield from found
-    if found:
+    kept = {key: document[key] for key in apart}
+    data = list(examination.in_data(differences(old, new, ""), {**again, **kept}))
+    yield from data
+    if data:
         yield from other_software(document)
 
 
@@ -222,7 +224,9 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
     on_curve = {entry["id"] for entry in document["conclusion"]["bifurcations"] if entry["on_curve"]}
     bifurcations = [entry for entry in _rests_on(document) if entry.id in on_curve]
     for check in means.check(bifurcations, True):
-        problems = check.findings or ((Finding("the certificate", check.obstacle),) if check.obstacle else ())
+        problems = (
+            check.findings if check.findings or not check.obstacle else (Finding("the certificate", check.obstacle),)
+        )
         yield from (Finding(f"bifurcation {check.id}, {entry.place}", entry.message) for entry in problems)
 
 

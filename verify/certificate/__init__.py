@@ -7,11 +7,11 @@ from orbitproof.verify.certificate.certificate import (
     is_proof_of,
     read_certificates,
     repeated,
-    theorem_in_full,
     write_certificates,
 )
 from orbitproof.verify.certificate.levels import (
     MEANINGS,
+    REWORDED,
     CannotBeCheckedError,
     Examination,
     Finding,
@@ -25,14 +25,14 @@ from orbitproof.verify.certificate.levels import (
     other_hypotheses,
     other_software,
     overlap,
+    unknown_reason,
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from orbitproof.verify.certificate.rechecking import (
-    PLACE_IS_OPEN,
+    UNCHECKED_REASON,
     UNKNOWN,
     digest_findings,
     recheck,
-    statement_differences,
 )
 from orbitproof.verify.certificate.side_by_side import certify_all, expected_work, recheck_all
 from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
@@ -44,7 +44,8 @@ __all__ = [
     "LEAST_PRECISION",
     "LEVELS",
     "MEANINGS",
-    "PLACE_IS_OPEN",
+    "REWORDED",
+    "UNCHECKED_REASON",
     "UNKNOWN",
     "CannotBeCheckedError",
     "Certificate",
@@ -73,11 +74,10 @@ __all__ = [
     "recheck_all",
     "recheck_table",
     "repeated",
-    "statement_differences",
     "system_names",
     "systems_with",
     "tables_from_json",
-    "theorem_in_full",
+    "unknown_reason",
     "verdict_table",
     "write_certificates",
 ]

@@ -296,20 +296,6 @@ def make_certificate(
     return Certificate.from_json({**certificate, "digest": digest(certificate)}, f"certificate {candidate.id!r}")
 
 
-def theorem_in_full(certificate: Certificate, candidate: Candidate, form: Candidate | None) -> str:
-    """The theorem that a certificate proves, so that it stands alone; `candidate` and `form` are its claim.
-
-    Older certificates do not carry it: it follows from what they carry. Raises `ValueError` if nothing is proved.
-    """
-    stored = certificate.statement.get("in_full")
-    if stored is not None:
-        return str(stored)
-    theorem = theorem_of(candidate, form)
-    if not (isinstance(theorem, Theorem) and certificate.proved):
-        raise ValueError(f"certificate {certificate.id!r}: proves nothing")
-    return in_full(candidate, form, theorem, certificate.orbit or certificate)
-
-
 def digest(entry: Mapping[str, Any]) -> str:
     """SHA-256 of the canonical JSON (sorted keys, no spaces, ASCII) of a certificate without its digest."""
     content = {key: value for key, value in entry.items() if key != "digest"}

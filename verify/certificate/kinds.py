@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
 from typing import Any
 
 from flint import arb
@@ -12,7 +13,7 @@ from orbitproof.verify import bifurcation
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.tables import derivative_name
-from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Reason, Theorem, ball_from_json
+from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Proved, Reason, Theorem, ball_from_json
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, enclose_orbit, orbit_theorem, prove_orbit
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
@@ -47,6 +48,23 @@ def prove(candidate: Candidate, checklist: Checklist, found: Found | None) -> Ou
 
 def contradictions(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:
     """Where two enclosures of the same numbers have no common point, or are not of the same numbers."""
+    for name, old, new in _pairs(stored, fresh, place):
+        yield from overlap(old, new, name)
+
+
+def too_narrow(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:
+    """Where new enclosures of the same numbers reach out of the stored ones by more than these are wide."""
+    for name, old, new in _pairs(stored, fresh, place):
+        yield from confirmed(old, new, name, _REACH)
+
+
+_REACH = Fraction(1)
+"""By how much of its width an entry of a table may be exceeded: those that are zero by symmetry are known up to the
+underflow of bounds only, whatever the precision."""
+
+
+def _pairs(stored: Found, fresh: Found, place: str) -> Iterator[tuple[str, arb, arb]]:
+    """Two enclosures of each number. Raises `ValueError` if they are not of the same numbers."""
     if isinstance(stored, OrbitEnclosures) and isinstance(fresh, OrbitEnclosures):
         old, new = _orbit_numbers(stored), _orbit_numbers(fresh)
     elif isinstance(stored, Enclosures) and isinstance(fresh, Enclosures):
@@ -54,10 +72,9 @@ def contradictions(stored: Found, fresh: Found, place: str) -> Iterator[Finding]
     else:
         old, new = {}, {"the claim": arb(0)}
     if old.keys() != new.keys():
-        yield Finding(place, "the tables do not belong to each other")
-        return
+        raise ValueError(f"{place}: the tables do not belong to each other")
     for name, ball in old.items():
-        yield from overlap(ball, new[name], f"{place}, {name}")
+        yield f"{place}, {name}", ball, new[name]
 
 
 def _numbers(found: Enclosures) -> dict[str, arb]:
@@ -101,18 +118,32 @@ def _of_tables(tables: Mapping[str, DerivativeTable]) -> dict[str, arb]:
     }
 
 
-def unconfirmed(stored: Mapping[str, Any], found: Results, place: str) -> Iterator[Finding]:
-    """The numbers of stored results that new ones do not confirm."""
-    if isinstance(found, OrbitResults):
-        yield from _unconfirmed_orbit(stored, found, place)
-        return
+def unconfirmed(stored: Mapping[str, Any], found: Proved[Results], place: str) -> Iterator[Finding]:
+    """What a certificate says of the hypotheses and results, and what a new proof does not confirm."""
+    old_entries = {entry["name"]: entry["enclosures"] for entry in stored["hypotheses"]}
+    for hypothesis in found.hypotheses:
+        for name, old in old_entries[hypothesis.name].items():
+            where = f"{place}, hypothesis {hypothesis.name}, {name}"
+            if name not in hypothesis.enclosures:
+                yield Finding(where, "is not enclosed again")
+            else:
+                yield from confirmed(ball_from_json(old), hypothesis.enclosures[name], where)
+    if isinstance(found.results, OrbitResults):
+        yield from _unconfirmed_orbit(stored["results"], found.results, place)
+    else:
+        yield from _unconfirmed_bifurcation(stored["results"], found.results, place)
+
+
+def _unconfirmed_bifurcation(stored: Mapping[str, Any], found: BifurcationResults, place: str) -> Iterator[Finding]:
     if stored["side"] != found.side:
         yield Finding(f"{place}, side", f"stored is {stored['side']!r}, found {found.side!r}")
     yield from confirmed(ball_from_json(stored["parameter"]), found.parameter, f"{place}, {found.parameter_name}")
     for group, balls in (("point", found.point), ("normal_form", found.normal_form)):
+        if set(stored[group]) != set(balls):
+            yield Finding(f"{place}, {group}", "has other numbers than are found")
+            continue
         for name, ball in balls.items():
-            if name in stored[group]:
-                yield from confirmed(ball_from_json(stored[group][name]), ball, f"{place}, {name}")
+            yield from confirmed(ball_from_json(stored[group][name]), ball, f"{place}, {name}")
 
 
 def _unconfirmed_orbit(stored: Mapping[str, Any], found: OrbitResults, place: str) -> Iterator[Finding]:

@@ -16,7 +16,7 @@ from flint import arb
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Failure
-from orbitproof.verify.evidence import ball_from_json, ball_to_json, bounds, decimal_interval, software
+from orbitproof.verify.evidence import Stop, ball_from_json, ball_to_json, bounds, decimal_interval, software
 
 _SHOWN_DIGITS = 45
 _LONGEST_SHOWN = 100
@@ -50,7 +50,7 @@ MEANINGS: Mapping[Level, Meaning] = {
         "all numbers and words",
     ),
     Level.CONCLUSION: Meaning(
-        "every word and number that is stated or printed",
+        "all data that are stated, and the words that are printed",
         "derived from what is stored, with the system of the file's own program",
         "what is stored: that the tables of derivatives, and the proved intervals of curves and surfaces, are true",
     ),
@@ -62,12 +62,30 @@ MEANINGS: Mapping[Level, Meaning] = {
 }
 
 
+WORDS = frozenset({
+    ("statement", "theorem"), ("statement", "in_full"), ("conclusion", "statement"),
+    ("hypotheses", "statement"), ("hypotheses", "section"),
+    ("reason", "message"), ("reason", "remedy"), ("bifurcations", "reason"), ("place", "statement"),
+    ("gaps", "reason"), ("open_extrema", "reason"),
+})  # fmt: skip
+"""The last two keys, indices left out, of what only words what other fields say. Nothing is decided by these fields:
+words that a version of this program would not use are no defect, and are never printed."""
+
+REWORDED = "worded otherwise than by this version, which checks no foreign words: what it prints are its own"
+"""What is said of a certificate whose data are as they should be, and whose words are not those that follow."""
+
+
 @dataclass(frozen=True)
 class Finding:
-    """Something in a certificate that is not as it should be: where it stands, and what is wrong."""
+    """Something in a certificate that is not as it should be: where it stands, and what is wrong.
+
+    Attributes:
+        in_words: whether only words differ (`WORDS`).
+    """
 
     place: str
     message: str
+    in_words: bool = False
 
 
 class CannotBeCheckedError(Exception):
@@ -87,6 +105,9 @@ class Recheck:
         level: the last level that it has passed.
         obstacle: why it cannot be checked further, empty if it can.
         notes: what a reader should know although nothing is wrong.
+        open_place: what its place on a curve rests on, as long as that was not checked; empty without a place.
+        rendered: the certificate with the words of this version, as JSON, if its own are others; only these may be
+            printed.
     """
 
     id: str
@@ -97,18 +118,39 @@ class Recheck:
     level: Level = Level.NONE
     obstacle: str = ""
     notes: tuple[str, ...] = ()
+    open_place: str = ""
+    rendered: Mapping[str, Any] | None = None
 
     @property
     def stands(self) -> bool:
-        """Whether all levels that were asked for were passed."""
+        """Whether all levels that were asked for were passed, and nothing was left out."""
+        return self.stands_without_place and not self.open_place
+
+    @property
+    def stands_without_place(self) -> bool:
+        """Whether it would stand if it did not say where on a curve it lies."""
         return not self.findings and not self.obstacle
+
+    @property
+    def passed(self) -> Level:
+        """The last level that all of it has passed, its place on a curve included."""
+        return min(self.level, Level.FORM) if self.open_place else self.level
 
     @property
     def word(self) -> str:
         """The outcome in words."""
         if self.findings:
             return "DOES NOT STAND"
-        return "cannot be checked here" if self.obstacle else "stands"
+        if not self.stands:
+            return "cannot be checked here"
+        return "stands" if self.rendered is None else "stands, worded otherwise"
+
+    @property
+    def why(self) -> str:
+        """The first thing that keeps it from standing."""
+        if self.findings:
+            return f"{self.findings[0].place}: {self.findings[0].message}"
+        return self.obstacle or self.open_place
 
 
 def not_checked(name: str, verdict: str, failure: Failure) -> Recheck:
@@ -135,6 +177,16 @@ class Examination:
     hypotheses: int = 0
     precision: int = 0
     notes: tuple[str, ...] = ()
+    open_place: str = ""
+    rendered: Mapping[str, Any] | None = None
+
+    def in_data(self, findings: Iterable[Finding], rendered: Mapping[str, Any]) -> Iterator[Finding]:
+        """The findings that are not about words; if some are, the words of `rendered` are to be printed."""
+        for finding in findings:
+            if finding.in_words:
+                self.rendered = rendered
+            else:
+                yield finding
 
 
 Step = Callable[[Examination], Iterable[Finding]]
@@ -161,15 +213,16 @@ def climb(name: str, verdict: str, steps: Sequence[Step]) -> Recheck:
         if findings or obstacle:
             break
         level = Level(number)
+    notes = examination.notes if examination.rendered is None else (*examination.notes, REWORDED)
     return Recheck(
-        name, verdict, examination.hypotheses, tuple(findings), examination.precision, level, obstacle,
-        examination.notes,
+        name, verdict, examination.hypotheses, tuple(findings), examination.precision, level, obstacle, notes,
+        examination.open_place, examination.rendered,
     )  # fmt: skip
 
 
-def differences(stored: Any, again: Any, place: str) -> Iterator[Finding]:
-    """Where two JSON values differ; a ball is one value."""
-    if stored == again and type(stored) is type(again):
+def differences(stored: Any, again: Any, place: str, keys: tuple[str, ...] = ()) -> Iterator[Finding]:
+    """Where two JSON values differ, in value or type; a ball is one value. `keys` lead to them, see `WORDS`."""
+    if stored is again:
         return
     if isinstance(stored, Mapping) and isinstance(again, Mapping) and "rad" not in stored:
         for key in sorted({*stored, *again}):
@@ -179,13 +232,16 @@ def differences(stored: Any, again: Any, place: str) -> Iterator[Finding]:
             elif key not in again:
                 yield Finding(inner, "does not belong here")
             else:
-                yield from differences(stored[key], again[key], inner)
+                yield from differences(stored[key], again[key], inner, (*keys, key))
         return
     if isinstance(stored, list) and isinstance(again, list) and len(stored) == len(again):
         for index, (left, right) in enumerate(zip(stored, again, strict=True)):
-            yield from differences(left, right, f"{place}[{index}]")
+            yield from differences(left, right, f"{place}[{index}]", keys)
         return
-    yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}")
+    if stored == again and type(stored) is type(again):
+        return
+    in_words = keys[-2:] in WORDS and isinstance(stored, str) and isinstance(again, str)
+    yield Finding(place, f"stored is {_shown(stored)}, evaluated again it is {_shown(again)}", in_words)
 
 
 def decimals(value: Any, place: str) -> Iterator[Finding]:
@@ -224,6 +280,13 @@ def other_hypotheses(
     yield from other_software(certificate)
 
 
+def unknown_reason(reason: Mapping[str, Any], hypotheses: Sequence[str]) -> Iterator[Finding]:
+    """A finding if a certificate says that it proves nothing for a reason that this program does not give."""
+    condition = reason["condition"]
+    if condition not in (*hypotheses, *(stop.value for stop in Stop)):
+        yield Finding("reason", f"{condition!r} is no hypothesis of the theorem, and nothing else that ends a proof")
+
+
 def overlap(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
     """A finding unless two enclosures of the same number have a common point."""
     if stored.overlaps(fresh) is not True or not fresh.is_finite():
@@ -231,13 +294,13 @@ def overlap(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
         yield Finding(place, "stored is {}, disjoint from {}".format(*shown))
 
 
-def confirmed(stored: arb, fresh: arb, place: str) -> Iterator[Finding]:
-    """A finding unless `stored` contains the new enclosure, up to a millionth part of its own width."""
+def confirmed(stored: arb, fresh: arb, place: str, tolerance: Fraction = _TOLERANCE) -> Iterator[Finding]:
+    """A finding unless `stored` contains the new enclosure, up to a part of its own width, a millionth."""
     if not (stored.is_finite() and fresh.is_finite()):
         yield Finding(place, "is not finite")
         return
     (low, high), (new_low, new_high) = bounds(stored), bounds(fresh)
-    margin = _TOLERANCE * (high - low)
+    margin = tolerance * (high - low)
     if not low - margin <= new_low <= new_high <= high + margin:
         shown = (decimal_interval(ball, _SHOWN_DIGITS) for ball in (stored, fresh))
         yield Finding(place, "stored is {}, which the new integration does not confirm: it finds {}".format(*shown))

@@ -2,15 +2,14 @@
 
 The form: digest, schema, the names of the hypotheses. The conclusion: every hypothesis is evaluated again from the
 stored tables of derivatives, by the functions that made the certificate, and the certificate that results is compared
-with the stored one in every word and number. The integration: the tables are enclosed again, at another precision and
-order; they have to overlap the stored ones, prove the claim again, and confirm the results.
+with the stored one in all data; its words are those that are told. The integration: the tables are enclosed again, at another precision and
+order; they have to overlap the stored ones, prove the claim again, and confirm hypotheses and results.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -21,7 +20,16 @@ from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.bifurcation import check_exactly, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certify import broken_off, for_origin
-from orbitproof.verify.certificate.kinds import Found, Results, contradictions, enclose, prove, theorem_of, unconfirmed
+from orbitproof.verify.certificate.kinds import (
+    Found,
+    Results,
+    contradictions,
+    enclose,
+    prove,
+    theorem_of,
+    too_narrow,
+    unconfirmed,
+)
 from orbitproof.verify.certificate.levels import (
     Examination,
     Finding,
@@ -30,6 +38,7 @@ from orbitproof.verify.certificate.levels import (
     differences,
     other_hypotheses,
     other_software,
+    unknown_reason,
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.certificate.stated_system import named_as, systems_with
@@ -52,7 +61,7 @@ _MORE_ORDER = 6
 """The second integration has an eighth more bits, and a sixth more terms in time."""
 
 _STILL_MORE_PRECISION = 64
-"""What it does not confirm is enclosed once more, with so many more bits."""
+"""What it does not confirm is enclosed once more, with so many more bits, and then with these at the stored order."""
 
 Entry = Mapping[str, Any]
 """A certificate as JSON."""
@@ -62,10 +71,8 @@ _WITHOUT_INTEGRATION = ("symmetries", "frames", "adapted-frames")
 _WORDS = ("theorem", "in_full")
 """What a statement has if its claim is proved."""
 
-PLACE_IS_OPEN = "where it lies on a curve is not checked without the certificate of the curve: give it with --curve"
-"""What is said of a certificate that carries a place on a curve, but where that is checked as well."""
-
-_WITHOUT_TABLES = "nothing shows why it is not proved: it carries no enclosures"
+UNCHECKED_REASON = "it claims nothing, and why it is not proved is told as by the run, which nothing checks"
+"""What is said of a certificate that proves nothing."""
 
 
 def recheck(
@@ -138,12 +145,16 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     document = {"format": "orbitproof-certificates", "version": 1, "software": {}, "certificates": [certificate]}
     validate_document(document, "certificates", "the certificate")
     stated = _read(certificate)
+    theorem = theorem_of(stated.candidate, stated.form)
+    names = tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"])
     if certificate["verdict"] != "proved":
+        known = theorem.hypotheses if isinstance(theorem, Theorem) else ()
+        yield from unknown_reason(certificate["reason"], known)
+        if names != known[: len(names)]:
+            yield Finding("hypotheses", f"stored are {', '.join(names)}; the theorem takes {', '.join(known)}")
         return
     if stated.enclosures is None:
         yield Finding("enclosures", "there are none, so nothing shows that the claim is proved")
-    theorem = theorem_of(stated.candidate, stated.form)
-    names = tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"])
     if not isinstance(theorem, Theorem):
         yield Finding("statement.candidate", f"{theorem.message}: {theorem.remedy}")
         return
@@ -156,13 +167,18 @@ def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Findin
     examination.hypotheses = len(again["hypotheses"])
     if stated.candidate.system.name not in SYSTEMS:
         examination.notes += (f"{stated.candidate.system.name}: {UNKNOWN}",)
-    if certificate["verdict"] != "proved" and stated.enclosures is None:
-        examination.notes += (_WITHOUT_TABLES,)
+    if certificate["verdict"] != "proved":
+        examination.notes += (UNCHECKED_REASON,)
     if "place" in certificate:
-        examination.notes += (PLACE_IS_OPEN,)
-    found = list(_compare(certificate, again, stated.enclosures is not None))
-    yield from found
-    if found:
+        curve = certificate["place"]["rests_on"]
+        examination.open_place = (
+            f"its place rests on the curve {curve['id']} ({curve['digest']}): give it with --curve FILE"
+        )
+    kept = {key: certificate[key] for key in ("software", "digest", "place") if key in certificate}
+    found = _compare(certificate, again, stated.enclosures is not None)
+    data = list(examination.in_data(found, {**again, **kept}))
+    yield from data
+    if data:
         yield from other_software(certificate)
 
 
@@ -199,7 +215,12 @@ def _conclude(candidate: Candidate, precision: int, enclosures: Found | None) ->
 def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding]:
     """Differences between a certificate and the one that its tables give."""
     yield from differences(stored["id"], again["id"], "id")
-    yield from statement_differences(stored["statement"], again["statement"], _WORDS)
+    is_proved = stored["verdict"] == again["verdict"] == "proved"
+    left, right = (
+        {key: value for key, value in entry["statement"].items() if is_proved or key not in _WORDS}
+        for entry in (stored, again)
+    )
+    yield from differences(left, right, "statement", ("statement",))
     old, new = stored["hypotheses"], again["hypotheses"]
     if from_tables:
         yield from _verdict_differences(stored, again)
@@ -210,27 +231,9 @@ def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding
         yield Finding(f"hypothesis {old[len(new)]['name']}", "nothing is stored from which it could be evaluated")
     for left, right in zip(old, new, strict=False):
         if from_tables or right["name"] in _WITHOUT_INTEGRATION:
-            yield from differences(left, right, f"hypothesis {right['name']}")
-    if stored["verdict"] == "proved" and again["verdict"] == "proved":
-        yield from differences(stored["statement"].get("theorem"), again["statement"]["theorem"], "theorem")
-        if "in_full" in stored["statement"]:
-            yield from differences(stored["statement"]["in_full"], again["statement"]["in_full"], "in full")
+            yield from differences(left, right, f"hypothesis {right['name']}", ("hypotheses",))
+    if is_proved:
         yield from differences(stored["results"], again["results"], "results")
-
-
-def statement_differences(
-    stored: Mapping[str, Any], again: Mapping[str, Any], left_out: tuple[str, ...] = ()
-) -> Iterator[Finding]:
-    """Where the statement of a certificate of any kind differs from what its claim gives.
-
-    Certificates of before have no `names` or no `in_full`; what they say is in the theorem, which is compared as well.
-    """
-    optional = {"names", "in_full"} - set(stored)
-    old, new = (
-        {key: value for key, value in entry.items() if key not in left_out and key not in optional}
-        for entry in (stored, again)
-    )
-    yield from differences(old, new, "statement")
 
 
 def _verdict_differences(stored: Entry, again: Entry) -> Iterator[Finding]:
@@ -247,42 +250,50 @@ def _verdict_differences(stored: Entry, again: Entry) -> Iterator[Finding]:
 def _integration(
     certificate: Entry, progress: Callable[[float], None] | None, examination: Examination
 ) -> Iterator[Finding]:
-    """Whether another integration gives enclosures that overlap the stored ones, and proves and confirms the claim."""
+    """Whether other integrations contradict nothing that is stored, prove the claim again, and confirm all of it.
+
+    Each number has to be confirmed by one of them.
+    """
     stated = _read(certificate)
     stored = stated.enclosures
     if stored is None:
         return
-    precision = certificate["computation"]["precision"]
-    settings = IntegratorSettings(
-        precision + max(_LEAST_MORE_PRECISION, precision // _MORE_PRECISION),
-        stored.order + max(1, stored.order // _MORE_ORDER),
-    )
-    examination.precision = settings.precision
-    place = f"integration with {settings.precision} bits and order {settings.order}"
-    try:
-        with np.errstate(all="ignore"):
-            fresh = enclose(stated.claim, settings, progress)
-    except IntegrationFailure as error:
-        yield Finding(place, error.reason.message)
-        return
-    except Exception as error:
-        yield Finding(place, broken_off("integration", error).message)
-        return
-    yield from contradictions(stored, fresh, place)
-    if certificate["verdict"] != "proved":
-        return
-    outcome = _conclude(stated.claim, settings.precision, fresh)
-    if stated.form is not None:
-        outcome = for_origin(stated.candidate, outcome, settings.precision)
-    if not isinstance(outcome, Proved):
-        yield Finding(place, f"the claim is not proved again: {outcome.reason.condition}: {outcome.reason.message}")
-        return
-    results = certificate["results"]
-    remaining = list(unconfirmed(results, outcome.results, place))
-    if remaining:
-        finer = replace(settings, precision=settings.precision + _STILL_MORE_PRECISION)
-        with suppress(IntegrationFailure), np.errstate(all="ignore"):
-            again = _conclude(stated.claim, finer.precision, enclose(stated.claim, finer, progress))
-            if isinstance(again, Proved):
-                remaining = list(unconfirmed(results, again.results, f"integration with {finer.precision} bits"))
-    yield from remaining
+    remaining: dict[str, Finding] = {}
+    for number, settings in enumerate(_settings(certificate["computation"]["precision"], stored.order)):
+        place = f"integration with {settings.precision} bits and order {settings.order}"
+        examination.precision = examination.precision or settings.precision
+        try:
+            with np.errstate(all="ignore"):
+                fresh = enclose(stated.claim, settings, progress)
+        except IntegrationFailure as error:
+            yield Finding(place, error.reason.message)
+            return
+        except Exception as error:
+            yield Finding(place, broken_off("integration", error).message)
+            return
+        if against := list(contradictions(stored, fresh, place)):
+            yield from against
+            return
+        found = {finding.place: finding for finding in too_narrow(stored, fresh, "tables")}
+        if certificate["verdict"] == "proved":
+            outcome = _conclude(stated.claim, settings.precision, fresh)
+            if stated.form is not None:
+                outcome = for_origin(stated.candidate, outcome, settings.precision)
+            if not isinstance(outcome, Proved):
+                reason = outcome.reason
+                yield Finding(place, f"the claim is not proved again: {reason.condition}: {reason.message}")
+                return
+            found |= {finding.place: finding for finding in unconfirmed(certificate, outcome, "not confirmed")}
+        remaining = {key: finding for key, finding in found.items() if number == 0 or key in remaining}
+        if not remaining:
+            return
+    yield from remaining.values()
+
+
+def _settings(precision: int, order: int) -> Iterator[IntegratorSettings]:
+    """Of integrations one after the other; the last has the stored order: a higher one can enclose more widely."""
+    more = precision + max(_LEAST_MORE_PRECISION, precision // _MORE_PRECISION)
+    higher = order + max(1, order // _MORE_ORDER)
+    yield IntegratorSettings(more, higher)
+    yield IntegratorSettings(more + _STILL_MORE_PRECISION, higher)
+    yield IntegratorSettings(more + _STILL_MORE_PRECISION, order)

@@ -105,7 +105,7 @@ def recheck_all(
     standing = []
     for entry, result in _checked_apart(certificates, False, jobs, progress, limits):
         check = result if isinstance(result, Recheck) else not_checked(entry.id, entry.verdict, result)
-        if integrate and check.stands:
+        if integrate and check.stands_without_place:
             standing.append((entry, check))
         else:
             finished(check)

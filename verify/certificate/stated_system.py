@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.systems import ParameterRange, Program, ReversibleSystem, program_function
+from orbitproof.shared.systems import ParameterRange, Program, ReversibleSystem, is_title, program_function
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 
@@ -49,7 +49,7 @@ def systems_with(
 
 
 def named_as(stored: Mapping[str, Any], again: Mapping[str, Any]) -> dict[str, Any]:
-    """The statement `again` with its system called by name alone where the stored one, an older file, does that."""
+    """The statement `again` with its system called by name alone where the stored one does that."""
     result = dict(again)
     for key in ("candidate", "level_form", "atlas"):
         system = result.get(key, {}).get("system")
@@ -62,9 +62,12 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
     where = f"the system {name!r} is not known here"
     if "derived_parameters" in statement:
         raise CannotBeCheckedError(f"{where}, and has parameters that follow from others: their ranges are not stated")
-    names = statement.get("names")
-    if names is None:
-        raise CannotBeCheckedError(f"{where}, and the certificate, an older one, does not state what it is called")
+    names = statement["names"]
+    # The title of a system under another reversor has that one's name after it.
+    title, _, reversor = str(names["system"]).partition(", reversible under ")
+    for text in (title, reversor or title, *(names[key] for key in names if key != "system")):
+        if not is_title(text):
+            raise ValueError(f"statement.names: {text!r} is no title of a system that is not known here")
     field = Program.from_text(statement["vector_field"])
     text = statement.get("first_integral")
     integral = None if text is None else Program.from_text(text)

@@ -53,19 +53,19 @@ def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
             rows.append((name, "", "not finished", "", "", ""))
             continue
         integrated = f"{result.precision} bits" if result.precision else "no"
-        level = f"{result.level:d} {result.level.name.lower()}"
+        level = f"{result.passed:d} {result.passed.name.lower()}"
         rows.append((name, result.verdict, result.word, level, str(result.hypotheses), integrated))
         remarks += [f"{name}: {entry.place}: {entry.message}" for entry in result.findings[:_SHOWN_FINDINGS]]
         further = len(result.findings) - _SHOWN_FINDINGS
         remarks += [f"{name}: and {further} more"] if further > 0 else []
-        remarks += [f"{name}: {text}" for text in (result.obstacle, *result.notes) if text]
+        remarks += [f"{name}: {text}" for text in (result.obstacle, result.open_place, *result.notes) if text]
     tables = [aligned(rows), remarks, _levels_table(rechecks)]
     return "\n\n".join("\n".join(lines) for lines in tables if lines)
 
 
 def _levels_table(rechecks: Mapping[str, Recheck]) -> list[str]:
     """What the levels mean that certificates have passed, up to the highest; nothing if none has."""
-    highest = max((result.level for result in rechecks.values()), default=Level.NONE)
+    highest = max((result.passed for result in rechecks.values()), default=Level.NONE)
     if highest is Level.NONE:
         return []
     rows = [("level", "what was checked", "how", "what remains to be believed")]

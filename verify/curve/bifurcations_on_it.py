@@ -114,9 +114,8 @@ def place_bifurcation(
     if not certificate.proved:
         return replace(entry, reason=f"the certificate says {certificate.verdict!r}")
     examined = examine(certificate)
-    if not examined.stands:
-        found = examined.findings[0]
-        return replace(entry, reason=f"the certificate does not stand: {found.place}: {found.message}")
+    if not examined.stands_without_place:
+        return replace(entry, reason=f"the certificate does not stand: {examined.why}")
     crossings = candidate.get("crossings", 1)
     if crossings != atlas.claim.crossings:
         reason = f"its half orbits meet the section {crossings} times, those of the curve {atlas.claim.crossings}"

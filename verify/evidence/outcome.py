@@ -9,12 +9,57 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from enum import StrEnum
 from typing import Any, Generic, TypeVar
 
 from flint import arb
 
 from orbitproof.verify.evidence.balls_as_text import balls_to_json, decimal_interval
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
+
+
+class Stop(StrEnum):
+    """What ends a verification and is no hypothesis of its theorem: the other conditions of a `Reason`."""
+
+    BIFURCATIONS = "bifurcations"
+    COLLISION = "collision"
+    COMPLETE = "complete"
+    CROSSING_COUNT = "crossing count"
+    DERIVED_PARAMETER = "derived parameter"
+    DISTANCE = "distance"
+    EVALUATION = "evaluation"
+    EXACT_CHECKS = "exact checks"
+    HALF_ORBIT = "half-orbit"
+    INTEGRATION = "integration"
+    LEVEL = "level"
+    LEVEL_BOX = "level-box"
+    MEMORY = "memory"
+    MULTIPLICITY = "multiplicity"
+    NEWTON = "newton"
+    PIECE = "piece"
+    PRECISION = "precision"
+    PROCESS = "process"
+    RADII = "radii"
+    RESULTS = "results"
+    SECTION = "section"
+    SINGULARITY = "singularity"
+    SIZE = "size"
+    STABILITY = "stability"
+    STEPS = "steps"
+    SYSTEM = "system"
+    THEOREM = "theorem"
+    TIME = "time"
+    TUBE = "tube"
+    UNFINISHED = "unfinished"
+    VERIFICATION = "verification"
+
+
+def one_line(text: str) -> str:
+    """A text on one line, of bounded length, without characters that are not printed as themselves."""
+    return "".join(each if each.isprintable() else "?" for each in " ".join(text.split())[:_LONGEST_LINE])
+
+
+_LONGEST_LINE = 4000
 
 
 @dataclass(frozen=True)
@@ -69,8 +114,8 @@ class Reason:
     enclosures: Mapping[str, arb] = field(default_factory=dict, compare=False)
 
     def to_json(self) -> dict[str, str]:
-        """The JSON object."""
-        return {"condition": self.condition, "message": self.message, "remedy": self.remedy}
+        """The JSON object: one line each, whatever an exception had to say."""
+        return {"condition": self.condition, "message": one_line(self.message), "remedy": one_line(self.remedy)}
 
 
 Results = TypeVar("Results", covariant=True)

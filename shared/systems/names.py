@@ -1,0 +1,45 @@
+"""What ids, names and titles may look like: short, one line, and no sentences.
+
+They stand in theorems and in tables, and nothing is concluded from them. Each is a pattern for the whole text, in a
+form that JSON schemas share with Python; tests hold the schemas to them.
+"""
+
+from __future__ import annotations
+
+import re
+
+_END = r"(?![\s\S])"
+
+IDENTIFIER = r"^[A-Za-z_][A-Za-z0-9_]{0,59}" + _END
+"""Of a coordinate, a parameter, a symmetry."""
+
+SYSTEM = r"^[A-Za-z][A-Za-z0-9_-]{0,59}" + _END
+"""Of a system, a short one."""
+
+ID = r"^(?=[^\n]{1,100}" + _END + r")(?![^\n]*\. )[A-Za-z0-9][A-Za-z0-9._+=/()'-]*( [A-Za-z0-9._+=/()'-]+){0,4}" + _END
+"""Of a claim, a piece, an atlas: at most five words."""
+
+TITLE = (
+    r"^(?=[^\n]{1,200}" + _END + r")(?![^\n]*[.,] +[A-Z])"
+    r"[(A-Za-z0-9\u00c0-\u024f\u0370-\u03ff][A-Za-z0-9\u00c0-\u024f\u0370-\u03ff .,_+*/^=<>()'-]*" + _END
+)
+"""What people call a system, its first integral, a body; with no second sentence."""
+
+LONGEST_TITLE = 64
+"""Of what is not known to every installation."""
+
+LINE = (
+    r"^[^\u0000-\u001f\u007f-\u009f\u00ad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff\ufff9-\ufffb]{0,4000}"
+    + _END
+)
+"""One line of free text without characters that steer how it is shown; it is quoted where it is printed."""
+
+
+def fits(pattern: str, text: object) -> bool:
+    """Whether a value is a text of this form."""
+    return isinstance(text, str) and re.search(pattern, text) is not None
+
+
+def is_title(text: object) -> bool:
+    """Whether a value is a title that a user may give."""
+    return isinstance(text, str) and len(text) <= LONGEST_TITLE and fits(TITLE, text)
