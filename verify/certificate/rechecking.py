@@ -2,8 +2,8 @@
 
 The form: digest, schema, the names of the hypotheses. The conclusion: every hypothesis is evaluated again from the
 stored tables of derivatives, by the functions that made the certificate, and the certificate that results is compared
-with the stored one in all data; its words are those that are told. The integration: the tables are enclosed again, at another precision and
-order; they have to overlap the stored ones, prove the claim again, and confirm hypotheses and results.
+with the stored one in all data; its words are those that are told. The integration: the tables are enclosed again, at
+another precision and order; they have to overlap the stored ones, prove the claim again, and confirm all that is said.
 """
 
 from __future__ import annotations
