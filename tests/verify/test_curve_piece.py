@@ -144,6 +144,20 @@ def test_derivatives_of_the_equation_hold_its_unknown_parts(seed: int) -> None:
         assert equation.wide_derivative([ball(w)], part, False).contains(ball(Fraction(1, 4) + change))
 
 
+@pytest.mark.parametrize("power", [2, 4, 16, 32])
+@pytest.mark.parametrize("grade", [0, 1, 2])
+def test_derivatives_divided_by_s_hold_the_unknown_parts_of_an_even_function(power: int, grade: int) -> None:
+    """F = 1/8 + s^2/4 + w + e s^power w^grade: F'/s, at s = 16/17."""
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 4, width=2)
+    known = arithmetic.polynomial({(0,): [Fraction(1, 8), Fraction(0), Fraction(1, 4)], (1,): ONE})
+    errors = [0.5 if each == grade else 0.0 for each in range(3)]
+    s, w = Fraction(16, 17), Fraction(1, 2)
+    truth = Fraction(1, 2) + Fraction(1, 2) * power * s ** (power - 2) * w**grade
+    with ctx.workprec(100):
+        found = Equation(known.with_errors(errors)).wide_derivative([ball(w)], ball(s), True)
+        assert found.contains(ball(truth))
+
+
 def equations(system: ReversibleSystem) -> Callable[[Sequence[Fraction]], list[Any]]:
     """q at the first return, by an independent integrator."""
     if system is FALKNER_SKAN:
