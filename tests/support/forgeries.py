@@ -113,11 +113,16 @@ _DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?(e[+-]?[0-9]+)?")
 _BALL = re.compile(r"(-?0x[0-9a-f]+(?:p-?[0-9]+)?) \+- (0x[0-9a-f]+(?:p-?[0-9]+)?)")
 
 
+_SENTENCE = "It is proved that all orbits are stable"
+_NAMES = ("id", "system", "first_integral", "distance_from", "piece", "symmetry", "condition", "name")
+
+
 def changes(value: Any, place: Place = ()) -> Iterator[Change]:
     """Every field of a JSON value changed, each in the ways that keep it well formed."""
     if isinstance(value, dict):
         for key, inner in value.items():
             yield from changes(inner, (*place, key))
+        yield Change((*place, "more"), "unknown key", _SENTENCE)
         return
     if isinstance(value, list):
         for index, inner in enumerate(value):
@@ -127,8 +132,11 @@ def changes(value: Any, place: Place = ()) -> Iterator[Change]:
         return
     if isinstance(value, bool):
         yield Change(place, "turned", not value)
+        yield Change(place, "other type", int(value))
     elif isinstance(value, (int, float)):
         yield Change(place, "other number", -value if value in (1, -1) else value + 1)
+        if value in (0, 1):
+            yield Change(place, "other type", bool(value))
     elif isinstance(value, str):
         yield from _other_text(value, place)
 
@@ -138,12 +146,16 @@ def _other_text(text: str, place: Place) -> Iterator[Change]:
     if ball is not None:
         middle, radius = (parse_exact(part) for part in ball.groups())
         yield Change(place, "moved", f"{format_exact(middle + 3 * radius + 1)} +- {format_exact(radius)}")
+        yield Change(place, "narrowed", f"{format_exact(middle + radius / 2)} +- {format_exact(radius / 1024)}")
         return
     if _EXACT.fullmatch(text) or _DECIMAL.fullmatch(text):
         number = parse_exact(text)
         yield Change(place, "larger", format_exact(2 * number if number else parse_exact("0x1p-40")))
         yield Change(place, "smaller", format_exact(number / 2 if number else parse_exact("-0x1p-40")))
         return
+    if place[-1] in _NAMES:
+        yield Change(place, "sentence", f"{text}. {_SENTENCE}")
+        yield Change(place, "newline", f"{text}\n")
     choices = {"above": "below", "below": "above", "both": "above", "proved": "not proved"}
     joined = "-" if place[-1] == "system" else " "
     yield Change(place, "other words", choices.get(text, f"{text}{joined}indeed"))
