@@ -146,7 +146,8 @@ def _other_text(text: str, place: Place) -> Iterator[Change]:
     if ball is not None:
         middle, radius = (parse_exact(part) for part in ball.groups())
         yield Change(place, "moved", f"{format_exact(middle + 3 * radius + 1)} +- {format_exact(radius)}")
-        yield Change(place, "narrowed", f"{format_exact(middle + radius / 2)} +- {format_exact(radius / 1024)}")
+        if radius:
+            yield Change(place, "narrowed", f"{format_exact(middle + radius / 2)} +- {format_exact(radius / 1024)}")
         return
     if _EXACT.fullmatch(text) or _DECIMAL.fullmatch(text):
         number = parse_exact(text)
