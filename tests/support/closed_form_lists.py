@@ -110,11 +110,12 @@ def results(system: SkewProduct, atlas: Atlas, split: bool = False, error: float
         middle = Fraction(1, 4) if piece.kind == "symmetric" else Fraction(1, 8)
         low = -middle if piece.kind == "symmetric" else Fraction(-1)
         intervals = [(low, middle), (middle - Fraction(1, 64), Fraction(1))] if split else [(Fraction(-1), Fraction(1))]
-        found += [_result(system, piece, interval, error) for interval in intervals]
+        found += [result(system, piece, interval, error) for interval in intervals]
     return found
 
 
-def _result(system: SkewProduct, piece: Piece, interval: tuple[Fraction, Fraction], error: float) -> dict[str, Any]:
+def result(system: SkewProduct, piece: Piece, interval: tuple[Fraction, Fraction], error: float) -> dict[str, Any]:
+    """What is true of a piece on an interval of s."""
     middle, radius = sum(interval) / 2, (interval[1] - interval[0]) / 2
     # On more than |tau| <= 1, so that the series in tau is known well there.
     beyond = float(REACH)

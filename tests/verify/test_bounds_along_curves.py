@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_poly, ctx
-from support.closed_form_lists import ellipse, line, results
+from support.closed_form_lists import ellipse, line, result, results
 from support.flow_checks import ball
 
 from orbitproof.shared.formats.atlas import Atlas
@@ -305,6 +305,10 @@ def test_a_zero_at_a_joint_is_named_and_beside_it_listed() -> None:
         assert len(work.gaps) == 1 - number
         for gap in work.gaps:
             assert (gap.start, gap.end, gap.subject) == (Fraction(-1, 2), entered, Resonance(4, 1))
+        for point in work.points:
+            # The proof of the piece says that the curve is so far from y = 0 at most.
+            assert point.point["y1"].contains(arb(2.0**-30))
+            assert point.point["y1"].contains(arb(-(2.0**-30)))
     outside = finder(bounded(Fraction(3, 4), 1), Fraction(-1, 2), Fraction(-1, 2), Fraction(1, 2))
     outside.resonances(4, 1)
     assert outside.points == outside.gaps == []
@@ -363,6 +367,22 @@ def test_an_interval_that_the_proof_of_the_curve_does_not_count_gives_no_functio
     assert [gap.subject for gap in gaps] == [Matter.EVERYTHING]
 
 
+def test_functions_of_a_regular_piece_say_nothing_of_the_other_half() -> None:
+    """Of two intervals that are mirror images the left one is known with more digits."""
+    system = line(1, 1, True)
+    atlas = system.atlas(4)
+    halves = [(Fraction(-1), Fraction(1, 8)), (Fraction(-1, 8), Fraction(1))]
+    found = [result(system, piece, half, 1e-7) for piece in atlas.curve_pieces() for half in halves]
+    for number, entry in enumerate(found):
+        entry["computation"] = {"precision": 200 - number % 2}
+    outcome = conclude(atlas, found).outcome
+    assert isinstance(outcome, Proved)
+    for number, stretch in enumerate(outcome.results.chain.stretches):
+        for part in segments_of(number, stretch, found)[0]:
+            stored = found[2 * number + (part.middle > 0)]["stability"]["characteristic"][0]
+            assert part.characteristic[0].polynomial[1] == function_from_json(stored).polynomial[1]
+
+
 def test_variations_across_have_their_parameter() -> None:
     """V = ((2, 3), (5, 8)): V_11 V_22 + V_12 V_21 = 31; mirrored, those of -tau."""
     known = KnownVariations((bounded(2), bounded(3, 1), bounded(5), bounded(8)))
@@ -408,6 +428,15 @@ def test_extrema_with_an_uncertain_value_or_place_are_open() -> None:
         turns, undecided = extrema_on(segment, 0)
         assert len(turns) == number
         assert bool(undecided) is not bool(number)
+
+
+def test_where_extrema_are_open_the_list_says_so() -> None:
+    for error, number in ((Fraction(1, 10**6), 0), (Fraction(1), 1)):
+        work = finder(bounded(-1, 0, 2, error=error), Fraction(-1, 2), Fraction(-1, 2), Fraction(1, 2))
+        work.turns()
+        assert bool(work.open_extrema) is bool(number)
+        assert len(work.extrema) == 1 - number
+        assert all(gap.subject is Matter.EXTREMA for gap in work.open_extrema)
 
 
 # Confirmation
