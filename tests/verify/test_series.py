@@ -301,3 +301,8 @@ def test_a_cut_changes_a_product_by_at_most_a_sixteenth_of_its_rounding() -> Non
         largest = max(largest, Fraction(change, 31 * 2**200))
         assert cuts == 1
     assert Fraction(1, 1000) < largest <= Fraction(1, 16)
+
+
+def test_an_element_that_is_widened_twice_has_both_sizes_for_its_error() -> None:
+    element = Arithmetic(Grading((1,), 1), 60, 0, 2).constant(Fraction(1))
+    assert element.widened(Fraction(1, 4)).widened(Fraction(1, 3)).errors[0] >= Fraction(7, 12)
