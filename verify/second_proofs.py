@@ -88,10 +88,17 @@ class Comparison:
     reason: str
 
 
-def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Comparison:
-    """Whether a second proof says the same as the certificate: kind, k, side, and enclosures that overlap.
+NOT_CONFIRMED = "that the candidate's box holds no other orbits"
+"""What the first proof says besides, and no second proof does: its box is another one."""
+MARGIN = 8
+"""An enclosure narrower by this factor than the stored one has to lie inside it."""
 
-    Section 7 of its chapter. Raises `LookupError` or `ValueError` for a certificate that is not well formed.
+
+def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Comparison:
+    """Whether a second proof says the same as the certificate, value by value. Section 7 of its chapter.
+
+    Kind, k, side; the point, the parameter and the normal form; the point in the box of the candidate. Raises
+    `LookupError` or `ValueError` for a certificate that is not well formed.
     """
     if isinstance(result, NotProved):
         return Comparison("cannot follow", result.reason)
@@ -102,19 +109,57 @@ def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Compa
         return Comparison("disagrees", f"kind or k: {result.kind}, {result.k}")
     if results["side"] != result.side:
         return Comparison("disagrees", f"side: {results['side']} in the certificate, {result.side} here")
+    inside, overlapping, untold = list[str](), list[str](), list[str]()
     with guarded(4096):
-        stored = {f"point.{name}": ball for name, ball in results["point"].items()}
-        stored["parameter"] = results["parameter"]
-        mine = {f"point.{name}": ball for name, ball in result.point.items()} | {"parameter": result.parameter}
-        for field, ball in mine.items():
-            if not ball.overlaps(ball_from_json(stored[field])):
-                return Comparison("disagrees", f"{field}: the enclosures have no common point")
+        stored, mine = _values(results), _values_here(certificate, result)
+        for name, entry in stored.items():
+            if name not in mine:
+                untold.append(name)
+                continue
+            found = _relation(name, mine[name], ball_from_json(entry))
+            if isinstance(found, Comparison):
+                return found
+            (inside if found == "" else overlapping).append(name + found)
         is_inside = _is_in_the_box(claim, list(result.point.values()))
+    if missing := [name for name in mine if name not in stored and not name.startswith("normal_form.")]:
+        return Comparison("disagrees", f"{', '.join(missing)}: not in the certificate")
     if is_inside is None:
         return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
     if not is_inside:
         return Comparison("disagrees", "the point is not in the box of the candidate")
-    return Comparison("agrees", "kind, k, side; point and parameter overlap; the point is in the box of the candidate")
+    parts = ["kind, k, side", "the point in the box of the candidate"]
+    parts += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
+    parts += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
+    return Comparison("agrees", f"{'; '.join(parts)}. Not confirmed: {', '.join([*untold, NOT_CONFIRMED])}")
+
+
+def _values(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Every number among the results of a certificate, by the path at which it stands."""
+    values = {f"{part}.{name}": ball for part in ("point", "normal_form") for name, ball in results[part].items()}
+    return {"parameter": results["parameter"]} | values
+
+
+def _values_here(certificate: Mapping[str, Any], result: Proved) -> dict[str, arb]:
+    """The same of a second proof, as far as they are about the same coordinates."""
+    # h_fp' is a derivative in p_0, and p_0 of a level form is not that of the candidate.
+    foreign = {"h_fp'"} if "level_form" in certificate["statement"] else set()
+    form = {f"normal_form.{name}": ball for name, ball in result.normal_form.items() if name not in foreign}
+    return {"parameter": result.parameter} | {f"point.{name}": ball for name, ball in result.point.items()} | form
+
+
+def _relation(name: str, mine: arb, stored: arb) -> str | Comparison:
+    """Empty if the stored ball contains this one, a remark if they overlap, or why they do not agree."""
+    if not (mine.is_finite() and stored.is_finite()):
+        return Comparison("cannot follow", f"{name}: an enclosure is not finite")
+    if not mine.overlaps(stored):
+        return Comparison("disagrees", f"{name}: the enclosures have no common point")
+    if stored.contains(mine):
+        return ""
+    if arb(mine.rad()) * MARGIN < arb(stored.rad()):
+        return Comparison("cannot follow", f"{name}: the enclosure here is narrower and not inside the stored one")
+    if name.startswith("normal_form.") and mine.contains(0) and not stored.contains(0):
+        return Comparison("cannot follow", f"{name}: its sign is not shown here")
+    return f" (here to {max(0, int(mine.rel_accuracy_bits() * 0.30103))} digits)"
 
 
 def _is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
@@ -139,8 +184,9 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
     result = second_proof(certificate)
     row: Row = {"id": certificate["id"]} | vars(compare(certificate, result))
     if isinstance(result, Proved):
-        row |= {name: getattr(result, name) for name in ("kind", "k", "side", "width", "steps")}
+        row |= {name: getattr(result, name) for name in ("kind", "k", "side", "width", "bits", "steps")}
         row |= {"point": _texts(result.point), "parameter": _text(result.parameter)}
+        row["normal_form"] = _texts(result.normal_form)
         row["hypotheses"] = [{"name": h.name, "enclosures": _texts(h.enclosures)} for h in result.hypotheses]
     return row | {"cpu_seconds": round(time.process_time() - used, 1), "fingerprint": fingerprint(certificate)}
 

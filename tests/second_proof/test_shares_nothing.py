@@ -54,4 +54,4 @@ def test_it_stays_small() -> None:
     assert sum(lines_of_code(source.read_text(encoding="utf-8")) for source in SOURCES) < LIMIT
 
 
-LIMIT = 700
+LIMIT = 780

@@ -49,12 +49,17 @@ class Table:
 
 @dataclass(frozen=True)
 class Conclusion:
-    """Every condition; if all hold, the point in p, the side, and the slope p_0'(p_1) of the branch there."""
+    """Every condition; if all hold, the point in p, the side, the normal form (README, 6.7).
+
+    `slope` is p_0'(p_1) along the branch at the point, `drift` p_1'(p_0) along the family.
+    """
 
     hypotheses: list[Hypothesis]
     point: Vector
     side: str
+    normal_form: dict[str, arb]
     slope: arb
+    drift: arb
 
 
 def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integral: Table, radii: Vector) -> Conclusion:
@@ -112,14 +117,49 @@ def conclude(k: int, breaking: bool, iterates: Sequence[Sequence[Table]], integr
     check("dH/dp_0", not plain.contains(0), value=plain)
     check("h_fp'", not h_fp.contains(0), value=h_fp)
     slope = -(g[1, 1] / 2) / g_0
+    form = {"alpha": crossing / h[0,], "h_fp'": h_fp}
     if k % 2 and k > 1:
         rise, side = h[0,] * slope + h[1,], "both"
         check("h_b'", not rise.contains(0), value=rise)
+        form |= {"beta": rise / (1 - drift * rise / h_fp), "h_b'": rise}
     else:
         numerator = ((g[0, 0, 0] * slope + 3 * g[0, 0, 1]) * slope + 3 * g[0, 1, 1]) * slope + g[1, 1, 1]
         second = -numerator / (3 * (g[0, 1] + g[0, 0] * slope))
         bend = (h[0, 0] * slope + 2 * h[0, 1]) * slope + h[1, 1] + h[0,] * second
         side = "above" if bend > 0 else "below"
         check("h_b''", not bend.contains(0), value=bend, slope=slope)
+        form |= {"beta": bend / 2, "h_b''": bend}
     # x* lies on the branch and on the family, so p_0* = p_0(p_1*) with p_1* in p_1(P_0).
-    return Conclusion(found, [-g_over(family[0]) / g_0, *family], side, slope)
+    return Conclusion(found, [-g_over(family[0]) / g_0, *family], side, form, slope, drift)
+
+
+def conclude_fold(tables: Sequence[Table], integral: Table, radii: Vector) -> Conclusion:
+    """The conditions of a fold, evaluated, for tables of q_1(P), .., q_n(P) on the box. README, section 6.8."""
+    n, none, found = len(radii) - 1, arb(0), list[Hypothesis]()
+    whole, others = [arb(0, r.upper()) for r in radii], [0, 2][:n]
+
+    def check(name: str, condition: bool, **enclosures: arb) -> None:
+        found.append(Hypothesis(name, condition, enclosures))
+
+    slopes = arb_mat([[table.jet(whole)[j,] for j in others] for table in tables])
+    inverse = slopes.inv()
+
+    def over(p1: arb) -> Vector:
+        """The points of the curve over some p_1 in P_1."""
+        values = arb_mat([[-table.jet([none, p1, none][: n + 1])[()]] for table in tables])
+        first, *more = [row[0] for row in (inverse * values).tolist()]
+        return [first, p1, *more]
+
+    def parameter(reach: Vector) -> Jet:
+        """H along the curve, as a function of p_1, at points of the curve in `reach`."""
+        return substitute([integral.jet(reach)], implicit([table.jet(reach) for table in tables], others))[0]
+
+    curve = over(whole[1])
+    is_inside = all(abs(curve[j]) < radii[j] for j in others)
+    check("curve", is_inside, determinant=slopes.det(), **{f"p{j}": curve[j] for j in others})
+    bend, rise = 2 * parameter(whole)[1, 1], parameter(over(none))[1,]
+    p1 = -rise / bend
+    check("extremum", not bend.contains(0) and abs(p1) < radii[1], bend=bend, slope=rise, p1=p1, P1=radii[1])
+    plain = integral.jet(whole)[0,]
+    check("dH/dp_0", not plain.contains(0), value=plain)
+    return Conclusion(found, over(p1), "above" if bend > 0 else "below", {"beta": bend / 2}, none, none)

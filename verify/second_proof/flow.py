@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -67,9 +67,15 @@ def disc(statement: Statement, start: Sequence[arb], guess: arb) -> Disc:
     raise CannotFollow(f"the step shrinks below {LEAST_RADIUS:.0e}: too close to a singularity of the field")
 
 
-def _cut(series: arb_series, low: int, high: int) -> arb_series:
-    """The coefficients from t^low to below t^high; the others are exactly zero."""
-    return arb_series([0] * low + [series[i] for i in range(low, high)], prec=high)
+def _part(series: arb_series, low: int, high: int) -> arb_series:
+    """The coefficients from t^low to below t^high, as a series that begins with the first of them."""
+    return arb_series([series[i] for i in range(low, high)], prec=high - low)
+
+
+def _joined(series: arb_series, more: Iterable[arb]) -> arb_series:
+    """A polynomial, all of whose coefficients are known, and those that follow."""
+    coefficients = [series[i] for i in range(series.prec)] + list(more)
+    return arb_series(coefficients, prec=len(coefficients))
 
 
 def _times(columns: list[list[arb_series]], vector: Sequence[Any]) -> list[arb_series]:
@@ -84,27 +90,30 @@ class Linear(NamedTuple):
     inverse: list[list[arb_series]]
     length: int
 
-    def extended(self, n: int) -> Linear:
-        """The same polynomials, as series below t^n."""
-        matrix, inverse = ([[_cut(x, 0, n) for x in column] for column in m] for m in (self.matrix, self.inverse))
-        return Linear(matrix, inverse, n)
-
     def solve(self, start: Sequence[arb], force: Sequence[Any]) -> list[arb_series]:
         """X with X' = A X + force and X = start at 0: variation of constants."""
         return _times(self.matrix, [x + c.integral() for x, c in zip(start, _times(self.inverse, force), strict=True)])
 
-    def refined(self, rates: Sequence[Jet], n: int) -> Linear:
+    def extended(self, vector: Sequence[arb_series], defects: Sequence[arb_series], n: int) -> list[arb_series]:
+        """What is right below t^length, made right below t^n, n at most twice that; `defects` from t^(length - 1)."""
+        h = self.length
+        inner = _times(self.inverse, [_part(d, h - 1, n - 1) for d in defects])
+        change = _times(self.matrix, [arb_series([c[i] / (h + i) for i in range(n - h)], prec=n - h) for c in inner])
+        return [_joined(x, (d[i] for i in range(n - h))) for x, d in zip(vector, change, strict=True)]
+
+    def refined(self, rates: Sequence[Jet], n: int, with_inverse: bool) -> Linear:
         """The same below t^n, n at most twice the length; the coefficients of v_j in `rates` are column j of A."""
-        h, old, rest = self.length, self.extended(n), [rate.varying().items() for rate in rates]
-        matrix, inverse = [], []
-        for column in old.matrix:
-            lines = zip(rest, column, strict=True)
-            sums = [sum((c * column[k] for (k,), c in row), -x.derivative()) for row, x in lines]
-            change = old.solve([arb(0)] * len(rates), [_cut(defect, h - 1, n - 1) for defect in sums])
-            matrix.append([x + d for x, d in zip(column, change, strict=True)])
-        for j, column in enumerate(old.inverse):
-            gap = [_cut(int(i == j) - x, h, n) for i, x in enumerate(_times(matrix, column))]
-            inverse.append([x + d for x, d in zip(column, _times(old.inverse, gap), strict=True)])
+        h, rest, matrix, inverse = self.length, [rate.varying().items() for rate in rates], [], []
+        for column in self.matrix:
+            padded = [_joined(x, [arb(0)] * (n - h)) for x in column]
+            sums = [
+                sum((c * padded[k] for (k,), c in row), -x.derivative()) for row, x in zip(rest, padded, strict=True)
+            ]
+            matrix.append(self.extended(column, sums, n))
+        for column in self.inverse if with_inverse else ():
+            product = _times(matrix, [_joined(x, [arb(0)] * (n - h)) for x in column])
+            change = _times(self.inverse, [-_part(x, h, n) for x in product])
+            inverse.append([_joined(x, (d[i] for i in range(n - h))) for x, d in zip(column, change, strict=True)])
         return Linear(matrix, inverse, n)
 
 
@@ -116,19 +125,19 @@ def expand(statement: Statement, state: Sequence[Jet], length: int) -> list[Jet]
     linear = Linear(one, one, 1)
     while True:
         more = min(2 * n, length)
-        base = [_cut(x, 0, more) for x in base]
-        field = statement.velocity([Jet({(): x, (i,): arb(1)}, 1) for i, x in enumerate(base)])
-        linear = linear.refined(field, n) if n > 1 else linear
+        padded = [_joined(x, [arb(0)] * (more - n)) for x in base]
+        field = statement.velocity([Jet({(): x, (i,): arb(1)}, 1) for i, x in enumerate(padded)])
+        linear = linear.refined(field, n, degree > 1 or n < length) if n > 1 else linear
         if n == length:
             break
-        defect = [_cut(f[()] - x.derivative(), n - 1, more - 1) for f, x in zip(field, base, strict=True)]
-        change = linear.extended(more).solve([arb(0)] * m, defect)
-        base, n = [x + d for x, d in zip(base, change, strict=True)], more
+        defects = [f[()] - x.derivative() for f, x in zip(field, padded, strict=True)]
+        base, n = linear.extended(base, defects, more), more
     result = [Jet({(): x}, degree) for x in base]
     for order in range(1, degree + 1):
-        forces = statement.velocity([Jet(jet, order) for jet in result]) if order > 1 else [Jet({}, 1)] * m
+        forces = statement.velocity([Jet(jet, order) for jet in result]) if order > 1 else []
         for a in sorted({a for jet in (*forces, *state) for a in jet if len(a) == order}):
-            column = linear.solve([jet[a] for jet in state], [f[a] for f in forces])
+            begin = [jet[a] for jet in state]
+            column = linear.solve(begin, [f[a] for f in forces]) if forces else _times(linear.matrix, begin)
             for jet, c in zip(result, column, strict=True):
                 jet[a] = c
     return result

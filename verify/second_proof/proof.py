@@ -8,12 +8,23 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from .conditions import Conclusion, Hypothesis, Table, Vector, conclude
+from .conditions import Conclusion, Hypothesis, Table, Vector, conclude, conclude_fold
 from .crossing import follow
 from .jets import CannotFollow, Jet, ball, combine, implicit, precision, substitute
 from .statement import Statement, read_statement
 
-WIDTHS, NEWTON_STEPS = (96, 160, 200, 72, 400), 8
+PRECISIONS, NEWTON_STEPS = (96, 72, 120, 144, 168, 200, 400), 8
+"""Bits of the integration on D, tried one after the other: D is 2^-(bits - ROOM) in radius."""
+ROOM, SPARE, CERTAIN = 24, 56, 16
+"""Bits: above D; of the integration from the centre beyond twice those on D; known of derivatives on D at least."""
+
+
+class TooWide(CannotFollow):
+    """Derivatives on D are enclosed too widely; D has to be narrower by so many `bits`."""
+
+    def __init__(self, bits: int) -> None:
+        super().__init__(f"the derivatives of P on D are too wide by {bits} bits")
+        self.bits = bits
 
 
 @dataclass(frozen=True)
@@ -25,7 +36,8 @@ class Proved:
         point: enclosures of the coordinates of Fix(R), by name, the family parameter among them if there is one.
         parameter: enclosure of the family parameter or of the first integral.
         hypotheses: every inequality with its enclosures.
-        width, steps: R_1 = 2^-width, the time steps of all integrations.
+        normal_form: coefficients in the coordinates of the claim, by the names that certificates use. README, 6.7.
+        width, bits, steps: R_1 = 2^-width, the precision on D, the time steps of all integrations.
     """
 
     kind: str
@@ -34,7 +46,9 @@ class Proved:
     point: dict[str, arb]
     parameter: arb
     hypotheses: tuple[Hypothesis, ...]
+    normal_form: dict[str, arb]
     width: int
+    bits: int
     steps: int
 
 
@@ -98,18 +112,21 @@ def second_proof(certificate: Mapping[str, Any]) -> Proved | NotProved:
 
     Raises `BadCertificate` for a certificate that cannot be read; whatever else goes wrong is a `NotProved`.
     """
-    reasons = []
+    reasons, least = [], 0
     try:
         statement = read_statement(certificate)
         statement.check()
     except CannotFollow as error:
         return NotProved(str(error))
-    for width in WIDTHS:
+    for bits in PRECISIONS:
+        if bits < least:
+            continue
         try:
-            with precision(2 * width + 16):
-                return _Proof(statement, width).conclusion()
+            with precision(2 * bits + SPARE):
+                return _Proof(statement, bits).conclusion()
         except (CannotFollow, ArithmeticError, ValueError, TypeError, MemoryError) as error:
-            reasons.append(f"{type(error).__name__}: {error} (R_1 = 2^-{width})")
+            reasons.append(f"{type(error).__name__}: {error} ({bits} bits)")
+            least = bits + error.bits if isinstance(error, TooWide) else least
     return NotProved("; ".join(reasons))
 
 
@@ -118,13 +135,13 @@ def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
 
 
 class _Proof:
-    """One attempt, with R_1 = 2^-width: frames, box, and what has been integrated."""
+    """One attempt, with so many bits on D: frames, centre, and what has been integrated."""
 
-    def __init__(self, statement: Statement, width: int) -> None:
-        self.statement, self.width, self.steps, self.size = statement, width, 0, len(statement.fixed)
-        self.columns = [[ball(c).mid() for c in column] for column in zip(*statement.frame, strict=True)]
-        self.rows = [[ball(c).mid() for c in row] for row in statement.kernel_frame]
-        self.centre = [ball(c).mid() for c in statement.centre]
+    def __init__(self, statement: Statement, bits: int) -> None:
+        self.statement, self.bits, self.steps, self.size = statement, bits, 0, len(statement.fixed)
+        self.columns = [[ball(c) for c in column] for column in zip(*statement.frame, strict=True)]
+        self.rows = [[ball(c) for c in row] for row in statement.kernel_frame]
+        self.centre, self.tilt = [ball(c).mid() for c in statement.centre], arb(0)
         self.breaking = statement.kind == "symmetry_breaking"
 
     def state_of(self, values: Sequence[Any], other: Any) -> list[Any]:
@@ -164,26 +181,40 @@ class _Proof:
         at, level = self.iterates(poincare, [arb(0)] * self.size)
         over, around = self.iterates(poincare, [arb(0, r) for r in radii]) if any(radii) else (at, level)
         tables = [[Table(*pair, 2) for pair in zip(*rows, strict=True)] for rows in zip(at, over, strict=True)]
+        if self.statement.kind == "fold":
+            return conclude_fold(tables[0], Table(level, around, 2), radii)
         return conclude(self.statement.k, self.breaking, tables, Table(level, around, 2), radii)
 
-    def refined(self) -> PoincareMap:
-        """P about the bifurcation point, to which the centre is moved. README, section 6.5."""
-        wide, small = arb(2) ** -(2 * self.width // 3), arb(2) ** -(self.width + 20)
+    def on_box(self, wide: arb) -> list[Jet]:
+        """Jets of P on D. Raises `TooWide` if too little is known about some order of derivatives."""
+        box = self.integrate(arb(0, wide), 3, self.bits)
+        for order in (1, 2, 3):
+            known = [c for jet in box for a, c in jet.items() if len(a) == order]
+            lost = max(arb(c.rad()) for c in known) / max(c.abs_upper() for c in known)
+            if not lost < arb(2) ** -CERTAIN:
+                raise TooWide(int(min(float(lost.log() / arb(2).log()), 999.0)) + CERTAIN + 1)
+        return box
+
+    def refined(self) -> tuple[PoincareMap, int]:
+        """P about the bifurcation point, to which the centre is moved, and the width of the box. README, 6.5."""
+        wide, small = arb(2) ** (ROOM - self.bits), arb(2) ** -(self.bits + 8)
         middle: Vector = []
         for _ in range(NEWTON_STEPS):
             if not middle or any(abs(c - m) > wide / 4 for c, m in zip(self.centre, middle, strict=True)):
-                middle, box = self.centre, self.integrate(arb(0, wide), 3, 2 * self.width // 3 + 24)
-            thin = self.integrate(arb(0), 1, 2 * self.width + 16)
+                middle, box = self.centre, self.on_box(wide)
+            thin = self.integrate(arb(0), 1, 2 * self.bits + SPARE)
             tables = [Table(at, around, 1) for at, around in zip(thin, box, strict=True)]
             near, point = (self.state_of(values, arb(0)) for values in (middle, self.centre))
             poincare = PoincareMap(self.statement.reversing, self.statement.section, near, wide, point, tables)
             found = self.evaluated(poincare, [arb(0)] * self.size)
-            if not self.breaking:
-                pairs = zip(self.columns[1], self.columns[0], strict=True)
-                self.columns[1] = [(b + found.slope * a).mid() for b, a in pairs]
+            if self.statement.k > 1:
+                tilt = found.slope.mid()
+                self.tilt += tilt
+                self.columns[1] = [b + tilt * a for b, a in zip(self.columns[1], self.columns[0], strict=True)]
             moves = [move.mid() for move in self.across(found.point)]
             if max(abs(move) for move in moves) < small:
-                return poincare
+                off = max(p.abs_upper() for p in found.point)
+                return poincare, min(2 * self.bits, int(-float(off.log() / arb(2).log())) - 8) if off else 2 * self.bits
             if not max(abs(move) for move in moves) < arb(2) ** -10:
                 break
             self.centre = [(c + move).mid() for c, move in zip(self.centre, moves, strict=True)]
@@ -200,10 +231,11 @@ class _Proof:
 
     def conclusion(self) -> Proved:
         """The proof. Raises `CannotFollow` if a condition does not hold."""
-        statement, poincare = self.statement, self.refined()
+        statement = self.statement
+        poincare, width = self.refined()
         if self.breaking:
             self.check_adapted()
-        radii = [arb(2) ** -(self.width + (0 if j == 1 else 4)) for j in range(self.size)]
+        radii = [arb(2) ** -(width + (0 if j == 1 else 4)) for j in range(self.size)]
         regular = {"p": arb_mat(self.columns).det(), "q": arb_mat(self.rows).det()}
         found = self.evaluated(poincare, radii)
         hypotheses = (
@@ -216,4 +248,8 @@ class _Proof:
         values = [c + moved for c, moved in zip(self.centre, self.across(found.point), strict=True)]
         point = {statement.state[i]: x for i, x in zip(statement.fixed, values, strict=True)}
         level = statement.level([Jet({(): x}, 0) for x in self.state_of(values, arb(0))])[()]
-        return Proved(statement.kind, statement.k, found.side, point, level, hypotheses, self.width, self.steps)
+        form = dict(found.normal_form)
+        if "h_fp'" in form:
+            form["h_fp'"] = form["h_fp'"] / (1 + self.tilt * found.drift)
+        where = statement.kind, statement.k, found.side, point, level
+        return Proved(*where, hypotheses, form, width, self.bits, self.steps)

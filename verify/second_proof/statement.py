@@ -159,7 +159,12 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     """The statement of one certificate. Raises `BadCertificate`, and `CannotFollow` for one of another form."""
     claim, words = "statement.candidate", read(certificate, "statement", dict)
     k, kind = read(certificate, f"{claim}.k", operator.index), read(certificate, f"{claim}.kind", str)
-    if not {"symmetry_breaking": k == 1, "period_tupling": k % 2 == 0, "touch_and_go": k % 2 == 1 < k}.get(kind):
+    if not {
+        "symmetry_breaking": k == 1,
+        "fold": k == 1,
+        "period_tupling": k % 2 == 0,
+        "touch_and_go": k % 2 == 1 < k,
+    }.get(kind):
         raise CannotFollow(f"no theorem that is used here is about {kind} with k = {k}")
     crossings = read(certificate, claim, lambda c: operator.index(c.get("crossings", 1)))
     if not (0 < k <= 100 and 0 < crossings <= 100):
