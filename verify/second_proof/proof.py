@@ -15,15 +15,15 @@ from .statement import Statement, read_statement
 
 PRECISIONS, NEWTON_STEPS = (96, 72, 120, 144, 168, 200, 400), 8
 """Bits of the integration on D, tried one after the other: D is 2^-(bits - ROOM) in radius."""
-ROOM, SPARE, CERTAIN = 24, 56, 16
+ROOM, SPARE, CERTAIN = 24, 56, 32
 """Bits: above D; of the integration from the centre beyond twice those on D; known of derivatives on D at least."""
 
 
 class TooWide(CannotFollow):
-    """Derivatives on D are enclosed too widely; D has to be narrower by so many `bits`."""
+    """Derivatives on D are enclosed too widely: it takes so many more `bits`, or more."""
 
-    def __init__(self, bits: int) -> None:
-        super().__init__(f"the derivatives of P on D are too wide by {bits} bits")
+    def __init__(self, message: str, bits: int) -> None:
+        super().__init__(message)
         self.bits = bits
 
 
@@ -187,12 +187,13 @@ class _Proof:
 
     def on_box(self, wide: arb) -> list[Jet]:
         """Jets of P on D. Raises `TooWide` if too little is known about some order of derivatives."""
-        box = self.integrate(arb(0, wide), 3, self.bits)
+        box, certain = self.integrate(arb(0, wide), 3, self.bits), min(CERTAIN, self.bits - 64)
         for order in (1, 2, 3):
             known = [c for jet in box for a, c in jet.items() if len(a) == order]
             lost = max(arb(c.rad()) for c in known) / max(c.abs_upper() for c in known)
-            if not lost < arb(2) ** -CERTAIN:
-                raise TooWide(int(min(float(lost.log() / arb(2).log()), 999.0)) + CERTAIN + 1)
+            if not lost < arb(2) ** -certain:
+                missing = int(min(float(lost.log() / arb(2).log()), 999.0)) + certain + 1
+                raise TooWide(f"the derivatives of P on D are too wide by {missing} bits", missing)
         return box
 
     def refined(self) -> tuple[PoincareMap, int]:
@@ -214,7 +215,8 @@ class _Proof:
             moves = [move.mid() for move in self.across(found.point)]
             if max(abs(move) for move in moves) < small:
                 off = max(p.abs_upper() for p in found.point)
-                return poincare, min(2 * self.bits, int(-float(off.log() / arb(2).log())) - 8) if off else 2 * self.bits
+                reach = max(off, arb(2) ** (-2 * self.bits))
+                return poincare, int(-float(reach.log() / arb(2).log())) - 8
             if not max(abs(move) for move in moves) < arb(2) ** -10:
                 break
             self.centre = [(c + move).mid() for c, move in zip(self.centre, moves, strict=True)]
@@ -244,7 +246,7 @@ class _Proof:
         )
         for failed in (h for h in hypotheses if not h.holds):
             shown = ", ".join(f"{name} = {value.str(6)}" for name, value in failed.enclosures.items())
-            raise CannotFollow(f"{failed.name} is not shown: {shown}")
+            raise TooWide(f"{failed.name} is not shown: {shown}", 1)
         values = [c + moved for c, moved in zip(self.centre, self.across(found.point), strict=True)]
         point = {statement.state[i]: x for i, x in zip(statement.fixed, values, strict=True)}
         level = statement.level([Jet({(): x}, 0) for x in self.state_of(values, arb(0))])[()]
