@@ -112,6 +112,8 @@ def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Compa
     inside, overlapping, untold = list[str](), list[str](), list[str]()
     with guarded(4096):
         stored, mine = _values(results), _values_here(certificate, result)
+        for name in sorted(name for name in {*stored} ^ {*mine} if not name.startswith("normal_form.")):
+            return Comparison("disagrees", f"{name}: is here or in the certificate, and not in both")
         for name, entry in stored.items():
             if name not in mine:
                 untold.append(name)
@@ -121,8 +123,6 @@ def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Compa
                 return found
             (inside if found == "" else overlapping).append(name + found)
         is_inside = _is_in_the_box(claim, list(result.point.values()))
-    if missing := [name for name in mine if name not in stored and not name.startswith("normal_form.")]:
-        return Comparison("disagrees", f"{', '.join(missing)}: not in the certificate")
     if is_inside is None:
         return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
     if not is_inside:

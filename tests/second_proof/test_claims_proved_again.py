@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
-from flint import ctx
+from flint import arb, ctx
 
+from orbitproof.shared.numbers import format_dyadic
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.evidence import exact_value
 from orbitproof.verify.second_proof import NotProved, Proved, second_proof
 from orbitproof.verify.second_proof.statement import BadCertificate, exact
 from orbitproof.verify.second_proofs import compare
@@ -40,7 +45,12 @@ def test_period_doubling_is_proved_and_agrees(proved: Proved) -> None:
     assert (proved.kind, proved.k, proved.side) == ("period_tupling", 2, "below")
     assert proved.parameter.rad() < 1e-30
     assert {"family", "regular-1", "HC3", "HC4", "h_b''"} <= {h.name for h in proved.hypotheses}
-    assert compare(CERTIFICATES[DOUBLING], proved).verdict == "agrees"
+    found = compare(CERTIFICATES[DOUBLING], proved)
+    assert found.verdict == "agrees"
+    said, unsaid = found.reason.split("Not confirmed: ")
+    assert "inside the stored balls: parameter, point.beta, point.y" in said
+    assert re.search(r"overlapping: normal_form.alpha \(here to \d+ digits\), normal_form.beta", said)
+    assert unsaid == "that the candidate's box holds no other orbits"
 
 
 def shift(number: str, by: Fraction) -> str:
@@ -67,14 +77,118 @@ DIFFERENCES = {
     "parameter": move_parameter,
     "box": move_box,
     "kind": lambda c: c["statement"]["candidate"].update(k=4),
+    "point.y": lambda c: move_by_radii(c["results"]["point"]["y"], 3),
+    "parameter:": lambda c: move_by_radii(c["results"]["parameter"], -3),
+    "alpha": lambda c: turn(c["results"]["normal_form"]["alpha"]),
+    "beta": lambda c: double(c["results"]["normal_form"]["beta"]),
+    "normal_form.beta": lambda c: stretch(c["results"]["normal_form"]["beta"], Fraction(1, 10**10)),
+    "point.x": lambda c: c["results"]["point"].update(x=c["results"]["point"]["y"]),
+    "point.beta": lambda c: c["results"]["point"].pop("beta"),
 }
+
+
+def move_by_radii(entry: dict[str, str], number: int) -> None:
+    entry["mid"] = shift(entry["mid"], number * exact(entry["rad"]))
+
+
+def turn(entry: dict[str, str]) -> None:
+    entry["mid"] = shift(entry["mid"], -2 * exact(entry["mid"]))
+
+
+def double(entry: dict[str, str]) -> None:
+    entry["mid"] = shift(entry["mid"], exact(entry["mid"]))
+
+
+def stretch(entry: dict[str, str], by: Fraction) -> None:
+    """As a rounded factor of the derivatives would."""
+    bits = round(exact(entry["mid"]) * by * 2**200)
+    entry["mid"] = shift(entry["mid"], Fraction(bits, 2**200))
+
+
+def narrow(c: dict[str, Any], part: str, name: str) -> None:
+    """A ball that is too narrow by far: a thousandth of the radius, about another of its points."""
+    entry = c["results"][part][name]
+    move_by_radii(entry, 1)
+    entry["rad"] = f"0x1p-{(1000 / exact(entry['rad'])).__ceil__().bit_length()}"
+
+
+@pytest.mark.parametrize("name", ["beta", "y"])
+def test_a_ball_that_is_too_narrow_disagrees(name: str, proved: Proved) -> None:
+    found = compare(changed(DOUBLING, lambda c: narrow(c, "point", name)), proved)
+    assert found.verdict == "disagrees"
+    assert f"point.{name}" in found.reason
+
+
+def test_a_ball_that_is_not_confirmed_is_no_agreement(proved: Proved) -> None:
+    """Its edge lies in the enclosure of the second proof, which is far narrower: nothing contradicts it."""
+
+    def edge(c: dict[str, Any]) -> None:
+        entry = c["results"]["point"]["y"]
+        with ctx.workprec(1000):
+            entry["mid"] = format_dyadic(exact_value(proved.point["y"].mid()) + exact(entry["rad"]))
+
+    found = compare(changed(DOUBLING, edge), proved)
+    assert found.verdict == "cannot follow"
+    assert "not inside" in found.reason
+
+
+def test_what_is_not_compared_is_named(proved: Proved) -> None:
+    def more(c: dict[str, Any]) -> None:
+        c["results"]["normal_form"]["gamma"] = c["results"]["normal_form"]["beta"]
+
+    found = compare(changed(DOUBLING, more), proved)
+    assert found.verdict == "agrees"
+    assert "Not confirmed: normal_form.gamma, that" in found.reason
+    slope = {"h_fp'": {"mid": "0x2p+0", "rad": "0x0p+0"}}
+    certificate = changed(DOUBLING, lambda c: c["results"]["normal_form"].update(slope))
+    assert compare(certificate, proved).verdict == "disagrees"
+    # p_0 of a level form is another coordinate.
+    certificate["statement"]["level_form"] = {}
+    assert "Not confirmed: normal_form.h_fp'" in compare(certificate, proved).reason
+
+
+def test_signs_have_to_be_shown(proved: Proved) -> None:
+    wide = replace(proved, normal_form=proved.normal_form | {"beta": arb(0, 10**6)})
+    found = compare(CERTIFICATES[DOUBLING], wide)
+    assert found.verdict == "cannot follow"
+    assert "sign" in found.reason
+    nothing = replace(proved, normal_form=proved.normal_form | {"beta": arb("nan")})
+    assert "not finite" in compare(CERTIFICATES[DOUBLING], nothing).reason
+
+
+@pytest.fixture(scope="module")
+def fold(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Proved]:
+    """The fold of Michelson's equation, proved by both."""
+    path = tmp_path_factory.mktemp("fold") / "certificates.json"
+    words = [str(FILE.with_name("known-folds.json")), "--only", "michelson-family-fold-1", "-o", str(path), "--quiet"]
+    assert main(words) == 0
+    certificate = json.loads(path.read_text(encoding="utf-8"))["certificates"][0]
+    result = second_proof(certificate)
+    assert isinstance(result, Proved), str(result)
+    return certificate, result
+
+
+def test_a_fold_is_proved_and_agrees(fold: tuple[dict[str, Any], Proved]) -> None:
+    certificate, result = fold
+    assert (result.kind, result.k, result.side) == ("fold", 1, "below")
+    assert {h.name for h in result.hypotheses} == {"frames", "curve", "extremum", "dH/dp_0"}
+    assert compare(certificate, result).verdict == "agrees"
+    for change in (
+        lambda c: c["results"].update(side="above"),
+        lambda c: turn(c["results"]["normal_form"]["beta"]),
+        lambda c: move_by_radii(c["results"]["parameter"], 3),
+        lambda c: narrow(c, "point", "y"),
+    ):
+        other = copy.deepcopy(certificate)
+        change(other)
+        assert compare(other, result).verdict == "disagrees"
 
 
 @pytest.mark.parametrize("what", DIFFERENCES)
 def test_difference_is_reported(what: str, proved: Proved) -> None:
     found = compare(changed(DOUBLING, DIFFERENCES[what]), proved)
     assert found.verdict == "disagrees"
-    assert what in found.reason
+    assert what.rstrip(":") in found.reason
 
 
 def test_enclosure_wider_than_the_box_is_no_difference(proved: Proved) -> None:
@@ -104,7 +218,7 @@ def claim(**values: Any) -> Callable[[dict[str, Any]], None]:
 
 
 def test_kinds_without_a_theorem_are_refused() -> None:
-    for values in ({"k": 3}, {"kind": "touch_and_go"}, {"kind": "symmetry_breaking"}, {"kind": "fold", "k": 1}):
+    for values in ({"k": 3}, {"kind": "touch_and_go"}, {"kind": "symmetry_breaking"}, {"kind": "fold"}):
         assert "theorem" in refuse(changed(DOUBLING, claim(**values)))
 
 

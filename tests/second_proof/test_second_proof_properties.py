@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import closed_forms
+import property_checks
 import pytest
-from property_checks import CHECKS, flow_encloses_exact_solutions
 
 from orbitproof.verify import second_proof
+
+CHECKS = closed_forms.CHECKS | property_checks.CHECKS
 
 
 @pytest.mark.parametrize("name", CHECKS)
@@ -13,5 +16,6 @@ def test_property(name: str) -> None:
     CHECKS[name](second_proof)
 
 
+@pytest.mark.slow
 def test_flow_encloses_thousands_of_random_points() -> None:
-    flow_encloses_exact_solutions(second_proof, points=1500)
+    property_checks.flow_encloses_exact_solutions(second_proof, points=1500)
