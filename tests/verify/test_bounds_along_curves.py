@@ -44,9 +44,9 @@ from orbitproof.verify.stability.complete_list import Finder
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance
-from orbitproof.verify.stability.linear_stability import stable_intervals
+from orbitproof.verify.stability.linear_stability import is_stable, stable_intervals
 from orbitproof.verify.stability.matrix import SHARE, _minors, _stability_matrix
-from orbitproof.verify.stability.places import CompleteList, Gap, Segment
+from orbitproof.verify.stability.places import CompleteList, Gap, Segment, shortened
 from orbitproof.verify.stability.segments import segments_of
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 
@@ -339,6 +339,20 @@ def test_segments_follow_each_other_from_beginning_to_end(name: str) -> None:
         assert (gap.start, gap.end, gap.subject) == (stretch.enters, stretch.leaves, Matter.EVERYTHING)
 
 
+def test_a_symmetric_loop_begins_and_ends_at_symmetric_points() -> None:
+    first, *others, last = segments("loop")
+    assert (first.meets_symmetric_point, last.meets_symmetric_point) == (-1, 1)
+    assert not any(part.meets_symmetric_point for part in others)
+
+
+def test_the_ends_of_a_gap_are_written_outward() -> None:
+    third = Fraction(1, 3)
+    assert 0 < third - shortened(third, -1) < Fraction(1, 2**59)
+    assert 0 < shortened(third, 1) - third < Fraction(1, 2**59)
+    assert shortened(-third, -1) < -third < shortened(-third, 1)
+    assert shortened(Fraction(3, 8), 1) == shortened(Fraction(3, 8), -1) == Fraction(3, 8)
+
+
 def test_functions_of_the_other_half_of_a_symmetric_piece_are_mirrored() -> None:
     """At the end of a symmetric loop s < 0 is used; Sigma, level and time agree with those of the other side."""
     _, found, chain = proved("loop")
@@ -408,12 +422,17 @@ def test_stability_is_not_decided_across_a_gap(subject: Any) -> None:
     assert [(entry.begin.lower, entry.end.upper) for entry in unknown] == [(Fraction(-1, 8), Fraction(1, 8))]
 
 
-@pytest.mark.parametrize(("trace", "product", "stable"), [(0, Fraction(-1, 4), True), (3, Fraction(9, 4) - 1, False)])
+@pytest.mark.parametrize(("trace", "product", "stable"), [(0, Fraction(-1, 4), True), (3, Fraction(35, 16), False)])
 def test_two_parameters_beyond_one_are_not_stable(trace: Any, product: Any, stable: bool) -> None:
     _, _, chain = proved("line")
     parts = [replace(s, characteristic=(bounded(trace), bounded(product))) for s in segments("line")]
     found, unknown = stable_intervals(chain, CompleteList(4, 2, (), (), tuple(parts)), False)
     assert (len(found), unknown) == (int(stable), [])
+
+
+def test_orbits_of_which_nothing_is_known_are_neither_stable_nor_unstable() -> None:
+    segment = replace(segments("line")[0], characteristic=(bounded(0, error=2),))
+    assert is_stable(segment, arb(0)) is None
 
 
 # Extrema
