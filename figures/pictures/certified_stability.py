@@ -61,7 +61,7 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
         _mark(lower, x_at, point.half_period if axis.is_parameter else point.level, point)
     values = np.concatenate([part.parameters.ravel() for part in found.parts])
     if not (np.abs(values) <= _SHOWN).any():
-        text = f"outside of this panel: real parts from {values.real.min():.4g} to {values.real.max():.4g}"
+        text = f"outside of this panel: real parts from about {values.real.min():.4g} to {values.real.max():.4g}"
         upper.text(0.5, 0.6, text, transform=upper.transAxes, ha="center", color=INK)
     if axis.is_logarithmic:
         upper.set_xscale("log")
