@@ -11,12 +11,15 @@ from itertools import pairwise
 from math import cos, pi
 from typing import Any
 
+import numpy as np
 import pytest
 from flint import arb, arb_poly, ctx
+from scipy.integrate import solve_ivp
 from support.closed_form_lists import ellipse, line, result, results
 from support.flow_checks import ball
 
 from orbitproof.shared.formats.atlas import Atlas
+from orbitproof.shared.systems.system import ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Series
 from orbitproof.verify.algebra.wide import WideArithmetic
@@ -38,14 +41,14 @@ from orbitproof.verify.functions.functions import (
     restricted,
     slope,
 )
-from orbitproof.verify.out_of_plane.out_of_plane import KnownVariations
+from orbitproof.verify.out_of_plane.out_of_plane import KnownVariations, variations_across
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.complete_list import Finder
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance
 from orbitproof.verify.stability.linear_stability import is_stable, stable_intervals
-from orbitproof.verify.stability.matrix import SHARE, _minors, _stability_matrix
+from orbitproof.verify.stability.matrix import SHARE, OtherPoint, _minors, _stability_matrix
 from orbitproof.verify.stability.places import CompleteList, Gap, Segment, shortened
 from orbitproof.verify.stability.segments import segments_of
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
@@ -395,6 +398,46 @@ def test_functions_of_a_regular_piece_say_nothing_of_the_other_half() -> None:
         for part in segments_of(number, stretch, found)[0]:
             stored = found[2 * number + (part.middle > 0)]["stability"]["characteristic"][0]
             assert part.characteristic[0].polynomial[1] == function_from_json(stored).polynomial[1]
+
+
+def test_the_second_integration_begins_with_the_error_of_its_points() -> None:
+    error = Fraction(1, 2**20)
+    other = OtherPoint.of([element(1, 3, error=error), element(2, -1)])
+    first, second = other.tube(TUBE, ("a", "b"), [Fraction(1, 2**10)]).values()
+    assert first.errors[0] >= error > second.errors[0]
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_variations_across_hold_those_of_all_initial_values(side: int) -> None:
+    """x'' = -x from 1 + e to -1 - e, and w'' = -x^2 w with unknown |e| <= 1/1024."""
+    system = ReversibleSystem(
+        name="oscillator across",
+        title="an oscillator",
+        state=("x", "v"),
+        parameters={},
+        vector_field=lambda state, _: (state[1], -state[0]),
+        reversing_symmetry=(1, -1),
+        section="v",
+        first_integral=lambda state, _: (state[0] * state[0] + state[1] * state[1],),
+        stiffness_across=lambda state, _: (state[0] * state[0],),
+    )
+    flow = WideArithmetic(Grading((1,), 0), 60, 0, 16, width=4)
+    found = variations_across(system, flow, {"x": element(1, error=Fraction(1, 1024))}, SHARE, 1)
+    assert isinstance(found, tuple)
+    start = 1 + side / 1024
+    true = solve_ivp(
+        lambda t, w: [w[1], -((start * np.cos(t)) ** 2) * w[0], w[3], -((start * np.cos(t)) ** 2) * w[2]],
+        (0, np.pi),
+        [1, 0, 0, 1],
+        "DOP853",
+        rtol=1e-12,
+        atol=1e-12,
+    ).y[:, -1]
+    for entry, value in zip(found, true[[0, 2, 1, 3]], strict=True):
+        enclosure = function_from_json(function_to_json(entry))
+        assert (BoundedFunction(enclosure.polynomial, enclosure.error / 2).value(arb(0)) + arb(0, 1e-9)).contains(
+            arb(float(value))
+        )
 
 
 def test_variations_across_have_their_parameter() -> None:
