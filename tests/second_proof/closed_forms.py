@@ -351,6 +351,12 @@ def certificate(kind: str, k: int, centre: list[str], frame: list[list[str]], ro
 def prove(package: ModuleType, words: dict[str, Any], kick: Any) -> Any:
     """The second proof with a map of a closed form in place of the flow: half a kick, a drift, half a kick."""
     proof = module(package, "proof")
+    with replaced(proof, "follow", closed(kick)):
+        return proof.second_proof(words)
+
+
+def closed(kick: Any) -> Any:
+    """What takes the place of `crossing.follow`."""
 
     def follow(statement: Any, start: list[Any], bits: int) -> Any:
         section, *moving, nu = start
@@ -361,8 +367,7 @@ def prove(package: ModuleType, words: dict[str, Any], kick: Any) -> Any:
         y = [a + f for a, f in zip(y, kick(x, nu), strict=True)]
         return [section, *x, *y, nu], arb(1), 1
 
-    with replaced(proof, "follow", follow):
-        return proof.second_proof(words)
+    return follow
 
 
 PLACE = {"nu": F(1, 7), "x": F(-2, 3), "u": F(5, 11)}
@@ -505,6 +510,54 @@ def false_claims_about_closed_maps(package: ModuleType) -> None:
         assert found.reason
 
 
+def each_condition_fails_by_its_name(package: ModuleType) -> None:
+    """Where another condition fails as well, the one that is about it has to fail by itself."""
+    radii = [F(1, 1000), F(1, 100)]
+
+    def failing(k: int, first: Any, last: Any, level: Any) -> set[str]:
+        with module(package, "jets").precision(128):
+            found = module(package, "conditions").conclude(*claim(package, k, [first], [last], level, radii))
+        return {h.name for h in found.hypotheses if not h.holds}
+
+    plain, touching = {(0, 1): F(2)}, {(1, 1): F(1), (0, 2): F(-1, 40)}
+    assert failing(3, plain, touching, {(1, 0): F(1)}) == set()
+    # The branch p_0 = p_1/2 leaves P_0 within P_1.
+    assert failing(3, plain, {(1, 1): F(1), (0, 2): F(-1, 2)}, {(1, 0): F(1)}) == {"HC3"}
+    # G = (p_1 - p_0) (p_0 - p_1): family and branch are tangent.
+    tangent = {(1, 1): F(2), (0, 2): F(-1), (2, 0): F(-1)}
+    assert "HC4" in failing(3, {(0, 1): F(1), (1, 0): F(-1)}, tangent, {(1, 0): F(1)})
+    assert "dH/dp_0" in failing(3, {(0, 1): F(1), (1, 0): F(-1)}, tangent, {(0, 1): F(1)})
+    # H = p_0 - p_1 on the family p_1 = p_0.
+    assert "h_fp'" in failing(3, {(0, 1): F(1), (1, 0): F(-1)}, touching, {(1, 0): F(1), (0, 1): F(-1)})
+    assert "h_fp'" not in failing(3, {(0, 1): F(1), (1, 0): F(-1)}, touching, {(1, 0): F(1)})
+
+
+def iterates_hold_over_the_box(package: ModuleType) -> None:
+    """q(P^i) at the corners of a box about the place, exactly."""
+    proof, jets, slope, size = module(package, "proof"), module(package, "jets"), F(1), F(1, 2**80)
+    centre = [str(PLACE["nu"]), str(PLACE["x"])]
+    words = certificate("period_tupling", 2, centre, texts(((1, 0), (0, 1))), [["1"]])
+    with jets.precision(248), replaced(proof, "follow", closed(kicks(slope))):
+        tried = proof._Proof(module(package, "statement").read_statement(words), 96)
+        found, _ = tried.iterates(tried.refined()[0], [arb(0, rational(size))] * 2)
+        for nu, x in ((size, size), (size, -size), (-size, size)):
+            for k, rows in enumerate(found, 1):
+                series = bifurcation_function(k, slope)
+                place = {0: Series.constant(nu, 3), 1: Series.constant(x, 3)}
+                exact = rational(series.composed(place)[()])
+                assert abs(rows[0][()] - exact) < 2 * rational(size) * abs(rational(series[1,])) + 64 * rational(size)
+                assert rows[0][()].rad() >= abs(exact) * 0.999
+
+
+def symmetries_are_those_of_the_field(package: ModuleType) -> None:
+    words = certificate("symmetry_breaking", 1, ["0", "0"], texts(((1, 0), (0, 1))), [["1"]])
+    words["statement"]["symmetry"] = [1, -1, 1]
+    assert "S is not shown" in prove(package, words, odd).reason
+    words["statement"] |= {"symmetry": [1, -1, -1], "reversing_symmetry": [-1, 1, 1]}
+    with pytest.raises(ValueError, match="centre"):
+        prove(package, words, odd)
+
+
 def iterates_that_leave_the_box_are_refused(package: ModuleType) -> None:
     """Backward as forward: w has to be in the box on which P is known."""
     conditions, jets, proof = (module(package, name) for name in ("conditions", "jets", "proof"))
@@ -540,6 +593,9 @@ CHECKS: dict[str, Check] = {
         whole_proofs_about_closed_maps,
         whole_proofs_in_two_directions,
         false_claims_about_closed_maps,
+        each_condition_fails_by_its_name,
+        iterates_hold_over_the_box,
+        symmetries_are_those_of_the_field,
         iterates_that_leave_the_box_are_refused,
         crossings_are_counted,
         discs_end_before_a_pole_behind,

@@ -218,7 +218,13 @@ def claim(**values: Any) -> Callable[[dict[str, Any]], None]:
 
 
 def test_kinds_without_a_theorem_are_refused() -> None:
-    for values in ({"k": 3}, {"kind": "touch_and_go"}, {"kind": "symmetry_breaking"}, {"kind": "fold"}):
+    for values in (
+        {"k": 3},
+        {"kind": "touch_and_go"},
+        {"kind": "symmetry_breaking"},
+        {"kind": "fold"},
+        {"kind": "fold", "k": 3},
+    ):
         assert "theorem" in refuse(changed(DOUBLING, claim(**values)))
 
 
