@@ -170,7 +170,9 @@ def certificate(
         "vector_field": system.program.text() + after,
         "reversing_symmetry": list(system.reversing_symmetry),
         "section": system.section,
+        "names": {"system": system.title},
     }
+    told = {"theorem": "as the tests have it", "in_full": "as the tests have it"}
     results = {
         "point": {name: ball_to_json(ball) for name, ball in point.items()},
         "parameter_name": "Jacobi constant",
@@ -182,7 +184,7 @@ def certificate(
     return Certificate.from_json(
         {
             "id": name,
-            "statement": statement | ({"theorem": "as the tests have it"} if proved else {}),
+            "statement": statement | (told if proved else {}),
             "verdict": "proved" if proved else "not proved",
             "reason": None if proved else {"condition": "C3", "message": "as the tests have it", "remedy": "none"},
             "hypotheses": [hypothesis],
