@@ -158,6 +158,7 @@ def certificate(
     `after` comes after the vector field; `changes` are made to the candidate.
     """
     system = FALKNER_SKAN if "beta" in point else CR3BP
+    symmetry = changes.get("symmetry")
     candidate = {
         "system": system.name,
         "parameters": {} if system is FALKNER_SKAN else {"mu": format_exact(MU)},
@@ -170,6 +171,7 @@ def certificate(
         "vector_field": system.program.text() + after,
         "reversing_symmetry": list(system.reversing_symmetry),
         "section": system.section,
+        "symmetry": None if symmetry is None else list(system.symmetries[symmetry]),
         "names": {"system": system.title},
     }
     told = {"theorem": "as the tests have it", "in_full": "as the tests have it"}

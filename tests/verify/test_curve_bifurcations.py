@@ -38,6 +38,8 @@ from orbitproof.verify.curve.piece import prove_piece
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.orbit.multipliers import Stability
+from orbitproof.verify.orbit.theorem import OrbitResults
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -84,6 +86,28 @@ def test_a_symmetry_breaking_in_the_plane_is_the_symmetric_point() -> None:
     assert "symmetric point of piece p000" in conclusion.statement
 
 
+def test_a_symmetry_is_the_one_of_the_curve_by_its_signs_and_not_by_its_name() -> None:
+    # The systems of two files may have one name and call different symmetries S.
+    point = {"x": arb(1, 2**-80), "z": arb(0, 2**-80), "vy": arb(2, 2**-80)}
+    entry = certificate(point, kind="symmetry_breaking", k=1, symmetry="S").to_json()
+    for signs, holds in (([1, 1, -1, 1, 1, -1], True), ([1, -1, 1, 1, -1, 1], False), (None, False)):
+        entry["statement"]["symmetry"] = signs
+        (found,) = concluded(symmetric_loop(), Certificate.from_json(entry)).bifurcations
+        assert (found.place is not None) == holds
+
+
+def test_the_other_point_of_an_orbit_is_read_by_names_and_not_in_the_order_of_a_file() -> None:
+    far = certificate({**circle_point(0.7), "x": arb(100)})
+    for names in (["x", "z", "vy"], ["vy", "x", "z"]):
+        other = {name: circle_point(0.7)[name] for name in names}
+        orbit = OrbitResults(
+            far.point, other, arb(1), arb(2), "", None, Stability((), (), "not decided"), "", None, None
+        )
+        (found,) = concluded(symmetric_loop(), replace(far, orbit=orbit)).bifurcations
+        assert found.place is not None
+        assert found.place.other_point
+
+
 def test_the_other_end_of_a_symmetric_arc_of_one_piece_is_not_its_symmetric_point() -> None:
     point = {"x": arb(1, 2**-80), "z": arb(0), "vy": arb(2, 2**-80)}
     case = circle(Claim("symmetric-arc", "S"), [0.0], (0,))
@@ -109,6 +133,7 @@ def test_certificates_about_something_else_are_counted(name: str) -> None:
     assert found.place is None
     assert words in found.reason
     assert "1 further certificate is about another system" in conclusion.statement
+    assert "level, about other parameters, or not readable here." in conclusion.statement
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
@@ -160,6 +185,8 @@ def test_a_bifurcation_in_the_middle_of_a_piece_says_nothing_of_the_ends() -> No
     conclusion = concluded(parabola(), entry)
     assert conclusion.bifurcations[0].place is not None
     assert conclusion.bifurcations[0].place.s.is_zero()
+    assert "in piece p000" in conclusion.statement
+    assert "symmetric point" not in conclusion.statement
     assert proof(conclusion).ends["start"]["beta"] == 1
 
 

@@ -60,7 +60,8 @@ class Bifurcation:
         point: enclosure of the bifurcation point, by coordinate name; empty if the certificate proves nothing.
         parameter_name: name of the bifurcation parameter.
         parameter: its enclosure, or `None`.
-        is_foreign: whether it is about another system or other parameters than the curve.
+        is_foreign: whether it is about another system, section, reversing symmetry, level or other parameters than the
+            curve, or not readable here.
         stability: enclosures of the stability parameters of one orbit; none of a bifurcation.
     """
 
@@ -139,13 +140,15 @@ def place_bifurcation(
         entry = replace(entry, stability=orbit.stability.parameters)
     if chain is None:
         return replace(entry, reason="the curve itself is not proved")
-    doubly = breaks and candidate.get("symmetry") == atlas.claim.symmetry is not None
+    # By what it does: another system of the same name may call another symmetry so.
+    own = atlas.system.symmetries.get(str(atlas.claim.symmetry))
+    doubly = breaks and own is not None and certificate.statement.get("symmetry") == list(own)
     place = locate(atlas, chain, list(point.values()), doubly)
     if isinstance(place, Place):
         return replace(entry, place=place)
     if point_name(atlas.system) is None:
         second = orbit.other_point if orbit else partner(atlas.system, atlas.parameters, point, crossings)
-        found_there = None if second is None else locate(atlas, chain, list(second.values()), False)
+        found_there = None if second is None else locate(atlas, chain, [second[name] for name in names], False)
         if isinstance(found_there, Place):
             return replace(entry, place=replace(found_there, other_point=True))
     return replace(entry, reason=place)

@@ -46,16 +46,19 @@ def bifurcation_statement(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> 
     foreign = sum(entry.is_foreign for entry in bifurcations)
     if on:
         lines.append("Of the certified bifurcations these lie on it:")
-        lines += [f"- {_bifurcation(entry)}" for entry in on]
+        lines += [f"- {_bifurcation(atlas, entry)}" for entry in on]
     if orbits:
         lines.append("Of the certified orbits these lie on it:")
-        lines += [f"- {_bifurcation(entry)}" for entry in orbits]
+        lines += [f"- {_bifurcation(atlas, entry)}" for entry in orbits]
     if off:
         lines.append("Of these it is not shown that they lie on it:")
         lines += [f"- {entry.id} (k = {entry.k}): {entry.reason}" for entry in off]
     if foreign:
         were = "certificate is" if foreign == 1 else "certificates are"
-        lines.append(f"{foreign} further {were} about another system or other parameters.")
+        lines.append(
+            f"{foreign} further {were} about another system, section, reversing symmetry or level, about other "
+            "parameters, or not readable here."
+        )
     return "\n".join(lines)
 
 
@@ -128,7 +131,7 @@ def _grow(names: Sequence[str]) -> str:
     return f"{' and '.join(names)} {'increases' if len(names) == 1 else 'increase'} strictly"
 
 
-def _bifurcation(entry: Bifurcation) -> str:
+def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
     what = {
         "symmetry_breaking": "symmetry breaking",
         "period_tupling": f"period {entry.k}-tupling",
@@ -136,7 +139,9 @@ def _bifurcation(entry: Bifurcation) -> str:
     }.get(entry.kind, entry.kind)
     assert entry.place is not None
     value = "" if entry.parameter is None else f", {entry.parameter_name} in {interval_text(entry.parameter, _DIGITS)}"
-    where = "at the symmetric point of" if entry.place.s.is_zero() else "in"
+    # On a regular piece s = 0 is a point like any other.
+    symmetric = {piece.id for piece in atlas.curve_pieces() if piece.kind == "symmetric"}
+    where = "at the symmetric point of" if entry.place.s.is_zero() and entry.place.piece in symmetric else "in"
     which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
     mirror = " (its mirror image)" if entry.place.mirrored else ""
     return f"{entry.id}: {what}{value}, {which}{where} piece {entry.place.piece}{mirror}"
