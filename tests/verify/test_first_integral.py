@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from orbitproof.shared.systems import AROUND, CR3BP, HILL, REGULARISATIONS, SYSTEMS, Program, ReversibleSystem, record
-from orbitproof.verify.claim import check_symmetries
-from orbitproof.verify.claim.first_integral import is_first_integral
+from orbitproof.verify.claim import check_symmetries, level_program
+from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
 from orbitproof.verify.evidence import Checklist, NotEstablishedError
 
 Function = Callable[[Sequence[Any], Sequence[Any]], Any]
@@ -114,6 +114,35 @@ def test_a_first_integral_that_is_not_defined_along_all_orbits_is_refused() -> N
 
 def test_a_division_by_zero_proves_nothing() -> None:
     assert not plane(lambda x, p: (x[0] / (p[0] - p[0]), x[1]), lambda x, p: x[0])
+    assert not plane(lambda x, p: (p[0] - p[0], x[1] / (p[0] - p[0])), lambda x, p: x[0])
+
+
+@pytest.mark.parametrize(
+    "function, terms",
+    [
+        (lambda x, a: x[0] * x[0] + 1 / x[1] - 1 / x[1], {(1, 0, 0): Fraction(2)}),
+        (lambda x, a: x[0] * x[0] + 1 / x[0] - 1 / x[0], None),
+        (lambda x, a: x[0] * x[0] + 1 / (x[1] - x[1]), None),
+        (lambda x, a: x[0] * x[0] + x[0] / x[1], None),
+        (lambda x, a: x[0] * x[1] + a[0], {(0, 1, 0): Fraction(1)}),
+    ],
+    ids=["without x below", "x below, cancelled", "defined nowhere", "no polynomial", "polynomial"],
+)
+def test_a_derivative_is_a_polynomial_only_where_the_function_is_defined_for_all_values(
+    function: Function, terms: dict[tuple[int, ...], Fraction] | None
+) -> None:
+    assert derivative_terms(record(lambda x, a: (function(x, a),), ("x", "y"), ("a",)), "x") == terms
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_level_coordinate_does_not_depend_on_what_is_given_in_its_place(sign: int) -> None:
+    state, mu = [0.7, 0.0, 0.2, 0.0, 0.3, 0.0], 0.01
+    integral = CR3BP.first_integral
+    assert integral is not None
+    (level,) = integral(state, [mu])
+    for other in (0.3, 0.0, 5.0):
+        (found,) = level_program(CR3BP, sign).evaluate([*state[:4], other, state[5], mu, level])
+        assert found == pytest.approx(sign * 0.3)
 
 
 def test_a_quotient_by_a_number_is_that_quotient() -> None:

@@ -10,10 +10,13 @@ from itertools import product
 from typing import Any
 
 import pytest
+from support.claims import known
+from support.closed_form_maps import claim, description
 
 from orbitproof.shared.systems.program import record
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem
-from orbitproof.verify.claim.symmetry import check_symmetries, parities
+from orbitproof.verify.claim import check_adapted_frames, check_level
+from orbitproof.verify.claim.symmetry import check_symmetries, parities, signs_on
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError
 
 
@@ -73,6 +76,17 @@ def test_wrong_reversals_are_refused(name: str) -> None:
         check_symmetries(Checklist(), WRONG_REVERSALS[name])
 
 
+@pytest.mark.parametrize(
+    "distance",
+    [lambda s, p: (s[0] * s[0] + s[1] * s[1] * s[1] + 1,), lambda s, p: (s[1],), lambda s, p: (1 + s[0] * s[1],)],
+    ids=["odd and even", "odd", "mixed product"],
+)
+def test_a_distance_that_the_reversal_changes_is_refused(distance: Any) -> None:
+    wrong = replace(CR3BP, squared_distance=distance, distance_name="the body")
+    with pytest.raises(NotEstablishedError, match=r"the distance .* not shown to have the symmetry R"):
+        check_symmetries(Checklist(), wrong)
+
+
 WRONG_SYMMETRIES = {
     "R itself": CR3BP.reversing_symmetry,
     "x and its velocity": (-1, 1, 1, -1, 1, 1),
@@ -106,3 +120,31 @@ def test_parities_of_all_operations() -> None:
 
     found = parities(record(operations, ("odd", "even"), ("parameter",)), (-1, 1))
     assert found == [-1, 0, -1, 1, -1, -1, 1, 1, 1, 0, 0, -1, 0, 1, -1, 0]
+
+
+def test_a_symmetry_leaves_what_is_no_coordinate_of_the_state_alone() -> None:
+    assert signs_on(CR3BP, "S", ("Jacobi constant", "x", "z", "vy")) == (1, 1, -1, 1)
+
+
+def test_a_symmetry_that_moves_the_level_coordinate_is_not_adapted() -> None:
+    form = replace(known("em1"), level_sign=1)
+    moving = replace(CR3BP, symmetries={"S": (1, 1, -1, 1, -1, -1)})
+    with pytest.raises(NotEstablishedError, match="S does not fix vy"):
+        check_adapted_frames(Checklist(), replace(form, system=moving))
+
+
+def test_the_rows_of_the_kernel_frame_are_adapted() -> None:
+    system = replace(description(3, False), symmetries={"S": (-1, 1, 1, 1, 1, 1, -1)})
+    one, zero = Fraction(1), Fraction(0)
+    rows = ((zero, zero, one), (one, zero, zero), (zero, one, zero))
+    candidate = claim(system, "symmetry_breaking", 1, [one] * 4, kernel_frame=rows)
+    check_adapted_frames(Checklist(), candidate)
+    with pytest.raises(NotEstablishedError, match="row of kernel_frame"):
+        check_adapted_frames(Checklist(), replace(candidate, kernel_frame=tuple(zip(*rows, strict=True))))
+
+
+def test_a_level_without_a_square_of_the_coordinate_is_none() -> None:
+    for integral in (lambda s, _: (s[0],), lambda s, _: (s[4] * s[4] - s[4] * s[4],), lambda s, _: (s[4] * s[0],)):
+        system = replace(CR3BP, first_integral=integral)
+        with pytest.raises(NotEstablishedError, match="does not show it"):
+            check_level(Checklist(), replace(known("em1"), system=system, level_sign=1))
