@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -14,11 +15,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.claims import to_the_end
 
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import rechecking
-from orbitproof.verify.certificate.certificate import Certificate, digest, write_certificates
+from orbitproof.verify.certificate.certificate import Certificate, digest, read_certificates, write_certificates
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import Recheck, recheck
@@ -312,6 +314,24 @@ def test_other_software_is_named_where_numbers_differ(proved: Certificate) -> No
     result = recheck(forged(proved, change))
     assert result.findings[-1].place == "software"
     assert "FLINT 1.0" in result.findings[-1].message
+
+
+@pytest.mark.parametrize(
+    "made_by", [{"all is\nproved": "1"}, {"All orbits are stable": "1"}, {"python": "3. All orbits are stable"}]
+)
+def test_names_and_versions_of_software_are_no_sentences(proved: Certificate, made_by: dict[str, str]) -> None:
+    """A report prints them."""
+    with pytest.raises(InputError, match="software"):
+        forged(proved, lambda entry: entry["software"].update(made_by))
+
+
+def test_a_float_beyond_all_floats_is_bad_input(proved: Certificate, tmp_path: Path) -> None:
+    path = tmp_path / "certificates.json"
+    write_certificates(path, [proved])
+    seconds = json.dumps(proved.to_json()["computation"]["seconds"])
+    path.write_text(path.read_text().replace(f'"seconds": {seconds}', '"seconds": 1e999'))
+    with pytest.raises(InputError, match="1e999 is too large"):
+        read_certificates(path)
 
 
 @pytest.mark.parametrize("options", [[], ["--jobs", "2"]], ids=["one process", "two processes"])

@@ -21,6 +21,9 @@ from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.places import Gap, Segment
 from orbitproof.verify.stability.zeros import ends_of
 
+_NOT_LOOKED_AT = "the stability of its orbits was not looked at"
+_NOT_ENCLOSED = "the stability of its orbits was not enclosed there, its result says why"
+
 
 @dataclass(frozen=True)
 class _Known:
@@ -38,17 +41,18 @@ def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, An
     piece = stretch.tube.piece
     size = len(piece.tube)
     known: list[_Known] = []
+    # What a result says of why functions are missing is no word of ours: the theorem does not repeat it.
     reasons: list[tuple[Fraction, Fraction, str]] = []
     for result in results:
         if result.get("piece") != piece.id or result.get("verdict") != "proved":
             continue
         start, end = (parse_exact(text) for text in result["interval"])
-        entry = result.get("stability", {"reason": {"message": "the stability of its orbits was not looked at"}})
+        entry = result.get("stability", {})
         for low, high, mirrored in ((start, end, False), (-end, -start, True)):
             if mirrored and not stretch.tube.is_symmetric:
                 continue
-            if "reason" in entry:
-                reasons.append((low, high, str(entry["reason"]["message"])))
+            if "characteristic" not in entry:
+                reasons.append((low, high, _NOT_ENCLOSED if entry else _NOT_LOOKED_AT))
             elif len(entry["characteristic"]) != size:
                 reasons.append((low, high, f"there are not {size} coefficients of the characteristic polynomial"))
             elif _is_proved(stretch, low, high):
