@@ -13,7 +13,7 @@ from orbitproof.figures.report.document import Block, Code, Formulas, Items, Mat
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 
@@ -225,8 +225,10 @@ def _extent(entry: CheckedAtlas) -> str:
     parts = []
     if covers is not None:
         parts.append(f"{covers.coordinate} from {exact_text(covers.start)} to {exact_text(covers.end)}")
-    if on_it := sum(bool(found["on_curve"]) for found in conclusion["bifurcations"]):
-        parts.append(f"{on_it} certified bifurcations on it" if on_it > 1 else "one certified bifurcation on it")
+    for what, are_orbits in (("bifurcation", False), ("orbit", True)):
+        there = [entry["on_curve"] and (entry["kind"] == ORBIT) == are_orbits for entry in conclusion["bifurcations"]]
+        if number := sum(there):
+            parts.append(f"{number} certified {what}s on it" if number > 1 else f"one certified {what} on it")
     if "complete" in conclusion:
         parts.append(f"list of resonances to k = {conclusion['complete']['order']}")
     return "; ".join(parts)

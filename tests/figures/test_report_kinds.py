@@ -22,7 +22,7 @@ from orbitproof.figures.certified.curve import CertifiedPoint
 from orbitproof.figures.pictures import draw_curves, draw_surface, surface_of
 from orbitproof.figures.report.command import main
 from orbitproof.figures.report.margins import margin_on_atlas
-from orbitproof.figures.report.statements import hypothesis_table, piece_table
+from orbitproof.figures.report.statements import hypothesis_table, parameter_text, piece_table
 from orbitproof.figures.report.theorems import CheckedAtlas, check_files
 from orbitproof.shared.formats import Atlas, read_candidates
 from orbitproof.verify.atlas import AtlasCertificate
@@ -130,6 +130,17 @@ def test_a_curve_with_its_complete_list_is_told_in_every_format(tmp_path: Path) 
     assert verify_atlas([source, "-o", str(certificate), "--quiet", "--complete", "12"], atlas_work.stored) == 0
     for text in reports([certificate], tmp_path).values():
         assert "list of resonances to k = 12" in text
+
+
+def test_the_summary_of_a_curve_does_not_count_orbits_as_bifurcations(written: dict[str, Path]) -> None:
+    (entry,) = check_files([written["loop"]])
+    assert isinstance(entry, CheckedAtlas)
+    on_it = [
+        {"kind": kind, "on_curve": kind != "period_tupling"} for kind in ("fold", "orbit", "orbit", "period_tupling")
+    ]
+    conclusion = {**entry.document["conclusion"], "bifurcations": on_it}
+    text = parameter_text(replace(entry, document={**entry.document, "conclusion": conclusion}))
+    assert text.endswith("one certified bifurcation on it; 2 certified orbits on it")
 
 
 def test_planar_pieces_below_a_surface_have_tubes_and_no_parts(written: dict[str, Path]) -> None:

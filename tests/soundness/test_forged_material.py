@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import copy
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -15,7 +15,7 @@ from flint import arb, ctx
 from support import atlas_work, stability_cases
 from support.chain_cases import symmetric_arc
 from support.claims import known
-from support.forgeries import Document, atlas_certificate, checked, forged
+from support.forgeries import Document, atlas_certificate, checked, forged, honest
 from test_forged_certificates import fabricated, of_parabola
 
 import orbitproof.verify.certificate.rechecking as rechecking
@@ -29,6 +29,7 @@ from orbitproof.shared.systems import ID, IDENTIFIER, LINE, SYSTEM, TITLE
 from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     Certificate,
@@ -43,6 +44,7 @@ from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.tables import ball_to_text
 from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.evidence import Proved, Stop, ball_from_json, ball_to_json
 
 
@@ -342,3 +344,18 @@ def test_checks_belong_to_certificates_and_not_to_their_ids(point: Certificate) 
     document = atlas_certificate(atlas, results, [bad, near])
     assert [entry["on_curve"] for entry in document["conclusion"]["bifurcations"]] == [False, True]
     assert checked(document).stands
+
+
+def test_an_interval_that_no_answer_comes_back_of_is_not_confirmed() -> None:
+    # The theorem follows without the first of them.
+    atlas, results = of_parabola()
+    results.insert(0, {**results[0], "interval": ["-0x1", "0x1p-1"]})
+    document = atlas_certificate(atlas, results)
+    for first in (0, 1):
+
+        def prove(tasks: Sequence[Task], finished: Callable[[Answer], str], first: int = first) -> None:
+            for task in tasks[first:]:
+                finished(Answer(task, honest(document["results"])(task.argument, lambda fraction, label: None), 0.0))
+
+        check = recheck_atlas(document, (), True, Means(lambda entries, integrate: [], prove))
+        assert check.stands == (first == 0), check.why

@@ -169,3 +169,6 @@ def test_opposite_stability_parameters_are_both_found() -> None:
         assert lower <= Fraction(int(mpmath.floor(s * 2**150)), 2**150) <= upper
     assert high[0] - low[1] > 1
     assert certificate.orbit.stability.verdict == STABLE
+    # A stability parameter of 1, of which an enclosure may hold it, is that of multipliers 1.
+    assert "other than 1 and -1 are the lambda" in certificate.statement["in_full"]
+    assert "one of them that is not 1 or -1." in certificate.statement["in_full"]

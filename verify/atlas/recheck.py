@@ -213,6 +213,8 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
             return f"{fresh['verdict']} again"
 
         if remaining := [task for task in tasks if findings.get(task.name, True)]:
+            # What is not answered is not confirmed.
+            findings.update({task.name: [Finding(task.name, "was not integrated again")] for task in remaining})
             means.prove(remaining, finished)
     yield from dict.fromkeys(contradictions)
     yield from (finding for found in findings.values() for finding in found)

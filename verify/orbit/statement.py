@@ -74,7 +74,7 @@ def _stability(stability: Stability, candidate: Candidate) -> Iterator[str]:
     values = "; ".join(map(_complex, stability.parameters))
     yield (
         f"The stability parameters, eigenvalues of the stability matrix, lie in: {values}. The multipliers of the "
-        f"orbit {family} other than 1 and -1 are the lambda with (lambda + 1/lambda)/2 one of them."
+        f"orbit {family} other than 1 and -1 are the lambda with (lambda + 1/lambda)/2 one of them that is not 1 or -1."
     )
     if stability.multipliers:
         yield f"One of each pair lambda, 1/lambda lies in: {'; '.join(map(_complex, stability.multipliers))}."
