@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
+from math import ceil, floor
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.outcome import NotProved, Proved
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at, prove_surface_piece
+from orbitproof.verify.surface.statement import _digits
 from orbitproof.verify.surface.theorem import ProvedSurface, conclude_surface, heights
 
 
@@ -301,3 +303,11 @@ def test_the_theorem_for_l1_and_all_masses(tmp_path: Path) -> None:
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
     assert "for all mu in (0, 0.500188017]" in conclusion.statement
     assert "|z| <= 0.004 mu^(1/3)" in conclusion.statement
+
+
+@pytest.mark.parametrize("size", [1, 10**14, 10**20])
+def test_ranges_are_rounded_to_the_side_that_is_asked_for(size: int) -> None:
+    for value in (Fraction(size, 3), Fraction(-size, 3), Fraction(size), Fraction(100 * size)):
+        above, below = (Fraction(_digits(value, rounded)) for rounded in (ceil, floor))
+        assert below <= value <= above
+        assert above - below < Fraction(1, 10**11)

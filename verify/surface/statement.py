@@ -150,4 +150,6 @@ def _decimal(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
 
 def _digits(value: Fraction, rounded: Callable[[Fraction], int]) -> str:
     """A number with twelve decimals, rounded to one side."""
-    return f"{Decimal(rounded(value * 10**12)).scaleb(-12).normalize():f}"
+    # Not by operations on decimals, which round to the nearest with 28 digits.
+    text = f"{Decimal(f'{rounded(value * 10**12)}e-12'):f}"
+    return text.rstrip("0").rstrip(".")
