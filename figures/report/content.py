@@ -114,7 +114,7 @@ def _not_proved(entries: Sequence[Checked]) -> list[Section]:
     items: list[Runs] = []
     for entry in entries:
         reason = entry.certificate.to_json()["reason"] if isinstance(entry, CheckedRow) else entry.document["reason"]
-        items.append((f"{name_of(entry)}: {reason['condition']}; the run said: '{reason['message']}'",))
+        items.append((f"{name_of(entry)}: {reason['condition']}; the run said: {reason['message']!r}",))
     words = (
         "These certificates claim nothing. That something is not proved does not mean that it is false. What the runs "
         "said is quoted; nothing checks it."

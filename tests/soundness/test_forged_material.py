@@ -182,6 +182,12 @@ def test_the_reasons_of_a_run_are_quoted_in_a_report(refused: Certificate, tmp_p
     assert "claim nothing" in report
 
 
+def test_a_reason_does_not_end_its_quotation(refused: Certificate, tmp_path: Path) -> None:
+    text = forged(refused.to_json(), lambda entry: entry["reason"].update(message=f"over'. {SENTENCE}"))
+    write_certificates(tmp_path / "forged.json", [Certificate.from_json(text)])
+    assert "said: 'over'." not in str(report_of(check_files([tmp_path / "forged.json"])))
+
+
 def test_every_condition_that_the_verifier_gives_is_a_hypothesis_or_a_stop() -> None:
     """What a certificate may give as a reason is a closed set; nothing that a run says is outside of it."""
     stops, names = {stop.value for stop in Stop}, set()

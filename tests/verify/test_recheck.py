@@ -25,6 +25,7 @@ from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
+from orbitproof.verify.certificate.verdicts import recheck_table
 from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
 
@@ -323,6 +324,23 @@ def test_names_and_versions_of_software_are_no_sentences(proved: Certificate, ma
     """A report prints them."""
     with pytest.raises(InputError, match="software"):
         forged(proved, lambda entry: entry["software"].update(made_by))
+
+
+def test_a_key_of_a_file_forges_no_row_of_the_table(proved: Certificate) -> None:
+    row = "other  proved  stands  3 integration  12  300 bits"
+    result = recheck(
+        forged(
+            proved,
+            lambda entry: entry["hypotheses"][0]["enclosures"].update(
+                {f"x\n{row}\u202e": {"mid": "0x1", "rad": "0x0"}}
+            ),
+        )
+    )
+    assert not result.stands
+    text = recheck_table([result.id], {result.id: result})
+    assert sum(line.startswith(proved.id) for line in text.split("\n")) == 2
+    assert not any(line.startswith("other") for line in text.split("\n"))
+    assert "\u202e" not in text
 
 
 def test_a_float_beyond_all_floats_is_bad_input(proved: Certificate, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from flint import arb
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Failure
-from orbitproof.verify.evidence import Stop, ball_from_json, ball_to_json, bounds, decimal_interval, software
+from orbitproof.verify.evidence import Stop, ball_from_json, ball_to_json, bounds, decimal_interval, one_line, software
 
 _SHOWN_DIGITS = 45
 _LONGEST_SHOWN = 100
@@ -79,6 +79,8 @@ REWORDED = "worded otherwise than by this version, which checks no foreign words
 class Finding:
     """Something in a certificate that is not as it should be: where it stands, and what is wrong.
 
+    Both are made lines that can be printed: they may quote keys of the file.
+
     Attributes:
         in_words: whether only words differ (`WORDS`).
     """
@@ -86,6 +88,10 @@ class Finding:
     place: str
     message: str
     in_words: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "place", one_line(self.place))
+        object.__setattr__(self, "message", one_line(self.message))
 
 
 class CannotBeCheckedError(Exception):

@@ -54,6 +54,7 @@ from orbitproof.verify.evidence.outcome import (
     Stop,
     Theorem,
     hypothesis_to_json,
+    one_line,
     outcome_to_json,
     show,
 )
@@ -104,6 +105,7 @@ __all__ = [
     "is_positive",
     "located",
     "meet",
+    "one_line",
     "outcome_to_json",
     "power",
     "range_text",
