@@ -8,6 +8,7 @@ import pytest
 from flint import arb, ctx
 
 from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.certificate import MEANINGS, Level
 from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
@@ -16,6 +17,7 @@ from orbitproof.verify.evidence import (
     exact_text,
     is_outside,
     power,
+    software,
 )
 
 
@@ -67,3 +69,11 @@ def test_every_requirement_has_to_be_true_and_nothing_else_is() -> None:
     for other in (None, 1, "yes", False):
         assert not is_shown(True, other)
         assert not is_shown(other, True)
+
+
+def test_what_computes_is_named_with_its_version_and_as_what_is_left_to_be_believed() -> None:
+    # Bounds in float64 are those of numpy.
+    remains = MEANINGS[Level.INTEGRATION].remains
+    for name in ("FLINT", "numpy", "python"):
+        assert software()[name]
+        assert name.lower() in remains.lower()

@@ -25,6 +25,7 @@ def software() -> dict[str, str]:
         "python": platform.python_version(),
         "python-flint": str(flint.__version__),
         "FLINT": str(flint.__FLINT_VERSION__),
+        "numpy": metadata.version("numpy"),
     }
 
 
