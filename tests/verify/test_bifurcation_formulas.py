@@ -13,7 +13,6 @@ from support.claims import known
 from support.closed_form_maps import claim, description, table, tables_of_maps, verdict
 from support.map_cases import CASES, WIDE, failed, proof
 
-from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation.conditions import (
     Problem,
     check_family,
@@ -21,8 +20,15 @@ from orbitproof.verify.bifurcation.conditions import (
     check_reduction,
     check_transversality,
     narrowed_zero,
+    require_inside,
 )
-from orbitproof.verify.bifurcation.level_forms import _images, check_own_box, coordinates_in_box, level_form
+from orbitproof.verify.bifurcation.level_forms import (
+    _images,
+    _is_own_box,
+    check_own_box,
+    coordinates_in_box,
+    level_form,
+)
 from orbitproof.verify.bifurcation.reduction import (
     BifurcationFunction,
     DoublySymmetricFamily,
@@ -31,7 +37,7 @@ from orbitproof.verify.bifurcation.reduction import (
     reduced_function,
 )
 from orbitproof.verify.bifurcation.theorem import BifurcationResults
-from orbitproof.verify.evidence import DerivativeTable
+from orbitproof.verify.evidence import DerivativeTable, Evidence
 from orbitproof.verify.evidence.comparisons import enclose, symmetric
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, Outcome
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet
@@ -248,12 +254,12 @@ def test_a_family_that_leaves_the_box_over_p_0_is_refused() -> None:
 
 def test_a_matrix_that_may_be_singular_is_named() -> None:
     problem, _, _ = problem_of([lambda p, c: p[1] * p[1]] * 2, (SMALL, SMALL))
-    assert "singular" in refused(lambda checklist: check_family(checklist, problem))
+    assert "pi_q P may be singular" in refused(lambda checklist: check_family(checklist, problem))
     box = tuple(symmetric(SMALL) for _ in range(3))
     parts = (lambda p, c: p[1], lambda p, c: p[2] * p[2])
     iterate = tuple(BoxFunction(table(part, (SMALL,) * 3)) for part in parts)
     planar = Problem(2, (SMALL,) * 3, box, (iterate, iterate), None)
-    assert "singular" in refused(lambda checklist: check_reduction(checklist, planar, None))
+    assert "pi_q2 P^k may be singular" in refused(lambda checklist: check_reduction(checklist, planar, None))
 
 
 def test_a_family_that_leaves_p_2_is_refused() -> None:
@@ -295,6 +301,18 @@ def test_want_of_precision_is_no_reason_to_exclude_a_true_bifurcation() -> None:
     assert not outcome.reason.excluded
 
 
+def test_a_fold_across_the_levels_is_not_excluded_by_a_regular_matrix() -> None:
+    """On p_0 = p_1/4 the level p_0 - p_1/4 + p_1^2 has an extremum, and D_(p_1) pi_q P is regular."""
+    radii = (SMALL, SMALL)
+    curve = table(lambda p, c: p[0] + p[1] * c(F(-1, 4)), radii)
+    level = table(lambda p, c: p[0] + p[1] * c(F(-1, 4)) + p[1] * p[1], radii)
+    candidate = claim(description(1, True), "fold", 1, radii)
+    proof(verdict(candidate, [[curve]], level))
+    wide = {index: ball + arb(0, 2**40) if sum(index) > 1 else ball for index, ball in level.box.items()}
+    outcome = failed(verdict(candidate, [[curve]], DerivativeTable(wide, level.centre)), "extremum")
+    assert not outcome.reason.excluded
+
+
 def test_a_zero_is_sought_in_the_box_only() -> None:
     """The ball of P_i is wider than P_i; what is known of the function holds on the latter."""
     radius = 1 + F(1, 2**40)
@@ -309,8 +327,39 @@ def test_a_zero_is_sought_in_the_box_only() -> None:
     narrowed_zero(problem, 0, value, lambda _: arb(1))
 
 
-def _widened(candidate: Candidate, factor: F) -> Candidate:
-    return replace(candidate, radii=tuple(radius * factor for radius in candidate.radii))
+def test_the_slope_of_newtons_step_is_taken_over_all_that_may_hold_the_zero() -> None:
+    problem = Problem(2, (F(2, 5),), (symmetric(F(2, 5)),), (), None)
+    root = (arb("2.5").sqrt() - 1) / 2
+
+    def slope(p: arb) -> arb:
+        assert p.overlaps(root)
+        assert p.rad() > 0
+        return 1 + 2 * p
+
+    found = narrowed_zero(problem, 0, lambda p: p * p + p - arb("0.375"), slope)
+    assert found.overlaps(root)
+    assert found.rad() < 1e-8
+
+
+@pytest.mark.parametrize("ball", [arb(1), arb(1, 0.5), arb(0, 1), arb(0, 2), arb(-1), arb("nan"), arb(0, "inf")])
+def test_what_reaches_the_edge_is_not_inside(ball: arb) -> None:
+    problem = Problem(2, (F(1),), (symmetric(F(1)),), (), None)
+    inside, reached = Evidence(""), Evidence("")
+    require_inside(inside, "p_0", arb(0, 0.5), problem, 0)
+    require_inside(reached, "p_0", ball, problem, 0)
+    assert inside.holds
+    assert not reached.holds
+
+
+def test_the_reduced_function_is_the_quotient_by_the_distance_from_the_family() -> None:
+    """G = (p_1 - 1/16) (p_0 + p_1^2), whose family is not at p_1 = 0."""
+    radii = (F(1, 16), F(1, 8))
+    family: Function = lambda p, c: p[1] + c(F(-1, 16))  # noqa: E731
+    _, curve, reduction = problem_of([family, lambda p, c: family(p, c) * (p[0] + p[1] * p[1])], radii)
+    for p_1 in (F(-1, 8), F(0), F(1, 10), F(1, 8)):
+        reduced = reduced_function(arb(0), enclose(p_1).union(enclose(F(1, 16))), curve, reduction)
+        assert reduced.at_centre(enclose(p_1)).overlaps(enclose(p_1**2))
+        assert reduced.at_centre(enclose(p_1)).rad() < 1e-3
 
 
 @pytest.mark.parametrize("name", ["em1", "em2"])
@@ -369,3 +418,19 @@ def test_a_point_on_the_edge_is_not_shown_to_lie_in_the_own_box() -> None:
             check_own_box(Checklist(), candidate, form, at(share))
         assert caught.value.reason.condition == "candidate-box"
         assert caught.value.reason.excluded == (share > 1)
+
+
+def test_what_is_no_own_box_is_refused() -> None:
+    candidate = known("em1")
+    form, integral = level_form(candidate), enclose_first_integral(candidate, 200)
+    assert form is not None
+    assert integral is not None
+    evidence = Evidence("")
+    assert _is_own_box(evidence, candidate, form, 200, integral)
+    smaller = replace(form, radii=tuple(radius / 2 for radius in form.radii))
+    assert not _is_own_box(Evidence(""), candidate, smaller, 200, integral)
+    # Boxes so wide that the sign is all that fails.
+    wide = replace(candidate, radii=(F(1),) * 3)
+    evidence = Evidence("")
+    assert not _is_own_box(evidence, wide, replace(form, radii=(F(2**40),) * 3), 200, integral)
+    assert evidence.failure == "vy may change its sign on it"

@@ -15,6 +15,7 @@ from orbitproof.verify.certificate import Certificate, Limits, digest, recheck
 from orbitproof.verify.certificate.certificate import is_proof_of
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim import equations, level_program
+from orbitproof.verify.claim.formulas import setting
 
 PROGRAMS = {
     **{name: system.program for name, system in BRANCH_SYSTEMS.items()},
@@ -63,6 +64,12 @@ def test_a_formula_of_another_program_differs(program: Program) -> None:
         other = text.replace(" - ", " + ", 1)
     left = [f"out{i}" for i in range(len(program.outputs))]
     assert equations(Program.from_text(other), left) != equations(program, left)
+
+
+def test_the_images_of_a_point_under_the_symmetries_are_printed_with_their_signs() -> None:
+    lines = setting(SYSTEMS["cr3bp"], {}, "S")
+    assert "R(x, y, z, vx, vy, vz) = (x, -y, z, -vx, vy, -vz) reverses the flow." in lines
+    assert "S(x, y, z, vx, vy, vz) = (x, y, -z, vx, vy, -vz) commutes with it." in lines
 
 
 @pytest.fixture(scope="module", params=["fs2", "fs3", "em1"])
