@@ -79,9 +79,10 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
         Paragraph((
             f"This report states {many}, each with its system, so that it can be read by itself. An interval [a, b] "
             "is an enclosure: it contains the number, and its ends are rounded outward. A number written "
-            "0xMp-E is the hexadecimal integer M divided by 2 to the E, exactly. Words and numbers are those of "
-            "the certificates, each of which was checked again before it was printed; what that check shows, and "
-            "what it leaves to be believed, stands in ", Place("checked", "What was checked"), ". Names such as ",
+            "0xMp-E is the hexadecimal integer M divided by 2 to the E, exactly. Numbers are those of the "
+            "certificates, words those that follow from them; each was checked again before it was printed. What that "
+            "check shows, and what it leaves to be believed, stands in ",
+            Place("checked", "What was checked"), ". Names such as ",
             Code(name_of(proved[0]) if proved else "earth-moon-L1-halo-k1-1"),
             " are labels: nothing is concluded from them.",
         )),

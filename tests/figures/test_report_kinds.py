@@ -122,6 +122,8 @@ def test_every_kind_of_row_is_told_in_every_format(rows: Path, tmp_path: Path) -
     for text in reports([rows], tmp_path).values():
         for words in ("Symmetry breaking", "Touch-and-go", "Fold", "periodic orbit"):
             assert words in text
+        # A certificate of other words stands, and they are not printed.
+        assert "words those that follow from them" in " ".join(text.split())
 
 
 def test_a_curve_with_its_complete_list_is_told_in_every_format(tmp_path: Path) -> None:
