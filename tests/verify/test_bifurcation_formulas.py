@@ -19,9 +19,11 @@ from orbitproof.verify.bifurcation.conditions import (
     check_reduced_function,
     check_reduction,
     check_transversality,
+    locate,
     narrowed_zero,
     require_inside,
 )
+from orbitproof.verify.bifurcation.fold import check_fold
 from orbitproof.verify.bifurcation.level_forms import (
     _images,
     _is_own_box,
@@ -247,6 +249,21 @@ def test_the_doubly_symmetric_family_has_p_1_zero() -> None:
         assert family.over(p_0)[1] == 0
 
 
+def test_a_point_that_may_lie_on_the_edge_is_not_located() -> None:
+    """G_1 = p_0 + e with e in [0.7, 1.1], over |p_0| <= 1; with e = 0.1 the point is found."""
+    problem, family, _ = problem_of([lambda p, c: p[1], lambda p, c: p[0] * p[1]], (F(1), F(1)))
+    graph = ImplicitGraph((), problem.box, 2)
+
+    def located(e: arb) -> Any:
+        old = problem.iterates[-1][0].table
+        centre = old.centre | {(0, 1): e}
+        component = BoxFunction(DerivativeTable(old.box | {(0, 1): e + arb(0, 1)}, centre))
+        return lambda checklist: locate(checklist, problem, family, BifurcationFunction(component, graph))
+
+    assert located(arb("0.1"))(Checklist()).where[0].contains(arb("-0.1"))
+    assert ": p_0 in" in refused(located(arb(0.9, 0.2)))
+
+
 def test_a_family_that_leaves_the_box_over_p_0_is_refused() -> None:
     problem, _, _ = problem_of([lambda p, c: p[1] + p[0] * c(F(-3))] * 2, (SMALL, SMALL))
     assert ": p_1 in" in refused(lambda checklist: check_family(checklist, problem))
@@ -311,6 +328,20 @@ def test_a_fold_across_the_levels_is_not_excluded_by_a_regular_matrix() -> None:
     wide = {index: ball + arb(0, 2**40) if sum(index) > 1 else ball for index, ball in level.box.items()}
     outcome = failed(verdict(candidate, [[curve]], DerivativeTable(wide, level.centre)), "extremum")
     assert not outcome.reason.excluded
+
+
+@pytest.mark.parametrize(
+    "equation, words",
+    [
+        (lambda p, c: p[0] * p[0] + p[1] * p[1] * c(F(-1)), ": D_(p_0, p_2) pi_q P may be singular"),
+        (lambda p, c: p[0] + p[1] * p[1] * p[1] * c(F(-1)), ": g'' = ["),
+        (lambda p, c: p[0] + p[1] * p[1] * c(F(-1)) + p[1] * p[1] * p[1] * c(-1 / (2 * SMALL)), ": g'' = ["),
+    ],
+    ids=["two curves", "inflection at the centre", "inflection off the centre"],
+)
+def test_what_keeps_a_fold_from_being_shown_is_named(equation: Function, words: str) -> None:
+    radii = (4 * SMALL**2, SMALL)
+    assert words in refused(lambda checklist: check_fold(checklist, problem_of([equation], radii)[0]))
 
 
 def test_a_zero_is_sought_in_the_box_only() -> None:
@@ -388,6 +419,21 @@ def test_the_images_of_a_box_hold_its_corners_where_levels_are_curved(name: str)
         there = coordinates_in_box(form, {**place, form.coordinates[0]: level})
         for image, ball in zip(images, there, strict=True):
             assert image.overlaps(ball)
+
+
+def test_second_derivatives_anywhere_in_a_box_widen_its_image() -> None:
+    candidate = known("em1")
+    form, integral = level_form(candidate), enclose_first_integral(candidate, 200)
+    assert form is not None
+    assert integral is not None
+    kept = [i for i, name in enumerate(candidate.coordinates) if name != candidate.system.level_coordinate]
+    far = {index: ball + arb(0, 2**30) if sum(index) == 2 else ball for index, ball in integral.box.items()}
+    near, wide = (_images(form, candidate, part, kept) for part in (integral, DerivativeTable(far, integral.centre)))
+    assert near is not None
+    assert wide is not None
+    assert all(a.contains(b) for a, b in zip(wide, near, strict=True))
+    assert wide[0].rad() > 2 * near[0].rad()
+    assert wide[0].rad() > enclose(2**28 * candidate.radii[0] ** 2)
 
 
 def test_the_level_coordinate_has_the_sign_that_it_has_at_the_centre() -> None:
