@@ -207,12 +207,12 @@ def function_to_json(element: Series) -> dict[str, Any]:
 
 def function_from_json(entry: Mapping[str, Any]) -> BoundedFunction:
     """The function of a JSON object that fits the schema. Raises `ValueError` if it is none."""
-    error = parse_exact(entry["error"])
+    error, coefficients = parse_exact(entry["error"]), [parse_exact(value) for value in entry["coefficients"]]
     if error < 0:
         raise ValueError("a bound is negative")
-    return BoundedFunction(
-        ball_polynomial([parse_exact(value) for value in entry["coefficients"]]), symmetric(error).rad()
-    )
+    if any(abs(value) >= _MOST**2 for value in (error, *coefficients)):
+        raise ValueError("a function is larger than any that is stored")
+    return BoundedFunction(ball_polynomial(coefficients), symmetric(error).rad())
 
 
 def _exponent(value: Fraction) -> int:
