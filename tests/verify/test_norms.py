@@ -100,6 +100,11 @@ def test_products_of_tiny_numbers_stay_positive() -> None:
     assert inflate(0.0) > 0.0
 
 
+def test_what_a_product_has_above_the_top_grade_is_in_the_last_slot() -> None:
+    lower, last = convolve([0.0, 1.0, 0.0], [0.0, 1.0, 0.0])[1:]
+    assert lower < 1.0 <= last
+
+
 def test_what_is_not_finite_never_becomes_finite() -> None:
     assert convolve([math.inf, 0.0], [1.0, 1.0])[0] == math.inf
     assert not math.isfinite(convolve([math.inf, 1.0], [0.0, 1.0])[0])
