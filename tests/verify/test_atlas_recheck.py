@@ -13,7 +13,7 @@ from support.atlas_runs import CURVE, go
 from orbitproof.shared.processes import Answer, Task
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.recheck import Means, recheck_atlas
+from orbitproof.verify.atlas.recheck import Means, _contradictions, recheck_atlas
 from orbitproof.verify.certificate import Recheck
 
 
@@ -72,3 +72,12 @@ def test_a_contradiction_is_not_mended_by_a_second_integration() -> None:
 
     assert any("half period" in finding.place for finding in checked(once).findings)
     assert len(asked) == 2
+
+
+def test_sides_that_differ_contradict_each_other() -> None:
+    result = document()["results"][1]
+    above, below = ({**result, "parts": [{"interval": ["-0x1", "0x1"], "side": side}]} for side in ("above", "below"))
+    assert not list(_contradictions(above, above))
+    assert [finding.place for finding in _contradictions(above, below)] == [
+        "piece p001, s in [-0x1, 0x1], part [-0x1, 0x1], side"
+    ]
