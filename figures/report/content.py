@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from importlib import metadata, resources
+from pathlib import Path
 
 from orbitproof.figures.report.document import (
     Block,
@@ -144,13 +145,25 @@ def _again(entries: Sequence[Checked]) -> Section:
     lines = ["# follows from what the certificates carry"]
     paths = list(dict.fromkeys((entry.path, isinstance(entry, CheckedAtlas)) for entry in entries))
     verify = {path: "verify atlas" if is_atlas else "verify" for path, is_atlas in paths}
-    lines += [f"orbitproof {verify[path]} --recheck {path.name}" for path, _ in paths]
+    curves = {path: _curve_of(path, entries) for path, _ in paths}
+    lines += [f"orbitproof {verify[path]} --recheck {path.name}{curves[path]}" for path, _ in paths]
     lines += ["", "# integrated again, with other settings"]
-    lines += [f"orbitproof {verify[path]} --recheck --integrate {path.name}" for path, _ in paths]
+    lines += [f"orbitproof {verify[path]} --recheck --integrate {path.name}{curves[path]}" for path, _ in paths]
     if second := _second_proofs(entries):
         lines += ["", "# bifurcations, by code that shares nothing with the first proof", *second]
     words = f"With orbitproof {metadata.version('orbitproof')} installed and the certificate files at hand:"
     return Section("again", "How to check it again", (Paragraph((words,)), Listing("\n".join(lines))))
+
+
+def _curve_of(path: Path, entries: Sequence[Checked]) -> str:
+    """The option that names the curve on which the orbits of a file have a place; empty if they have none."""
+    rows = [entry for entry in entries if isinstance(entry, CheckedRow) and entry.path == path]
+    places = [place for entry in rows if (place := entry.certificate.to_json().get("place")) is not None]
+    if not places:
+        return ""
+    digest = places[0]["rests_on"]["digest"]
+    curves = [entry for entry in entries if isinstance(entry, CheckedAtlas) and entry.document["digest"] == digest]
+    return f" --curve {curves[0].path.name if curves else 'CERTIFICATE-OF-THE-CURVE'}"
 
 
 def _second_proofs(entries: Sequence[Checked]) -> list[str]:

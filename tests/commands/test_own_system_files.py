@@ -151,3 +151,16 @@ def test_two_certificates_of_one_name_are_told_apart(folder: Path) -> None:
     code = report([str(folder / each) for each in (*CERTIFICATES, "atlas-certificate.json")]
                   + ["-o", str(folder.parent / "all.md"), "--no-pictures", "--quiet"])  # fmt: skip
     assert code == 0
+
+
+def test_a_report_of_an_orbit_with_a_place_names_its_curve(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(folder)
+    placed = tmp_path / "placed.json"
+    curve = ["--curve", "atlas-certificate.json", "--quiet"]
+    assert verify(["orbit.json", "-o", str(placed), "--jobs", "1", *curve]) == 0
+    assert report([str(placed), "atlas-certificate.json", "-o", str(tmp_path / "report.md"), "--no-pictures"]) == 0
+    text = (tmp_path / "report.md").read_text("utf-8")
+    assert "orbitproof verify --recheck placed.json --curve atlas-certificate.json\n" in text
+    assert verify(["--recheck", str(placed), *curve]) == 0
