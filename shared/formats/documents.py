@@ -32,12 +32,15 @@ class InputError(Exception):
 
 @cache
 def validator(name: str) -> Draft202012Validator:
-    """What checks a document against the schema `name`."""
+    """What checks a document against the schema `name`. An integer is written as one: 7.0 and true are none."""
     # Imported late: it takes most of the time of a command that reads nothing.
     from jsonschema import Draft202012Validator
+    from jsonschema.validators import extend
 
+    checker = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
     text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
-    return Draft202012Validator(json.loads(text))
+    strict: type[Draft202012Validator] = extend(Draft202012Validator, type_checker=checker)
+    return strict(json.loads(text))
 
 
 def _refuse_constant(text: str) -> NoReturn:

@@ -40,6 +40,11 @@ BROKEN: dict[str, tuple[Callable[[Any], None], str, str]] = {
     "wrong version": (put("version", value=2), "field version:", "2 must be 1"),
     "verdict without its reason": (put(*FIRST, "verdict", value="not proved"), "statement:", "'theorem'"),
     "proved, but a hypothesis fails": (put(*FIRST, "hypotheses", 0, "holds", value=False), "holds:", "must be true"),
+    "a number with a point for an integer": (
+        put(*FIRST, "computation", "precision", value=176.0),
+        "precision:",
+        "type integer",
+    ),
     "missing key": (lambda document: document["certificates"][0].pop("id"), "certificates[0]:", "'id' is missing"),
 }
 

@@ -13,6 +13,7 @@ from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
     NotEstablishedError,
+    ball_from_json,
     bounds,
     exact_text,
     is_outside,
@@ -77,3 +78,9 @@ def test_what_computes_is_named_with_its_version_and_as_what_is_left_to_be_belie
     for name in ("FLINT", "numpy", "python"):
         assert software()[name]
         assert name.lower() in remains.lower()
+
+
+@pytest.mark.parametrize("ball", [("0x1p999999", "0"), ("0x1p-999999", "0"), ("0x1", "0x1p99999")])
+def test_a_ball_of_a_size_that_no_computation_gives_is_refused(ball: tuple[str, str]) -> None:
+    with pytest.raises(ValueError, match="no computation gives"):
+        ball_from_json({"mid": ball[0], "rad": ball[1]})

@@ -43,6 +43,8 @@ def ball_from_json(entry: Mapping[str, str]) -> arb:
     middle, radius = parse_exact(entry["mid"]), parse_exact(entry["rad"])
     if radius < 0:
         raise ValueError("the radius of a ball is not negative")
+    if any(part and abs(_mantissa_exponent(part)[1]) > _LARGEST_EXPONENT for part in (middle, radius)):
+        raise ValueError("a ball of a size that no computation gives")
     centre = arb(_mantissa_exponent(middle))
     if radius == 0:
         return centre
@@ -60,6 +62,8 @@ def ball_from_json(entry: Mapping[str, str]) -> arb:
 
 
 _RADIUS_BITS = 30
+_LARGEST_EXPONENT = 1 << 16
+"""Decimals of much larger or smaller numbers take seconds each."""
 
 
 def _mantissa_exponent(value: Fraction) -> tuple[int, int]:
