@@ -170,6 +170,7 @@ def test_the_value_of_a_row_that_is_not_proved_is_that_of_its_centre(tmp_path: P
         for entry in entries:
             entry.update(verdict="not proved", results=None)
             entry["statement"].pop("theorem", None)
+            entry["statement"].pop("in_full", None)
             entry["reason"] = {"condition": "frames", "message": "not regular", "remedy": "refine again"}
 
     rows = {row.id: row for row in read_rows([certificates(tmp_path / "failed.json", fail)])}

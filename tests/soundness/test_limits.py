@@ -68,6 +68,7 @@ def stranger(integral: str) -> dict[str, Any]:
         entry["statement"]["candidate"].update(id="stranger", system="stranger")
         entry["statement"].update(first_integral=integral, names={"system": "stranger", "first_integral": "H"})
         entry["statement"].pop("theorem")
+        entry["statement"].pop("in_full", None)
         reason = {"condition": "symmetries", "message": "not shown", "remedy": "none"}
         entry.update(verdict="not proved", reason=reason, results=None, hypotheses=[], enclosures=None)
 

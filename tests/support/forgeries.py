@@ -34,6 +34,11 @@ def forged(document: Mapping[str, Any], change: Callable[[Document], Any]) -> Do
     return entry
 
 
+def noticed(check: Recheck) -> bool:
+    """Whether a check has found the change, or tells the words anew that were changed."""
+    return not check.stands or check.rendered is not None
+
+
 def conclusion_of(atlas: Atlas, results: Sequence[Mapping[str, Any]], rests_on: Sequence[Certificate]) -> Document:
     """What results give together, as JSON."""
     if atlas.is_surface:

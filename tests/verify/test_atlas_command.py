@@ -97,7 +97,7 @@ def test_a_conclusion_that_the_results_do_not_give_does_not_stand(tmp_path: Path
     assert main(["--recheck", str(target)]) == 1
     output, errors = capsys.readouterr()
     assert "DOES NOT STAND" in output
-    assert "verdict: stored is 'proved', evaluated again it is 'not proved'" in errors
+    assert "stored is 3, evaluated again it is 2" in errors
 
 
 def test_every_interval_is_proved_again_with_more_precision(tmp_path: Path, capsys: Any) -> None:

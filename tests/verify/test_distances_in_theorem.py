@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from support import stability_cases
-from support.forgeries import checked, forged, honest
+from support.forgeries import checked, forged, honest, noticed
 
 from orbitproof.shared.formats.atlas import Atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
@@ -103,8 +103,7 @@ def left_out(entry: dict[str, Any]) -> None:
 def test_a_forged_theorem_about_distances_is_found_without_integrating(
     results: Results, change: Callable[[dict[str, Any]], None]
 ) -> None:
-    found = checked(forged(document_of(results, with_a_wall()), change))
-    assert not found.stands
+    assert noticed(checked(forged(document_of(results, with_a_wall()), change)))
 
 
 def farther(distance: dict[str, Any]) -> None:
