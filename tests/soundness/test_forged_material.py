@@ -296,16 +296,18 @@ def test_types_are_compared_inside_of_what_is_equal_otherwise() -> None:
 # A place on a curve is checked with the curve, or not at all
 
 
+PLACE = {
+    "rests_on": {"id": "curve", "digest": "sha256:" + 64 * "0"},
+    "piece": "p001",
+    "s": ball_to_json(arb(0, 0.5)),
+    "mirrored": False,
+    "other_point": False,
+    "statement": "The point x lies on every curve.",
+}
+
+
 def test_a_place_is_open_without_its_curve(point: Certificate) -> None:
-    place = {
-        "rests_on": {"id": "curve", "digest": "sha256:" + 64 * "0"},
-        "piece": "p001",
-        "s": ball_to_json(arb(0, 0.5)),
-        "mirrored": False,
-        "other_point": False,
-        "statement": "The point x lies on every curve.",
-    }
-    placed = point.with_place(place)
+    placed = point.with_place(PLACE)
     found = recheck(placed)
     assert (found.stands, found.stands_without_place, found.word) == (False, True, "cannot be checked here")
     assert found.passed is Level.FORM
@@ -313,6 +315,28 @@ def test_a_place_is_open_without_its_curve(point: Certificate) -> None:
     (from_python,) = verify.recheck(placed, quiet=True)
     assert not from_python.stands
     assert recheck(placed.with_place(None)).stands
+
+
+def test_a_curve_carries_certificates_without_their_places(point: Certificate) -> None:
+    """It says itself where they lie, and checks no other curve."""
+    near = fabricated(point, ("2", "4e-2"), "near")
+    placed = near.with_place(PLACE)
+    document = atlas_certificate(*of_parabola(), [placed])
+    assert document == atlas_certificate(*of_parabola(), [near])
+    assert checked(document, given=[placed]).stands
+    forgery = forged(document, lambda entry: entry.update(rests_on=[placed.to_json()]))
+    found = {finding.place: finding.message for finding in checked(forgery).findings}
+    assert found["rests_on[0], place"] == "does not belong here"
+
+
+def test_a_changed_certificate_with_a_place_gets_no_digest_that_fits(point: Certificate) -> None:
+    placed = fabricated(point, ("2", "4e-2"), "near").with_place(PLACE).to_json()
+    placed["results"]["side"] = "above"
+    document = atlas_certificate(*of_parabola(), [Certificate.from_json(placed)])
+    (entry,) = document["conclusion"]["bifurcations"]
+    assert not entry["on_curve"]
+    assert "digest" in entry["reason"]
+    assert checked(document).stands
 
 
 # Each certificate that a theorem rests on is checked itself

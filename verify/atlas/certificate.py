@@ -57,7 +57,8 @@ def make_atlas_certificate(
     """The certificate of an atlas, with the results in order along the curve.
 
     `conclusion` is what `verify.curve.theorem` makes of the results; `None` as long as intervals are missing.
-    `rests_on` are the certificates of bifurcations that it was made with.
+    `rests_on` are the certificates of bifurcations that it was made with; it carries them without their places on
+    curves, which it says itself.
     """
     place = {piece.id: number for number, piece in enumerate(atlas.pieces)}
     ordered = sorted(results, key=lambda result: (place[result["piece"]], interval_of(result)))
@@ -82,7 +83,7 @@ def make_atlas_certificate(
         "statement": statement,
         "results": ordered,
         "conclusion": conclusion,
-        "rests_on": [entry.to_json() for entry in rests_on],
+        "rests_on": [entry.without_place().to_json() for entry in rests_on],
         "computation": {
             "intervals": sum(result["verdict"] == "proved" for result in ordered),
             "seconds": round(sum(result["computation"]["seconds"] for result in ordered), 3),

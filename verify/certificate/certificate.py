@@ -157,6 +157,11 @@ class Certificate:
         entry |= {} if place is None else {"place": dict(place)}
         return Certificate.from_json({**entry, "digest": digest(entry)}, f"certificate {self.id!r}")
 
+    def without_place(self) -> Certificate:
+        """The same without its place on a curve; one that was changed after it was written stays what it is."""
+        entry = self.to_json()
+        return self.with_place(None) if "place" in entry and entry.get("digest") == digest(entry) else self
+
     def __str__(self) -> str:
         claim = self._claim
         if self.reason is not None:
