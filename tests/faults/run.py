@@ -198,7 +198,7 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
                 result.pop("failed")
                 known["times"] = times
                 known[keys[fault.name]] = {"name": fault.name, "tests": fault.digest_of_tests(), **result}
-                output.write_text(json.dumps(known, indent=1), encoding="utf-8")
+                keep(known, output)
                 place = f"{number}/{len(missing)}"
                 tell(f"{place} {result['verdict']:9} {fault.name}  {result['by']} {result['seconds']} s")
         except BaseException:
@@ -215,8 +215,15 @@ def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Call
             tell(f"fails without a fault: {result['by']}, which found {fault.name}")
             known.pop(keys[fault.name], None)
             result["verdict"] = "not tried"
-    output.write_text(json.dumps(known, indent=1), encoding="utf-8")
+    keep(known, output)
     return results
+
+
+def keep(known: Result, output: Path) -> None:
+    """Write what is known, whole or not at all."""
+    beside = output.with_name(f".{output.name}.new")
+    beside.write_text(json.dumps(known, indent=1), encoding="utf-8")
+    beside.replace(output)
 
 
 def table(faults: Sequence[Fault], results: Sequence[Result]) -> str:

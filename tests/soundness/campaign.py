@@ -51,7 +51,7 @@ from test_soundness_campaign import (  # noqa: E402
 )
 
 import orbitproof.verify.certificate.rechecking as rechecking  # noqa: E402
-from orbitproof.shared.formats import Candidate, InputError, read_candidates  # noqa: E402
+from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_text  # noqa: E402
 from orbitproof.shared.interrupts import run_command  # noqa: E402
 from orbitproof.shared.numbers import parse_exact, round_dyadic  # noqa: E402
 from orbitproof.shared.processes import Failure, Report, Task, answers  # noqa: E402
@@ -412,7 +412,7 @@ def run(
         if isinstance(answer.result, Failure):
             raise RuntimeError(f"{answer.task.name}: {answer.result.message}")
         batches[answer.task.name] = answer.result
-        output.write_text(json.dumps(state, indent=1))
+        write_text(output, json.dumps(state, indent=1))
         wrong = len(batches[answer.task.name]["wrong"])
         print(f"{len(batches)} of {len(every)} batches, last {answer.task.name}: {wrong} wrong", file=sys.stderr)
     return state
@@ -454,9 +454,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.candidates is not None:
         wanted["rows"] = options.of_each_row * len(candidate_rows(options.candidates))
     print(f"seed {options.seed}", file=sys.stderr)
-    text = summary(run(wanted, options.seed, options.output, options.jobs, options.seconds, options.candidates))
-    print(text)
-    return 0 if "\nwrong: 0" in text else 1
+    state = run(wanted, options.seed, options.output, options.jobs, options.seconds, options.candidates)
+    print(summary(state))
+    return 1 if any(batch["wrong"] for batch in state["batches"].values()) else 0
 
 
 if __name__ == "__main__":
