@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,13 @@ import pytest
 from orbitproof.explore.__main__ import main as explore
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.__main__ import main as verify
-from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate import digest, read_certificates, recheck, write_certificates
+from orbitproof.verify.atlas import check_of_conclusion, recheck_places
+from orbitproof.verify.atlas.certificate import (
+    make_atlas_certificate,
+    read_atlas_certificate,
+    write_atlas_certificate,
+)
+from orbitproof.verify.certificate import Level, digest, read_certificates, recheck, write_certificates
 from orbitproof.verify.curve import conclude
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -179,6 +185,22 @@ def test_a_place_on_a_curve_whose_certificate_does_not_stand_does_not_stand(
     path = tmp_path / "placed.json"
     write_certificates(path, [entry.with_place(place)])
     assert verify(["--recheck", str(path), "--curve", str(changed), "--quiet", "--jobs", "1"]) == 1
+
+
+def test_a_place_is_not_shown_by_the_check_of_another_curve(placed: Path, curve: Path) -> None:
+    (entry,) = read_certificates(placed).values()
+    given, checks = read_atlas_certificate(curve), {entry.id: recheck(entry)}
+    own = check_of_conclusion(given.document)
+    (shown,) = recheck_places(given, own, [entry], checks).values()
+    assert (shown.stands, shown.level) == (True, Level.CONCLUSION)
+    other = {**given.document, "computation": {"intervals": 2, "seconds": 0.0}}
+    changed = replace(given, document=other)
+    for which, examined in ((given, replace(own, digest=digest(other))), (changed, own)):
+        with pytest.raises(ValueError, match="not of the curve"):
+            recheck_places(which, examined, [entry], checks)
+    # An orbit is integrated again, its curve is not.
+    deeper = {entry.id: replace(checks[entry.id], level=Level.INTEGRATION)}
+    assert recheck_places(given, own, [entry], deeper)[entry.id].level is Level.CONCLUSION
 
 
 def test_a_curve_whose_certificate_was_changed_places_nothing(

@@ -14,7 +14,7 @@ from orbitproof.shared.processes import Answer, Task
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.atlas.recheck import Means, _contradictions, recheck_atlas
-from orbitproof.verify.certificate import Recheck
+from orbitproof.verify.certificate import Level, Recheck
 
 
 def document() -> dict[str, Any]:
@@ -40,6 +40,15 @@ def checked(change: Callable[[dict[str, Any]], None]) -> Recheck:
 
 def test_an_integration_that_finds_the_same_confirms() -> None:
     assert checked(lambda result: None).findings == ()
+
+
+def test_an_atlas_of_which_nothing_is_proved_does_not_pass_the_last_level() -> None:
+    conclusion = conclusion_of(CURVE, (), (), lambda entries: (), None)
+    nothing = make_atlas_certificate(CURVE, (), conclusion)
+    found = recheck_atlas(nothing, (), True, Means(lambda entries, integrate: (), lambda tasks, finished: None))
+    assert (found.stands, found.level) == (True, Level.CONCLUSION)
+    assert "nothing was integrated again: it stores no proved intervals" in found.notes
+    assert checked(lambda result: None).level is Level.INTEGRATION
 
 
 BALL = {"mid": "0x3", "rad": "0x1p-1", "decimal": "[2.5, 3.5]"}

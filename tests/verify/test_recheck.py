@@ -19,7 +19,7 @@ from orbitproof.shared.formats import InputError
 from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates
 from orbitproof.shared.numbers import format_dyadic, parse_exact
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.certificate import rechecking
+from orbitproof.verify.certificate import Level, rechecking
 from orbitproof.verify.certificate.certificate import Certificate, digest, read_certificates, write_certificates
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.precision import Limits
@@ -127,6 +127,18 @@ def test_another_integration_overlaps_and_proves_again(proved: Certificate, refu
     assert result.findings == ()
     assert result.precision > proved.computation.precision
     assert recheck(refuted, integrate=True).stands
+
+
+def test_what_stores_nothing_to_integrate_does_not_pass_the_last_level(refuted: Certificate) -> None:
+    hopeless = certified(HOPELESS)
+    found = {entry.id: recheck(entry, integrate=True) for entry in (hopeless, refuted)}
+    assert [found[name].level for name in found] == [Level.CONCLUSION, Level.INTEGRATION]
+    assert all(check.stands for check in found.values())
+    lines = recheck_table(list(found), found).splitlines()
+    assert any("2 conclusion" in line and line.endswith("no") for line in lines)
+    assert [line for line in lines if "nothing was integrated again" in line] == [
+        f"{hopeless.id}: nothing was integrated again: it stores no enclosures"
+    ]
 
 
 def _leaves(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:

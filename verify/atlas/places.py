@@ -8,7 +8,16 @@ from typing import Any
 
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
-from orbitproof.verify.certificate import REWORDED, Certificate, Finding, Level, Recheck, differences, recheck
+from orbitproof.verify.certificate import (
+    REWORDED,
+    Certificate,
+    Finding,
+    Level,
+    Recheck,
+    differences,
+    digest,
+    recheck,
+)
 from orbitproof.verify.curve import Bifurcation, conclude
 from orbitproof.verify.evidence import ball_to_json, located
 
@@ -56,9 +65,13 @@ def recheck_places(
 
     Args:
         curve: the certificate that the places rest on; without it they cannot be checked.
-        examined: that one, checked as far as the others.
+        examined: that one, checked as far as the others; without it, or if it is a surface, no place is shown.
         checks: of the certificates, by id, which leave their places open.
+
+    Raises `ValueError` if `examined` is the check of another certificate than the curve's.
     """
+    if curve is not None and examined is not None and examined.stands and examined.digest != digest(curve.document):
+        raise ValueError(f"examined: is the check of {examined.id}, and not of the curve {curve.document['id']}")
     result = dict(checks)
     for entry in certificates:
         place = entry.to_json().get("place")
@@ -71,7 +84,7 @@ def recheck_places(
                 rendered = {**(rendered or entry.to_json()), "place": again}
             else:
                 findings.append(finding)
-        level = min(check.level, Level.FORM) if findings else check.level
+        level = min(check.level, Level.FORM if findings or examined is None else examined.level)
         notes = check.notes if rendered is check.rendered else tuple(dict.fromkeys((*check.notes, REWORDED)))
         result[entry.id] = replace(
             check, findings=tuple(findings), level=level, open_place="", rendered=rendered, notes=notes

@@ -23,11 +23,13 @@ from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
 from orbitproof.verify.atlas.splitting import covers, interval_of
 from orbitproof.verify.atlas.task import RunLimits, result_of, task_of
 from orbitproof.verify.certificate import (
+    NOT_INTEGRATED,
     UNCHECKED_REASON,
     UNKNOWN,
     Certificate,
     Examination,
     Finding,
+    NothingToCheckError,
     Recheck,
     climb,
     confirmed,
@@ -91,7 +93,7 @@ def recheck_atlas(document: Document, given: Sequence[Certificate], integrate: b
     steps = [partial(_form, document), partial(_conclusion, document, given, means)]
     if integrate:
         steps.append(partial(_integration, document, means))
-    return climb(str(document["id"]), str(document["verdict"]), steps)
+    return climb(document, steps)
 
 
 def order_of(document: Document) -> int | None:
@@ -199,6 +201,8 @@ def _other_certificates(document: Document, given: Sequence[Certificate]) -> Ite
 def _integration(document: Document, means: Means, examination: Examination) -> Iterator[Finding]:
     assert means.prove is not None
     atlas = atlas_of(document)
+    if not any(result["verdict"] == "proved" for result in document["results"]):
+        raise NothingToCheckError(NOT_INTEGRATED.format(what="proved intervals"))
     results: dict[str, Result] = {}
     findings: dict[str, list[Finding]] = {}
     contradictions: list[Finding] = []

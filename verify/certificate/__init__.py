@@ -16,6 +16,7 @@ from orbitproof.verify.certificate.levels import (
     Examination,
     Finding,
     Level,
+    NothingToCheckError,
     Recheck,
     climb,
     confirmed,
@@ -29,6 +30,7 @@ from orbitproof.verify.certificate.levels import (
 )
 from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from orbitproof.verify.certificate.rechecking import (
+    NOT_INTEGRATED,
     UNCHECKED_REASON,
     UNKNOWN,
     digest_findings,
@@ -44,6 +46,7 @@ __all__ = [
     "LEAST_PRECISION",
     "LEVELS",
     "MEANINGS",
+    "NOT_INTEGRATED",
     "REWORDED",
     "UNCHECKED_REASON",
     "UNKNOWN",
@@ -54,6 +57,7 @@ __all__ = [
     "Finding",
     "Level",
     "Limits",
+    "NothingToCheckError",
     "Recheck",
     "certify_all",
     "climb",

@@ -94,6 +94,10 @@ class Finding:
         object.__setattr__(self, "message", one_line(self.message))
 
 
+class NothingToCheckError(Exception):
+    """A certificate has nothing that a level could look at, so that it does not pass it; says what is missing."""
+
+
 class CannotBeCheckedError(Exception):
     """Nothing is wrong with a certificate as far as can be seen, but it cannot be checked here; says why."""
 
@@ -114,6 +118,7 @@ class Recheck:
         open_place: what its place on a curve rests on, as long as that was not checked; empty without a place.
         rendered: the certificate with the words of this version, as JSON, if its own are others; only these may be
             printed.
+        digest: the certificate's own, empty if it has none; one that stands has this content and no other.
     """
 
     id: str
@@ -126,10 +131,11 @@ class Recheck:
     notes: tuple[str, ...] = ()
     open_place: str = ""
     rendered: Mapping[str, Any] | None = None
+    digest: str = ""
 
     @property
     def stands(self) -> bool:
-        """Whether all levels that were asked for were passed, and nothing was left out."""
+        """Whether all levels that were asked for and had something to look at were passed, and nothing was left out."""
         return self.stands_without_place and not self.open_place
 
     @property
@@ -196,17 +202,24 @@ class Examination:
 
 
 Step = Callable[[Examination], Iterable[Finding]]
-"""One level of one certificate. Raises `CannotBeCheckedError` where it must; every other exception is a finding."""
+"""One level of one certificate. Raises `CannotBeCheckedError` or `NothingToCheckError` where it must; every other
+exception is a finding."""
 
 
-def climb(name: str, verdict: str, steps: Sequence[Step]) -> Recheck:
-    """Take the levels one after the other, from `Level.FORM` on, up to the first at which something is found."""
+def climb(document: Mapping[str, Any], steps: Sequence[Step]) -> Recheck:
+    """Take the levels one after the other, from `Level.FORM` on, up to the first at which something is found.
+
+    `document` is the certificate as JSON, of any kind.
+    """
     examination, level = Examination(), Level.NONE
     findings: list[Finding] = []
     obstacle = ""
     for number, step in enumerate(steps, start=1):
         try:
             findings.extend(step(examination))
+        except NothingToCheckError as error:
+            examination.notes += (str(error),)
+            break
         except CannotBeCheckedError as error:
             obstacle = str(error)
         except MemoryError:
@@ -221,8 +234,8 @@ def climb(name: str, verdict: str, steps: Sequence[Step]) -> Recheck:
         level = Level(number)
     notes = examination.notes if examination.rendered is None else (*examination.notes, REWORDED)
     return Recheck(
-        name, verdict, examination.hypotheses, tuple(findings), examination.precision, level, obstacle, notes,
-        examination.open_place, examination.rendered,
+        str(document["id"]), str(document["verdict"]), examination.hypotheses, tuple(findings), examination.precision,
+        level, obstacle, notes, examination.open_place, examination.rendered, str(document.get("digest", "")),
     )  # fmt: skip
 
 

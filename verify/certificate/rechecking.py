@@ -33,6 +33,7 @@ from orbitproof.verify.certificate.kinds import (
 from orbitproof.verify.certificate.levels import (
     Examination,
     Finding,
+    NothingToCheckError,
     Recheck,
     climb,
     differences,
@@ -74,6 +75,9 @@ _WORDS = ("theorem", "in_full")
 UNCHECKED_REASON = "it claims nothing, and why it is not proved is told as by the run, which nothing checks"
 """What is said of a certificate that proves nothing."""
 
+NOT_INTEGRATED = "nothing was integrated again: it stores no {what}"
+"""What is said of one that there is nothing to integrate of."""
+
 
 def recheck(
     certificate: Certificate, integrate: bool = False, progress: Callable[[float], None] | None = None
@@ -86,7 +90,7 @@ def recheck(
     steps = [partial(_form, entry), partial(_conclusion, entry)]
     if integrate:
         steps.append(partial(_integration, entry, progress))
-    return climb(certificate.id, certificate.verdict, steps)
+    return climb(entry, steps)
 
 
 def digest_findings(document: Mapping[str, Any]) -> Iterator[Finding]:
@@ -257,7 +261,7 @@ def _integration(
     stated = _read(certificate)
     stored = stated.enclosures
     if stored is None:
-        return
+        raise NothingToCheckError(NOT_INTEGRATED.format(what="enclosures"))
     remaining: dict[str, Finding] = {}
     for number, settings in enumerate(_settings(certificate["computation"]["precision"], stored.order)):
         place = f"integration with {settings.precision} bits and order {settings.order}"
