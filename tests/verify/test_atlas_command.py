@@ -181,7 +181,8 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
     code = (
         f"from support import atlas_work; from orbitproof.verify.atlas.__main__ import main; raise SystemExit({call})"
     )
-    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
+    places = [str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
     with started(["-c", code], env=environment) as run:
         wait_until(target.exists)
         time.sleep(0.3)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import product
 
 import mpmath
 import pytest
@@ -15,7 +16,7 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.certificate import Limits
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import bounds, enclose
-from orbitproof.verify.orbit.multipliers import STABLE, UNSTABLE, _roots, stability_of
+from orbitproof.verify.orbit.multipliers import STABLE, UNSTABLE, _multiplier, _roots, stability_of
 
 Root = tuple[Fraction, Fraction]
 """Real and imaginary part."""
@@ -130,6 +131,7 @@ def test_an_orbit_has_the_stability_parameters_and_multipliers_that_are_enclosed
         for ball, multiplier in zip(found.parameters, found.multipliers, strict=bool(found.multipliers)):
             here = [(s, s + sign * (s * s - 1).sqrt()) for s in exact if ball.overlaps(s) for sign in (1, -1)]
             assert any(multiplier.overlaps(value) for _, value in here)
+            assert not abs(multiplier) < 1
         real = not any(b for _, b in pair)
         inside = real and all(-1 < a < 1 for a, _ in pair) and pair[0] != pair[1]
         outside = not real or any(abs(a) > 1 for a, _ in pair)
@@ -137,6 +139,35 @@ def test_an_orbit_has_the_stability_parameters_and_multipliers_that_are_enclosed
         assert outside or found.verdict != UNSTABLE
         decided += found.verdict in (STABLE, UNSTABLE)
     assert size < 30 or decided > 100
+
+
+@pytest.mark.parametrize("size", [3, 10, 100])
+def test_one_stability_parameter_decides_alone(size: int) -> None:
+    source = random.Random(f"one {size}")
+    verdicts = set()
+    for _ in range(100):
+        s, c = Fraction(source.randint(-16, 16), 8), Fraction(source.randint(-2, 2))
+        # Q S Q^-1 with Q = 1 + c e_1 e_2^T, and half of 1 more than that.
+        half = [[Fraction(1), c * (s - 1) / 2], [Fraction(0), (s + 1) / 2]]
+        unit = [[Fraction(i == j) for j in range(2)] for i in range(2)]
+        out, back = ([[around(source, value, size) for value in row] for row in matrix] for matrix in (unit, half))
+        found = stability_of(out, back)
+        (parameter,) = found.parameters
+        assert contains(parameter, (s, Fraction(0)))
+        assert found.verdict != STABLE or abs(s) < 1
+        assert found.verdict != UNSTABLE or abs(s) > 1
+        verdicts.add(found.verdict)
+    assert {STABLE, UNSTABLE} <= verdicts
+
+
+@pytest.mark.parametrize("size", [2, 6, 20, 60])
+def test_a_multiplier_near_1_or_minus_1_is_enclosed(size: int) -> None:
+    """Where it is not known whether the stability parameter is inside (-1, 1)."""
+    for one, share in product((1, -1), range(-8, 9)):
+        s = one + Fraction(share, 8 * 2**size)
+        multiplier = _multiplier(acb(arb(one, arb(2) ** -size)))
+        root = acb(enclose(s * s - 1)).sqrt()
+        assert all(multiplier.contains(enclose(s) + sign * root) for sign in (1, -1))
 
 
 def test_opposite_stability_parameters_are_both_found() -> None:
