@@ -97,11 +97,14 @@ def read_document(path: Path, name: str) -> dict[str, Any]:
 _MOST_BITS = 2**33
 """What the numbers of a document take together, if each is written out: a gibibyte."""
 _LONG = re.compile(r"(?:p|e)[+-]?([0-9]{4,6})(?=[\"\s])")
+_ESCAPED = re.compile(r"\\u00([2-7][0-9a-fA-F])")
+"""How JSON may write a letter or a digit too."""
 
 
 def _long_numbers(text: str) -> int:
     """A bound of the bits of all exact numbers in a text whose exponents have four digits or more."""
-    return sum(4 * int(digits) for digits in _LONG.findall(text))
+    plain = _ESCAPED.sub(lambda found: chr(int(found[1], 16)), text)
+    return sum(4 * int(digits) for digits in _LONG.findall(plain))
 
 
 _MOST_NESTED = 100

@@ -230,6 +230,10 @@ def test_numbers_that_fill_the_memory_are_refused_in_one_line(
     assert "numbers are too long" in refused(tmp_path / "long.json", text, ["--recheck"], capsys)
     spaced = json.dumps({**HEAD, "certificates": [{**honest, "results": ["1e-99999"] * 30_000}]}, indent=1)
     assert "numbers are too long" in refused(tmp_path / "long.json", spaced, ["--recheck"], capsys)
+    for plain, part, escape in ((text, "p9", r"\u00709"), (text, "p9", r"p\u0039"), (spaced, "1e-", r"1\u0065\u002d")):
+        escaped = plain.replace(part, escape)
+        assert json.loads(escaped) == json.loads(plain)
+        assert "numbers are too long" in refused(tmp_path / "long.json", escaped, ["--recheck"], capsys)
 
 
 @pytest.mark.parametrize("text", ["0x1p9999999", "1e999999", "1e999999999", "9" * 5000, "0x1p999999999"])
