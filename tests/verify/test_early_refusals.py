@@ -80,7 +80,7 @@ def test_a_wrong_multiplicity_is_excluded_at_the_first_attempt(name: str, k: int
     assert not found.proved
     assert found.computation.attempts == 1
     assert found.reason is not None
-    words = ("no orbit branches off in the box", "there is no such point in the box")
+    words = ("branch off or merge in the box", "there is no such point in the box")
     assert any(word in found.reason.message for word in words)
 
 
@@ -104,6 +104,10 @@ def test_a_wrong_multiplicity_is_refused_before_its_orbits_are_followed_to_the_e
     assert not found.proved
     assert found.computation.attempts == 1
     assert seen == list(range(1, returns + 1))
+    # P^k was not enclosed over the box, and nothing is said of it there.
+    assert found.reason is not None
+    assert f"P^{k} over it" not in found.reason.message
+    assert (found.reason.condition == "multiplicity") == ("by P and P^2" in found.reason.message)
 
 
 @pytest.mark.parametrize("name", ["fs3", "fs4", pytest.param("em3", marks=pytest.mark.slow)])

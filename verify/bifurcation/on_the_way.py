@@ -14,8 +14,12 @@ from orbitproof.verify.evidence import Checklist, NotEstablishedError, Reason, e
 from orbitproof.verify.newton import BoxFunction, is_regular
 from orbitproof.verify.poincare import HalfReturns, check_half_orbit
 
-EXCLUDED = "no orbit branches off in the box: every matrix in the interval hull of D_(p_1, p_2) pi_q P^{k} over it is "
-EXCLUDED += "regular (section 8.2)"
+_EXCLUDED = "no R-symmetric orbits of this multiplicity branch off or merge in the box: "
+EXCLUDED = f"{_EXCLUDED}every matrix in the interval hull of D_(p_1, p_2) pi_q P^{{k}} over it is regular (section 8.2)"
+_EXCLUDED_ON_THE_WAY = (
+    f"{_EXCLUDED}at the R-symmetric points with P^2(x) = x in it, D_(p_1, p_2) pi_q P^{{k}} lies, by P and P^2, in a "
+    "hull of which every matrix is regular (section 8.2)"
+)
 
 REMEDY = "are k and the kind right, and is the centre at the bifurcation point?"
 
@@ -40,7 +44,7 @@ def check_half_returns(candidate: Candidate, found: HalfReturns) -> None:
     except ArithmeticError:
         return
     if found.image and _excludes_branches(candidate, problem, found):
-        message = EXCLUDED.format(k=candidate.k)
+        message = _EXCLUDED_ON_THE_WAY.format(k=candidate.k)
         raise NotEstablishedError(Reason("multiplicity", message, REMEDY, excluded=True))
 
 

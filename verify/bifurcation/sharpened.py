@@ -33,8 +33,8 @@ def fails_sharpened(problem: Problem, reason: Reason, check: Callable[[Problem],
 
 def for_want_of_size(reason: Reason) -> Reason:
     """The reason, of a condition that `fails_sharpened`."""
-    message = f"{reason.message}; that is due to the size of the box, which more precision does not change"
-    return replace(reason, message=message, needs_precision=False)
+    why = "that owes nothing to rounding as far as the enclosures show, so more precision is not tried"
+    return replace(reason, message=f"{reason.message}; {why}", needs_precision=False)
 
 
 def sharpened(problem: Problem) -> Problem:
