@@ -122,6 +122,18 @@ def test_untouched_certificates_stand_without_integrating(proved: Certificate, r
     assert recheck(proved).hypotheses == len(proved.hypotheses)
 
 
+@pytest.mark.usefixtures("no_integration")
+def test_no_hypothesis_holds_for_which_nothing_is_stored() -> None:
+    stored = certified(EXCLUDED)
+    shown = {"name": "poincare-map", "statement": "P exists", "section": "6", "enclosures": {}}
+
+    def check(holds: bool) -> Recheck:
+        return recheck(forged(stored, lambda entry: entry["hypotheses"].append({**shown, "holds": holds})))
+
+    assert check(False).stands
+    assert places(check(True)) == "hypothesis poincare-map"
+
+
 def test_another_integration_overlaps_and_proves_again(proved: Certificate, refuted: Certificate) -> None:
     result = recheck(proved, integrate=True)
     assert result.findings == ()

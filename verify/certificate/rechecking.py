@@ -69,6 +69,8 @@ Entry = Mapping[str, Any]
 
 _WITHOUT_INTEGRATION = ("symmetries", "frames", "adapted-frames")
 
+_NOTHING_STORED = "nothing is stored from which it could be evaluated"
+
 _WORDS = ("theorem", "in_full")
 """What a statement has if its claim is proved."""
 
@@ -232,10 +234,12 @@ def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding
             names = (", ".join(entry["name"] for entry in entries) for entries in (old, new))
             yield Finding("hypotheses", "stored are {}; evaluated again: {}".format(*names))
     elif len(old) > len(new):
-        yield Finding(f"hypothesis {old[len(new)]['name']}", "nothing is stored from which it could be evaluated")
+        yield Finding(f"hypothesis {old[len(new)]['name']}", _NOTHING_STORED)
     for left, right in zip(old, new, strict=False):
         if from_tables or right["name"] in _WITHOUT_INTEGRATION:
             yield from differences(left, right, f"hypothesis {right['name']}", ("hypotheses",))
+        elif left["holds"] != right["holds"]:
+            yield Finding(f"hypothesis {right['name']}", _NOTHING_STORED)
     if is_proved:
         yield from differences(stored["results"], again["results"], "results")
 

@@ -114,6 +114,7 @@ def range_text(ball: arb, digits: int) -> str:
 def exact_interval_text(lower: Fraction, upper: Fraction, digits: int = 9, inward: bool = False) -> str:
     """``[lower, upper]`` in decimals that contain all of an exact interval, or with `inward` nothing beyond it.
 
+    A single point has nothing inside: it is contained, with `inward` too.
     `digits` significant digits are written, and more where it takes them to show two digits of the width.
     """
     size = max(abs(lower), abs(upper))

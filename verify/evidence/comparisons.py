@@ -2,7 +2,8 @@
 
 A ball `arb` stands for every real number of a closed interval. A comparison here is True only if it
 holds for all of them and the balls are finite; NaN, infinities and undecided cases are False, which
-means "not shown", never "shown to be false". Nothing else in this package compares balls.
+means "not shown", never "shown to be false". Elsewhere a proof compares exact rational ends of finite balls only,
+or asks whether two enclosures of one number overlap.
 """
 
 from __future__ import annotations
