@@ -26,7 +26,7 @@ help:
 	@echo "make figures    every picture, with its data and proofs (into $(PICTURES)/; more than an hour, goes on where it stopped)"
 	@echo "make docs       this project as a site, its notebooks executed (into $(SITE)/)"
 	@echo "make test       everything that has to pass: lint, format, types, tests"
-	@echo "make test-slow  the longer proofs and campaigns (20 minutes)"
+	@echo "make test-slow  the longer proofs and campaigns"
 	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
 	@echo "make faults     faults made on purpose, one line each: which tests notice them (faults.json; hours, goes on where it stopped)"
 	@echo "make bench      benchmarks; each prints its numbers"

@@ -56,7 +56,7 @@ MEANINGS: Mapping[Level, Meaning] = {
     ),
     Level.INTEGRATION: Meaning(
         "what is stored, and what it rests on",
-        "integrated with more bits and a higher order: proved again, and the stored numbers are confirmed",
+        "integrated with more bits, first in a higher order: proved again, and the stored numbers are confirmed",
         "the theorems, this software, FLINT, numpy, Python, the processor",
     ),
 }
