@@ -71,6 +71,17 @@ def test_the_tube_holds_every_element_near_the_solution(seed: int) -> None:
         assert is_enclosed(result, neighbour.at(theta, point), theta, t, [])
 
 
+def test_the_coarse_centre_is_an_enclosure_of_an_exact_one() -> None:
+    """Nothing is unknown of the element, and the tube is empty: what its centre loses is all there is."""
+    fine = Arithmetic(Grading((1,), 1), 200, 0, 3)
+    exact = [Fraction(2**200 - 1, 2**200 * 3**n) for n in range(4)]
+    centre = fmpz_poly([int(value * 2**200) for value in exact])
+    element = Series(fine, [centre, fmpz_poly([])], fine.zero_errors())
+    result = centre_and_norms(norm_arithmetic(fine), element, fine.zero_errors())
+    lost = sum(Fraction(int(a), 2**200) - Fraction(int(b), 2**96) for a, b in zip(centre, result.coefs[0], strict=True))
+    assert 0 < lost <= Fraction(result.errors[0])
+
+
 @pytest.mark.parametrize("name", SYSTEMS)
 @pytest.mark.parametrize("seed", range(6))
 def test_derivatives_of_the_field_are_bounded_on_the_tube(name: str, seed: int) -> None:
