@@ -9,6 +9,7 @@ from pathlib import Path
 
 from orbitproof.shared.formats import ORBIT, Candidate, InputError, check_writable, read_candidates, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
     LEAST_PRECISION,
@@ -204,7 +205,7 @@ def _recheck(options: argparse.Namespace) -> int:
     failed = [result for result in done.values() if not result.stands]
     for result in failed:
         for finding in result.findings[:1]:
-            print(f"FAILED {result.id}: {finding.place}: {finding.message}", file=sys.stderr)
+            print(f"FAILED {shown(result.id)}: {finding.place}: {finding.message}", file=sys.stderr)
     return 1 if failed else 0
 
 

@@ -24,6 +24,7 @@ from orbitproof.shared.formats import (
     validate_document,
 )
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.systems import shown
 
 if TYPE_CHECKING:
     from orbitproof.explore.branches import Birth, BranchRecord
@@ -212,7 +213,7 @@ def _print_rows(branches: Sequence[BranchRecord]) -> None:
         birth, counts = branch.birth, [str(len(side.orbits)) for side in branch.sides] or ["0", "0"]
         certified = branch.certified_side or ("-" if branch.verdict is None else branch.verdict)
         numbers = ["-"] * 3 if birth is None else [birth.side, f"{birth.slope:.6g}", f"{birth.curvature:.6g}"]
-        rows.append((str(branch.k), numbers[0], certified, *numbers[1:], counts[0], counts[1], branch.id))
+        rows.append((str(branch.k), numbers[0], certified, *numbers[1:], counts[0], counts[1], shown(branch.id)))
     widths = [max(len(row[i]) for row in rows) for i in range(len(_COLUMNS))]
     for row in rows:
         print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())

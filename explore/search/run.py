@@ -32,7 +32,7 @@ from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
 from orbitproof.shared.formats import FOLD, Candidate, InputError, read_candidates, write_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem, shown
 
 
 @dataclass(frozen=True)
@@ -306,7 +306,9 @@ def _print_table(rows: list[Row]) -> None:
         point = ", ".join(f"{value:.10g}" for value in row.point)
         level = row.level if isinstance(row.level, str) else f"{row.level:.12g}"
         level = level[: level.index(".") + 21] if "." in level else level
-        lines.append((item.title, str(resonance.k), resonance.kind, row.target.side, level, point, row.target.id))
+        lines.append(
+            (item.title, str(resonance.k), resonance.kind, row.target.side, level, point, shown(row.target.id))
+        )
     widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
     for line in lines:
         print("  ".join(text.ljust(width) for text, width in zip(line, widths, strict=True)).rstrip())

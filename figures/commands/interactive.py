@@ -83,13 +83,13 @@ def _family(options: argparse.Namespace) -> Any:
 
 
 def _curve(options: argparse.Namespace) -> Any:
-    from orbitproof.figures.certified import Curve
+    from orbitproof.figures.certified import Curve, heading_of
     from orbitproof.figures.pictures.interactive import curve_lines, orbits_figure
 
     curve = Curve.read(options.file)
     if curve.system is not CR3BP:
         raise InputError(f"{options.file}: orbits of {curve.system.name} are not in space; give a curve of cr3bp")
-    return orbits_figure(curve.atlas.title, curve_lines(curve), float(curve.parameters["mu"]))
+    return orbits_figure(heading_of(curve.atlas), curve_lines(curve), float(curve.parameters["mu"]))
 
 
 def _tori(options: argparse.Namespace) -> Any:

@@ -14,13 +14,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.figures.certified import Curve, Stretch
+from orbitproof.figures.certified import Curve, Stretch, heading_of
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.family import covered_by, crowds, free_corner
 from orbitproof.figures.pictures.legends import legend_below, legend_height, legend_row
 from orbitproof.figures.pictures.marks import draw_point, show_around
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
-from orbitproof.shared.systems import MASS_PARAMETERS
 from orbitproof.verify.poincare import PHYSICAL
 
 _WIDTH = 7.2
@@ -72,7 +71,7 @@ def draw_pieces(curve: Curve) -> Figure:
     number = sum(len(_own(stretch)) for stretch in curve.stretches)
     many = f" ({number} intervals)" if number > proved else ""
     count = f"{proved} of {len(curve.stretches)} pieces proved{many}"
-    figure.text(0.1, 0.965, _lines(title_of(curve), 1), color=INK, fontweight="bold", va="center")
+    figure.text(0.1, 0.965, _lines(heading_of(curve.atlas), 1), color=INK, fontweight="bold", va="center")
     widths.set_title(f"(a)  {count}", color=INK)
     tubes.set_title("(b)  the tube, and the proved distance from the polynomial", color=INK)
     handles: list[Any] = [*_coordinate_handles(curve.stretches), *_tube_handles(curve.stretches)]
@@ -91,7 +90,7 @@ def draw_curves(curves: Sequence[Curve]) -> Figure:
         axes = figure.add_subplot(grid[0, number])
         handles |= _draw_curve(axes, curve)
         letter = f"({'abcdefgh'[number % 8]})  " if len(curves) > 1 else ""
-        axes.set_title(letter + _lines(title_of(curve), len(curves)), color=INK)
+        axes.set_title(letter + _lines(heading_of(curve.atlas), len(curves)), color=INK)
     _legend(figure, list(handles.values()), claims)
     return figure
 
@@ -232,19 +231,9 @@ def _increases(values: Array) -> bool:
     return bool((np.diff(values) >= -1e-9 * np.abs(values[1:])).all())
 
 
-def title_of(curve: Curve) -> str:
-    """The title of the atlas, and whose mass it is about."""
-    mu = curve.parameters.get("mu")
-    mass = next((name for name, value in MASS_PARAMETERS.items() if value == mu), None)
-    title = curve.atlas.title
-    if mass is None or mass.split("-")[0] in title.lower():
-        return title
-    return f"{title}, {'-'.join(part.capitalize() for part in mass.split('-'))}"
-
-
 def _lines(title: str, panels: int) -> str:
     """A title in lines that fit above one of so many panels."""
-    return "\n".join(wrap(title.replace("<=", "≤"), _CHARACTERS // panels))
+    return "\n".join(wrap(title, _CHARACTERS // panels))
 
 
 def _own(stretch: Stretch) -> list[tuple[float, float]]:

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from orbitproof.figures.certified import CertifiedStability, ListedPoint
-from orbitproof.figures.pictures.certified_branches import Along, title_of
+from orbitproof.figures.certified import CertifiedStability, ListedPoint, heading_of
+from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.pictures.legends import legend_row
 from orbitproof.figures.pictures.marks import draw_resonance, resonances
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, level_label, marker_of
@@ -71,7 +71,7 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
     upper.set_ylabel(r"$(\lambda+1/\lambda)/2$")
     lower.set_ylabel("half period" if axis.is_parameter else level_label(found.curve.system).split("  ")[0])
     lower.set_xlabel(axis.label)
-    figure.text(0.1, 0.965, title_of(found.curve).replace("<=", "≤"), color=INK, fontweight="bold", va="center")
+    figure.text(0.1, 0.965, heading_of(found.curve.atlas), color=INK, fontweight="bold", va="center")
     upper.set_title(f"(a)  stability parameters, with all resonances up to 1:{found.order}", color=INK)
     lower.set_title(f"(b)  {'half period' if axis.is_parameter else 'the level of the orbits'}", color=INK)
     for number, row in enumerate(rows):

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from orbitproof.figures.certified import heading_of
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK, label_of
 from orbitproof.shared.formats import Atlas, SurfacePiece
@@ -115,7 +116,7 @@ def draw_surface(surface: Surface) -> Figure:
     proved = sum(sheet.is_proved for sheet in surface.sheets)
     parts = sum(len(sheet.borders) + 1 for sheet in surface.sheets if sheet.is_proved)
     odd = next(name for i, name in enumerate(system.centre_coordinates) if i not in even)
-    figure.text(0.1, 0.965, surface.atlas.title, color=INK, fontweight="bold", va="center")
+    figure.text(0.1, 0.965, heading_of(surface.atlas), color=INK, fontweight="bold", va="center")
     count = f"{proved} of {len(surface.sheets)} pieces proved, in {parts} parts"
     reach.set_title(f"(a)  halo orbits up to this height; {count}", color=INK)
     reach.set_ylabel(f"{label_of(odd, unit=False)}")

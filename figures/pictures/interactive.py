@@ -16,10 +16,10 @@ import numpy as np
 
 from orbitproof.explore.invariants import ToriRecord
 from orbitproof.explore.orbits import correct_batch, stability_index
-from orbitproof.figures.certified import Curve
+from orbitproof.figures.certified import Curve, heading_of
 from orbitproof.figures.model import MarkedPoint, SampledFamily, level_of
 from orbitproof.figures.orbits import Array, OrbitNotClosed, symmetric_orbit
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, shown
 
 SHOWN = 60
 """Orbits of a family or loop that are drawn, at most."""
@@ -59,7 +59,7 @@ def family_lines(family: SampledFamily, marks: Sequence[MarkedPoint]) -> list[Li
         period = float(np.interp(place, fine.arclength, fine.periods))
         row = [np.interp(place, fine.arclength, column) for column in fine.coefficients.T]
         said = f"k = {mark.k}: the certificate says proved" if mark.certified else f"k = {mark.k}: {_NUMERICAL}"
-        label = f"{escape(mark.candidate.id)}<br>{_facts(mark.level, period, np.roots(row), 5)}<br>{said}"
+        label = f"{escape(shown(mark.candidate.id))}<br>{_facts(mark.level, period, np.roots(row), 5)}<br>{said}"
         lines.append(Line(places, mark.certified, label))
     return lines
 
@@ -84,7 +84,7 @@ def curve_lines(curve: Curve) -> list[Line]:
         else:
             facts = _facts(level, float("nan"), [])
         verdict = "on a piece that the certificate says is proved" if proved[index] else "on a piece that is not proved"
-        lines.append(Line(rows, bool(proved[index]), f"{escape(curve.atlas.title)}<br>{facts}<br>{verdict}"))
+        lines.append(Line(rows, bool(proved[index]), f"{escape(heading_of(curve.atlas))}<br>{facts}<br>{verdict}"))
     return lines
 
 

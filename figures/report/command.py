@@ -9,6 +9,7 @@ from pathlib import Path
 
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.systems import shown
 from orbitproof.verify.engines import CHECK_SECONDS, LONG_CHECK_SECONDS, ArgumentParser, Display, positive_seconds
 
 _EXAMPLES = """\
@@ -72,7 +73,7 @@ def _run(options: argparse.Namespace) -> int:
         for path, check in refusal.rechecks:
             found = check.findings[0] if check.findings else None
             what = check.obstacle if found is None else f"{found.place}: {found.message}"
-            print(f"REFUSED {path}: {check.id}: {what}", file=sys.stderr)
+            print(f"REFUSED {path}: {shown(check.id)}: {what}", file=sys.stderr)
         print("nothing was written: a report tells only what follows from its certificates", file=sys.stderr)
         return 1
     proved = [entry for entry in entries if is_proved(entry)]

@@ -33,6 +33,7 @@ from orbitproof.figures.report.statements import (
     statement_blocks,
 )
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow, has_second_proof
+from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import MEANINGS, Level
 from orbitproof.verify.evidence import software
 
@@ -103,11 +104,11 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
 
 def _theorem(entry: Checked, number: int, draw: Draw) -> Section:
     name = name_of(entry)
-    statement = Statement(theorem_label(name), number, f"{kind_of(entry)}; {name}", statement_blocks(entry))
+    statement = Statement(theorem_label(name), number, f"{kind_of(entry)}; {shown(name)}", statement_blocks(entry))
     blocks: list[Block] = [statement, hypothesis_table(entry)]
     if isinstance(entry, CheckedAtlas):
         blocks.append(piece_table(entry))
-    return Section(f"section-{name}", f"Theorem {number}: {name}", (*blocks, *draw(entry)), level=2)
+    return Section(f"section-{name}", f"Theorem {number}: {shown(name)}", (*blocks, *draw(entry)), level=2)
 
 
 def _not_proved(entries: Sequence[Checked]) -> list[Section]:
@@ -116,7 +117,7 @@ def _not_proved(entries: Sequence[Checked]) -> list[Section]:
     items: list[Runs] = []
     for entry in entries:
         reason = entry.certificate.to_json()["reason"] if isinstance(entry, CheckedRow) else entry.document["reason"]
-        items.append((f"{name_of(entry)}: {reason['condition']}; the run said: {reason['message']!r}",))
+        items.append((f"{shown(name_of(entry))}: {reason['condition']}; the run said: {reason['message']!r}",))
     words = (
         "These certificates claim nothing. That something is not proved does not mean that it is false. What the runs "
         "said is quoted; nothing checks it."
@@ -173,7 +174,7 @@ def _second_proofs(entries: Sequence[Checked]) -> list[str]:
     for path in dict.fromkeys(entry.path for entry in rows):
         there = [entry for entry in rows if entry.path == path]
         followed = [name_of(entry) for entry in there if is_proved(entry) and has_second_proof(entry)]
-        only = "" if len(followed) == len(there) else f" --only {' '.join(followed)}"
+        only = "" if len(followed) == len(there) else f" --only {' '.join(map(shown, followed))}"
         lines += [f"orbitproof verify --second-proof {path.name}{only}"] if followed else []
     return lines
 

@@ -1,53 +1,63 @@
 """How far enclosures are from where they would not do: inside a box or tube, beyond a claimed end, away from 0.
 
-Exact, then rounded to be safe.
+Exact, then rounded to be safe. What a hypothesis asks of an enclosure follows from the claim: names are not read.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from math import floor
 
 from flint import arb
 
-from orbitproof.shared.formats import Atlas
+from orbitproof.shared.formats import Atlas, Candidate
 from orbitproof.verify.evidence import bounds
 
-_IN_THE_BOX = re.compile(r"p_(?P<index>[0-9])(\^H|\(P_[0-9]\)|$| of the candidate's box$)")
-_GLUED = re.compile(r"p_(?P<index>[0-9]+) of .+ in (?P<piece>\S+)")
-_BREAKING = re.compile(r"vy of the symmetry breaking in (?P<piece>\S+)")
-_NOT_ZERO = re.compile(r"b|g_0|G_[01]+|G_01 \+ .*|d q_2\(P\^[0-9]+\) / d p_2|dH/dp_0|h_.*|g''.*")
+_NOT_ZERO = frozenset({
+    "b", "g_0", "G_01", "G_11", "G_111", "G_01 + G_11 p_1'", "dH/dp_0", "h_fp'", "h_b'", "h_b''", "g''", "g''(P_1)",
+})  # fmt: skip
+"""Enclosures of numbers that a hypothesis about a box wants to differ from 0."""
 
 
-def margin_of(hypothesis: str, name: str, ball: arb, radii: Mapping[str, Sequence[Fraction]]) -> str:
+def margin_of(claim: Candidate, candidate: Candidate, hypothesis: str, name: str, ball: arb) -> str:
     """In words; empty where a hypothesis asks for nothing of this enclosure alone.
 
     Args:
-        radii: R_0, R_1, .. of the box that a hypothesis speaks of; under "" those of all others.
+        claim: what the hypotheses are about, the candidate or its level form.
     """
     if not ball.is_finite():
         return ""
-    found = _IN_THE_BOX.match(name)
-    if found is not None:
-        index, sizes = int(found["index"]), radii.get(hypothesis, radii[""])
-        return _part(ball, sizes[index], f"R_{index}") if index < len(sizes) else ""
-    return _away(ball) if _NOT_ZERO.fullmatch(name) else ""
+    radii = candidate.radii if hypothesis == "candidate-box" else claim.radii
+    index = _in_the_box(len(radii)).get(name)
+    if index is not None:
+        return _part(ball, radii[index], f"R_{index}")
+    # One number, where one coordinate is left to be solved for.
+    slope = f"d q_2(P^{claim.k}) / d p_2" if hypothesis in ("C2", "HC2") and len(radii) == 3 else None
+    return _away(ball) if name in _NOT_ZERO or name == slope else ""
+
+
+def _in_the_box(size: int) -> dict[str, int]:
+    """The i of each enclosure that has to lie inside P_i."""
+    kinds = ("", "^H", " of the candidate's box", *(f"(P_{j})" for j in range(size)))
+    return {f"p_{i}{kind}": i for i in range(size) for kind in kinds}
 
 
 def margin_on_atlas(atlas: Atlas, hypothesis: str, name: str, ball: arb) -> str:
     """The same for a hypothesis on the pieces of an atlas."""
     if not ball.is_finite():
         return ""
-    glued, breaking, covers = _GLUED.fullmatch(name), _BREAKING.fullmatch(name), atlas.claim.covers
-    if glued is not None and hypothesis == "glued" and atlas.is_surface:
-        index, radii = int(glued["index"]), {piece.id: piece.radii for piece in atlas.surface_pieces()}
-        return _part(ball, radii[glued["piece"]][index], f"R_{index}")
-    if breaking is not None and hypothesis == "planar-family":
-        tubes = {piece.id: piece.tube for piece in atlas.libration_pieces()}
-        return _part(ball, tubes[breaking["piece"]], "of the tube")
-    if covers is not None and hypothesis == "covers" and name in ("beginning", "end"):
+    covers = atlas.claim.covers
+    if hypothesis == "glued" and atlas.is_surface:
+        for before, after in pairwise(atlas.surface_pieces()):
+            for i, radius in enumerate(after.radii):
+                if name == f"p_{i} of {before.id} in {after.id}":
+                    return _part(ball, radius, f"R_{i}")
+    if hypothesis == "planar-family":
+        for piece in atlas.libration_pieces():
+            if name == f"vy of the symmetry breaking in {piece.id}":
+                return _part(ball, piece.tube, "of the tube")
+    if hypothesis == "covers" and covers is not None and name in ("beginning", "end"):
         low, high = bounds(ball)
         beyond = covers.start - high if name == "beginning" else low - covers.end
         return f"at least {_scientific(beyond, up=False)} beyond" if beyond > 0 else ""

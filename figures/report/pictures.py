@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from dataclasses import replace
 
 from matplotlib.figure import Figure
 
@@ -15,6 +14,7 @@ from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import FOLD
+from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
 
 _PNG_DPI = 130
@@ -31,8 +31,8 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     name = entry.certificate.id
     if entry.certificate.orbit is not None:
         caption = (
-            f"{name}: the orbit, integrated in double precision from the middle of its enclosures; the marked points "
-            "and times are enclosed by the certificate, far closer than can be seen"
+            f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the marked "
+            "points and times are enclosed by the certificate, far closer than can be seen"
         )
         figure = draw_orbit(entry.candidate, entry.certificate.orbit)
         return (_picture(f"orbit-{file_name(name)}", caption, figure),)
@@ -40,27 +40,28 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     fold = entry.candidate.kind == FOLD
     curves, along = ("the family", "it") if fold else ("the family and the branch", "the branch")
     caption = (
-        f"{name}: (a) {curves} in the box of the certificate, enclosed; (b) the parameter along {along} from the "
-        "enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
+        f"{shown(name)}: (a) {curves} in the box of the certificate, enclosed; (b) the parameter along {along} from "
+        "the enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
     )
     return (_picture(f"box-{file_name(name)}", caption, figure),)
 
 
 def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:
-    # The title is free text that no check looks at; the id names the theorem.
-    atlas = replace(entry.atlas, title=entry.atlas.id)
+    atlas = entry.atlas
     certificate = AtlasCertificate(atlas, entry.document)
     stem = file_name(atlas.id)
     if atlas.is_surface:
-        caption = f"{atlas.id}: how far the proved orbits reach over the parameter, and where the symmetry breaks"
+        caption = (
+            f"{shown(atlas.id)}: how far the proved orbits reach over the parameter, and where the symmetry breaks"
+        )
         return (_picture(f"surface-{stem}", caption, draw_surface(surface_of(certificate))),)
     curve = Curve.of(certificate)
     return (
-        _picture(f"curve-{stem}", f"{atlas.id}: the curve, {_FROM_POLYNOMIALS}", draw_curves([curve])),
+        _picture(f"curve-{stem}", f"{shown(atlas.id)}: the curve, {_FROM_POLYNOMIALS}", draw_curves([curve])),
         _picture(
             f"pieces-{stem}",
-            f"{atlas.id}: the pieces, their tubes, and the proved distance from the polynomials; the coordinates in "
-            "which orbits were followed are as the certificate records them",
+            f"{shown(atlas.id)}: the pieces, their tubes, and the proved distance from the polynomials; the "
+            "coordinates in which orbits were followed are as the certificate records them",
             draw_pieces(curve),
         ),
     )

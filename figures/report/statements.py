@@ -15,6 +15,7 @@ from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_o
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
+from orbitproof.shared.systems import shown
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 
 _DIGITS = 34
@@ -142,7 +143,7 @@ def hypothesis_table(entry: Checked) -> Table:
     kind = kind_of(entry)
     return Table(
         ("hypothesis", "what holds", "enclosure", "margin"), tuple(rows),
-        f"Hypotheses of {kind[0].lower()}{kind[1:]}, {name_of(entry)}", (0.12, 0.34, 0.34, 0.13),
+        f"Hypotheses of {kind[0].lower()}{kind[1:]}, {shown(name_of(entry))}", (0.12, 0.34, 0.34, 0.13),
     ).without_empty_columns()  # fmt: skip
 
 
@@ -150,8 +151,7 @@ def _margin(entry: Checked, hypothesis: str, name: str, ball: arb) -> Runs:
     if isinstance(entry, CheckedAtlas):
         margin = margin_on_atlas(entry.atlas, hypothesis, name, ball)
     else:
-        radii = {"": entry.claim.radii, "candidate-box": entry.candidate.radii}
-        margin = margin_of(hypothesis, name, ball, radii)
+        margin = margin_of(entry.claim, entry.candidate, hypothesis, name, ball)
     return (margin,) if margin else ()
 
 
@@ -175,7 +175,7 @@ def piece_table(entry: CheckedAtlas) -> Table:
             rows.append(((piece,), (_interval(result["interval"]),), parts, times, margin))
     return Table(
         ("piece", "s", "parts", "half periods", "deviation from the polynomial"), tuple(rows),
-        f"Proved intervals, {name_of(entry)}", (0.12, 0.22, 0.08, 0.25, 0.25),
+        f"Proved intervals, {shown(name_of(entry))}", (0.12, 0.22, 0.08, 0.25, 0.25),
     ).without_empty_columns()  # fmt: skip
 
 
@@ -196,8 +196,8 @@ def box_table(entry: CheckedRow) -> Table:
     rows += _box_rows(entry.claim, "")
     if entry.claim is not entry.candidate:
         rows += _box_rows(entry.candidate, ", the candidate's own box")
-    return Table(("", "exact value"), tuple(rows), f"The box of {name_of(entry)}; entries of A that are 0 are left out",
-                 (0.26, 0.68))  # fmt: skip
+    title = f"The box of {shown(name_of(entry))}; entries of A that are 0 are left out"
+    return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
 
 
 def _box_rows(claim: Candidate, which: str) -> Iterator[tuple[Runs, ...]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from orbitproof.figures.tables.rows import Enclosure
 from orbitproof.figures.tables.tables import Section, Table, TableRow
+from orbitproof.shared.systems import shown
 from orbitproof.verify.evidence import certain_digits
 
 NONE = "-"
@@ -68,7 +69,9 @@ def note_of(row: TableRow, section: Section) -> int | None:
 
 def footnotes(section: Section) -> list[tuple[int, str]]:
     """Numbers and texts of the reasons of rows that are not proved."""
-    return [(number, one_line(f"{row.id}: {row.reason}")) for number, row in enumerate(section.not_proved, start=1)]
+    return [
+        (number, one_line(f"{shown(row.id)}: {row.reason}")) for number, row in enumerate(section.not_proved, start=1)
+    ]
 
 
 def legend_of(table: Table) -> list[str]:

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems import ID, IDENTIFIER, LINE, MASS_PARAMETERS, SYSTEM, TITLE
+from orbitproof.shared.systems import ID, IDENTIFIER, LINE, MASS_PARAMETERS, PIECE, SYSTEM, TITLE
 
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
@@ -161,10 +161,12 @@ def validate_document(document: object, name: str, source: str) -> None:
 
 
 ID_IN_WORDS = "use letters, digits and . _ + = / ( ) ' -, at most five words and 100 characters"
+PIECE_IN_WORDS = "use one word of letters, digits and . _ + = / ( ) ' -"
 _FORMS = {
     ID: f"is no id; {ID_IN_WORDS}",
     IDENTIFIER: "is no name; use letters, digits and _, a letter first",
     LINE: "is not one line of printable text",
+    PIECE: f"is no id of a piece; {PIECE_IN_WORDS}",
     SYSTEM: "is no name of a system; use letters, digits, - and _, a letter first",
     TITLE: "is no title; give letters, digits and signs such as . , ' ( ) + - * / ^ =, and no sentences",
 }

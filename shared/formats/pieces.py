@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NoReturn
 
-from orbitproof.shared.formats.documents import ID_IN_WORDS, InputError
+from orbitproof.shared.formats.documents import PIECE_IN_WORDS, InputError
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.shared.systems import ID, ReversibleSystem, fits
+from orbitproof.shared.systems import PIECE, ReversibleSystem, fits
 
 COORDINATES = ("auto", "physical", "regularised")
 
@@ -176,8 +176,8 @@ def evaluate(coefficients: Sequence[Fraction], s: Fraction) -> Fraction:
 def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> AnyPiece:
     """A piece from a schema-valid JSON object; raises `InputError` that names the field."""
     numbers = _Numbers(entry, source)
-    if not fits(ID, entry["id"]):
-        numbers.refuse("id", f"{entry['id']!r} is no id", ID_IN_WORDS)
+    if not fits(PIECE, entry["id"]):
+        numbers.refuse("id", f"{entry['id']!r} is no id of a piece", PIECE_IN_WORDS)
     if entry["kind"] == LibrationPiece.kind:
         return _libration_piece(entry, numbers)
     size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)

@@ -10,7 +10,7 @@ from orbitproof.shared.systems.description import (
 from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
-from orbitproof.shared.systems.names import ID, IDENTIFIER, LINE, SYSTEM, TITLE, fits, is_title
+from orbitproof.shared.systems.names import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE, fits, is_title, shown
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
 from orbitproof.shared.systems.system import (
@@ -40,6 +40,7 @@ __all__ = [
     "LINE",
     "MASS_PARAMETERS",
     "OVER_MASSES",
+    "PIECE",
     "REGULARISATIONS",
     "SIDES",
     "SYSTEM",
@@ -64,4 +65,5 @@ __all__ = [
     "mass_of_distance",
     "program_function",
     "record",
+    "shown",
 ]

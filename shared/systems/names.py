@@ -17,7 +17,10 @@ SYSTEM = r"^[A-Za-z][A-Za-z0-9_-]{0,59}" + _END
 """Of a system, a short one."""
 
 ID = r"^(?=[^\n]{1,100}" + _END + r")(?![^\n]*\. )[A-Za-z0-9][A-Za-z0-9._+=/()'-]*( [A-Za-z0-9._+=/()'-]+){0,4}" + _END
-"""Of a claim, a piece, an atlas: at most five words."""
+"""Of a claim, an atlas: at most five words; `shown` says where it ends."""
+
+PIECE = r"^[A-Za-z0-9][A-Za-z0-9._+=/()'-]{0,99}" + _END
+"""Of a piece of an atlas: one word."""
 
 TITLE = (
     r"^(?=[^\n]{1,200}" + _END + r")(?![^\n]*[.,] +[A-Z])"
@@ -38,6 +41,15 @@ LINE = (
 def fits(pattern: str, text: object) -> bool:
     """Whether a value is a text of this form."""
     return isinstance(text, str) and re.search(pattern, text) is not None
+
+
+def shown(name: str) -> str:
+    """An id as sentences and tables have it: one of several words in quotes, which no id contains.
+
+    >>> shown("L1-k4"), shown("L1 k=4")
+    ('L1-k4', '"L1 k=4"')
+    """
+    return f'"{name}"' if " " in name else name
 
 
 def is_title(text: object) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -14,10 +15,14 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
 from support.chain_cases import Case, certificate, circle_point, concluded, parabola, parabola_piece, symmetric_loop
 
 from orbitproof.figures.__main__ import main
+from orbitproof.figures.certified import heading_of
 from orbitproof.figures.certified.curve import Curve
+from orbitproof.figures.commands.interactive import _curve as page_of_curve
+from orbitproof.figures.pictures import interactive
 from orbitproof.figures.pictures.certified_branches import draw_curves, draw_pieces
 from orbitproof.figures.pictures.certified_surfaces import draw_surface, surface_of
 from orbitproof.figures.style.style import close, use_style
@@ -238,6 +243,31 @@ def test_pieces_of_a_surface_stand_over_their_parameters_as_high_as_their_orbits
     path = write(tmp_path / "surface.json", dict(surface_certificate([]).document))
     assert main(["atlas", path, "-o", str(tmp_path / "out")]) == 1
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"surface-surface.pdf", "surface-surface.png"}
+
+
+LIE = "PROVED: infinitely many bifurcations lie on it"
+
+
+def test_no_picture_is_headed_by_the_title_of_a_file(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """It is anybody's words; id, kind and system are what the certificate is checked for."""
+    atlas, results = symmetric_loop()
+    entitled = replace(atlas, title=LIE), results
+    figures = [draw_pieces(curve(entitled)), draw_curves([curve(entitled)]), draw_curves([curve(entitled)] * 2)]
+    heads = [figures[0].texts[0].get_text(), *(axes.get_title(loc="left") for axes in figures[1].axes[:1])]
+    assert set(heads) == {"circle: symmetric closed curve of cr3bp"}
+    given = surface_certificate([])
+    figures.append(draw_surface(surface_of(replace(given, atlas=replace(given.atlas, title=LIE)))))
+    assert figures[-1].texts[0].get_text() == "surface: surface of cr3bp"
+    titles: list[str] = []
+    monkeypatch.setattr(interactive, "curve_lines", lambda found: [])
+    monkeypatch.setattr(interactive, "orbits_figure", lambda title, *rest: titles.append(title))
+    path = write(tmp_path / "curve.json", document_of(entitled))
+    page_of_curve(argparse.Namespace(file=Path(path)))
+    assert titles == heads[:1]
+    assert heading_of(replace(atlas, id="it is proved")) == '"it is proved": symmetric closed curve of cr3bp'
+    for figure in figures:
+        assert not [text for text in figure.findobj(Text) if "PROVED" in text.get_text()]
+        close(figure)
 
 
 def test_bad_input_is_one_line(tmp_path: Path, capsys: Any) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from support.picture_texts import unreadable
 from support.stability_cases import atlas, listed, results
 
@@ -51,6 +52,16 @@ def test_the_picture_shows_the_points_and_stable_intervals_of_the_list() -> None
         assert line.get_ydata()[0] == pytest.approx(np.cos(2 * np.pi * point["j"] / point["k"]))
     (span,) = [patch for patch in upper.patches if patch.get_gid() == "stable"]
     assert span.get_x() == pytest.approx(340.1875, abs=0.01)
+    close(figure)
+
+
+def test_the_picture_is_headed_by_the_id_and_not_by_the_title_of_the_file() -> None:
+    entitled = replace(atlas(), title="PROVED: all of them are stable")
+    found = CertifiedStability.of(AtlasCertificate(entitled, document()))
+    assert found is not None
+    figure = draw_certified_stability(found)
+    assert figure.texts[0].get_text() == f"{atlas().id}: curve of falkner-skan"
+    assert not [text for text in figure.findobj(Text) if "PROVED" in text.get_text()]
     close(figure)
 
 

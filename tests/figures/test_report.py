@@ -7,6 +7,7 @@ import json
 import random
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from html.parser import HTMLParser
 from pathlib import Path
@@ -371,17 +372,31 @@ def test_formulas_in_words_are_set_and_the_words_stay(text: str, formula: str) -
 
 
 def test_a_margin_in_the_box_is_rounded_up_and_one_from_zero_down() -> None:
-    radii = {"": (Fraction(1), Fraction(3)), "candidate-box": (Fraction(1), Fraction(6))}
+    candidate = replace(known("fs3"), radii=(Fraction(1), Fraction(6)))
+    claim = replace(candidate, radii=(Fraction(1), Fraction(3)))
+
+    def margin(hypothesis: str, name: str, ball: arb) -> str:
+        return margin_of(claim, candidate, hypothesis, name, ball)
+
     ball = arb(0, 1)
     high = bounds(ball)[1]
-    assert Fraction(margin_of("C3", "p_1", ball, radii).split()[2]) >= high / 3
-    assert margin_of("C3", "p_1", ball, radii) == "at most 0.34 R_1"
-    assert margin_of("candidate-box", "p_1", ball, radii) == "at most 0.17 R_1"
-    away = margin_of("G_01", "G_01", arb(7, 2), radii)
+    assert Fraction(margin("C3", "p_1", ball).split()[2]) >= high / 3
+    assert margin("C3", "p_1", ball) == "at most 0.34 R_1"
+    assert margin("candidate-box", "p_1", ball) == "at most 0.17 R_1"
+    away = margin("G_01", "G_01", arb(7, 2))
     low, high = bounds(arb(7, 2))
     assert Fraction(away.split()[2]) <= low / (high - low)
-    assert margin_of("G_01", "G_01", ball, radii) == ""
-    assert margin_of("family", "d q_1(P) / d p_1", arb(7), radii) == ""
+    assert margin("G_01", "G_01", ball) == ""
+    assert margin("family", "d q_1(P) / d p_1", arb(7)) == ""
+
+
+def test_only_what_a_hypothesis_asks_for_has_a_margin() -> None:
+    claim = known("em1")
+    slope = f"d q_2(P^{claim.k}) / d p_2"
+    assert margin_of(claim, claim, "HC2", slope, arb(7)) == "exact, not 0"
+    for hypothesis, name in (("regular-1", slope), ("HC2", "d q_2(P^9) / d p_2"), ("HC3", "h_anything"),
+                             ("HC3", "p_1(P_7)"), ("HC3", "p_1^Hx"), ("HC3", "p_7"), ("HC3", "G_01 + x")):  # fmt: skip
+        assert margin_of(claim, claim, hypothesis, name, arb(7)) == ""
 
 
 def test_a_table_leaves_out_columns_in_which_nothing_stands() -> None:

@@ -170,7 +170,9 @@ def test_hypotheses_on_pieces_have_margins(kind: str, written: dict[str, Path]) 
 def test_margins_on_an_atlas_are_rounded_to_be_safe() -> None:
     atlas = read("surface-planar.json")
     (piece, *_), (planar, *_) = atlas.surface_pieces(), atlas.libration_pieces()
+    atlas = replace(atlas, pieces=(replace(piece, id="before"), *atlas.pieces))
     ball = arb(0, float(piece.radii[0]) / 3)
+    assert margin_on_atlas(atlas, "glued", f"p_0 of {piece.id} in before", ball) == ""
     margin = margin_on_atlas(atlas, "glued", f"p_0 of before in {piece.id}", ball)
     assert Fraction(margin.split()[2]) >= bounds(ball)[1] / piece.radii[0]
     assert margin.endswith("R_0")

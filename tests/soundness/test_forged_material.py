@@ -25,7 +25,7 @@ from orbitproof.figures.report.theorems import check_files
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.formats.documents import validator
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import ID, IDENTIFIER, LINE, SYSTEM, TITLE
+from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE
 from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
@@ -242,7 +242,7 @@ def test_a_symmetry_has_a_name(point: Certificate, name: str) -> None:
 
 
 def test_the_schemas_have_the_patterns_of_names() -> None:
-    patterns = {"id": ID, "identifier": IDENTIFIER, "line": LINE, "system": SYSTEM, "title": TITLE}
+    patterns = {"id": ID, "identifier": IDENTIFIER, "line": LINE, "piece_id": PIECE, "system": SYSTEM, "title": TITLE}
     seen = set()
     for name in ("candidates", "atlas", "system", "certificates", "atlas-certificate"):
         for key, entry in validator(name).schema["$defs"].items():

@@ -18,6 +18,7 @@ from support.claims import to_the_end
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates
 from orbitproof.shared.numbers import format_dyadic, parse_exact
+from orbitproof.shared.systems import shown
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Level, rechecking
 from orbitproof.verify.certificate.certificate import Certificate, digest, read_certificates, write_certificates
@@ -149,7 +150,7 @@ def test_what_stores_nothing_to_integrate_does_not_pass_the_last_level(refuted: 
     lines = recheck_table(list(found), found).splitlines()
     assert any("2 conclusion" in line and line.endswith("no") for line in lines)
     assert [line for line in lines if "nothing was integrated again" in line] == [
-        f"{hopeless.id}: nothing was integrated again: it stores no enclosures"
+        f"{shown(hopeless.id)}: nothing was integrated again: it stores no enclosures"
     ]
 
 

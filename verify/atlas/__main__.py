@@ -12,6 +12,7 @@ from typing import Any
 
 from orbitproof.shared.formats import SURFACE, Atlas, InputError, check_writable, read_atlas, read_document, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.apart import conclusion_apart
 from orbitproof.verify.atlas.certificate import (
     SCHEMA,
@@ -263,7 +264,7 @@ def _recheck(options: argparse.Namespace, work: Work) -> int:
         return INTERRUPTED
     print(recheck_table([found.id], {found.id: found}), flush=True)
     for finding in found.findings[:1]:
-        print(f"FAILED {found.id}: {finding.place}: {finding.message}", file=sys.stderr)
+        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
     return 0 if found.stands else 1
 
 

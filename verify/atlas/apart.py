@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_on, recheck_places
 from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
@@ -24,8 +25,8 @@ def places_on_apart(curve: AtlasCertificate, orbits: Sequence[Certificate], limi
     name = str(curve.document["id"])
     result = apart(_places, name, (curve, orbits), limits)
     if isinstance(result, Failure):
-        words = f"not shown to lie on {name}: {result.message}"
-        return [Placed(entry.with_place(None), f"{entry.id}: {words}") for entry in orbits]
+        words = f"not shown to lie on {shown(name)}: {result.message}"
+        return [Placed(entry.with_place(None), f"{shown(entry.id)}: {words}") for entry in orbits]
     return list(result)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
@@ -71,7 +72,7 @@ def recheck_places(
     Raises `ValueError` if `examined` is the check of another certificate than the curve's.
     """
     if curve is not None and examined is not None and examined.stands and examined.digest != digest(curve.document):
-        raise ValueError(f"examined: is the check of {examined.id}, and not of the curve {curve.document['id']}")
+        raise ValueError(f"examined: is the check of {examined.id!r}, and not of the curve {curve.document['id']!r}")
     result = dict(checks)
     for entry in certificates:
         place = entry.to_json().get("place")
@@ -98,7 +99,7 @@ def _differences(
     """What is wrong with a stored place, each with the place that is found, if one is."""
     given = _rests_on(curve)
     if stored["rests_on"] != given:
-        old, new = (f"{which['id']} ({which['digest']})" for which in (stored["rests_on"], given))
+        old, new = (f"{shown(which['id'])} ({which['digest']})" for which in (stored["rests_on"], given))
         yield Finding("place", f"rests on the curve {old}; given is {new}"), None
         return
     ((_, again, line),) = _placed(curve, examined, [entry])
@@ -113,25 +114,25 @@ def _placed(
     curve: AtlasCertificate, examined: Recheck | None, orbits: Sequence[Certificate]
 ) -> Iterator[tuple[Certificate, dict[str, Any] | None, str]]:
     """Each orbit with its place as JSON, if it is shown, and a line about it."""
-    name = curve.document["id"]
+    name = shown(curve.document["id"])
     if examined is None:
         for orbit in orbits:
-            yield orbit, None, f"{orbit.id}: not shown to lie on {name}: that is no curve but a surface"
+            yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: that is no curve but a surface"
         return
     if not (curve.is_proved and examined.stands):
         why = examined.why or "it is not proved"
         for orbit in orbits:
-            yield orbit, None, f"{orbit.id}: not shown to lie on {name}: its certificate does not stand: {why}"
+            yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: its certificate does not stand: {why}"
         return
     found = conclude(curve.atlas, curve.results, orbits).bifurcations
     for orbit, entry in zip(orbits, found, strict=True):
         if entry.place is None:
-            yield orbit, None, f"{entry.id}: not shown to lie on {name}: {entry.reason}"
+            yield orbit, None, f"{shown(entry.id)}: not shown to lie on {name}: {entry.reason}"
             continue
         which = "its other point on Fix(R) lies" if entry.place.other_point else "lies"
         mirror = " (as its mirror image)" if entry.place.mirrored else ""
         where = f"piece {entry.place.piece}, {located('s', entry.place.s, _DIGITS)}"
-        line = f"{entry.id}: {which} on the proved curve {name}{mirror}, {where}"
+        line = f"{shown(entry.id)}: {which} on the proved curve {name}{mirror}, {where}"
         yield orbit, _to_json(curve, entry), line
 
 
@@ -146,7 +147,7 @@ def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
         "s": ball_to_json(place.s),
         "mirrored": place.mirrored,
         "other_point": place.other_point,
-        "statement": f"{mirror} point {point} lies on the curve that the certificate {rests_on['id']} "
+        "statement": f"{mirror} point {point} lies on the curve that the certificate {shown(rests_on['id'])} "
         f"({rests_on['digest']}) proves, on its piece {place.piece}, at {located('s', place.s, _DIGITS)}.",
     }
 

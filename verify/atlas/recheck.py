@@ -17,7 +17,7 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas, atlas_from_json, validate_document
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS
+from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
 from orbitproof.verify.atlas.certificate import SCHEMA, Result, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
 from orbitproof.verify.atlas.splitting import covers, interval_of
@@ -46,7 +46,7 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.curve import PieceLimits, curve_hypotheses
 from orbitproof.verify.engines import Answer, Task
-from orbitproof.verify.evidence import ball_from_json
+from orbitproof.verify.evidence import ball_from_json, quoted_name
 from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.surface import SurfaceLimits, surface_hypotheses, unshown
 
@@ -140,6 +140,7 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
         yield Finding("rests_on", f"{name!r} appears twice: nothing says which of them the theorem is about")
     names, listed = [entry.id for entry in carried], [entry["id"] for entry in conclusion["bifurcations"]]
     if listed != names:
+        names, listed = list(map(shown, names)), list(map(shown, listed))
         yield Finding("rests_on", f"carries {', '.join(names) or 'nothing'}; listed: {', '.join(listed)}")
     found = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
     expected = list((surface_hypotheses if atlas.is_surface else curve_hypotheses)(atlas))
@@ -195,7 +196,9 @@ def _other_certificates(document: Document, given: Sequence[Certificate]) -> Ite
     beside = {entry.id: entry.without_place().to_json().get("digest") for entry in given}
     for name in sorted({*carried, *beside}):
         if carried.get(name) != beside.get(name):
-            yield Finding("rests_on", f"{name}: the certificate is {carried.get(name)}, given is {beside.get(name)}")
+            yield Finding(
+                "rests_on", f"{shown(name)}: the certificate is {carried.get(name)}, given is {beside.get(name)}"
+            )
 
 
 def _integration(document: Document, means: Means, examination: Examination) -> Iterator[Finding]:
@@ -233,7 +236,7 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
         problems = (
             check.findings if check.findings or not check.obstacle else (Finding("the certificate", check.obstacle),)
         )
-        yield from (Finding(f"bifurcation {check.id}, {entry.place}", entry.message) for entry in problems)
+        yield from (Finding(f"bifurcation {shown(check.id)}, {entry.place}", entry.message) for entry in problems)
 
 
 def _tasks(
@@ -329,7 +332,7 @@ def _part_findings(stored: Document, fresh: Document, place: str) -> Iterator[Fi
         (f"p_{i}", old, new) for i, (old, new) in enumerate(zip(stored["point"], fresh["point"], strict=True))
     ]
     if list(stored["hypotheses"]) != list(fresh["hypotheses"]):
-        yield Finding(place, f"stored hypotheses are {', '.join(stored['hypotheses'])}")
+        yield Finding(place, f"stored hypotheses are {', '.join(map(quoted_name, stored['hypotheses']))}")
         return
     for name, old_balls in stored["hypotheses"].items():
         new_balls = fresh["hypotheses"][name]

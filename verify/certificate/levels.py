@@ -16,7 +16,17 @@ from flint import arb
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Failure
-from orbitproof.verify.evidence import Stop, ball_from_json, ball_to_json, bounds, decimal_interval, one_line, software
+from orbitproof.verify.evidence import (
+    Stop,
+    ball_from_json,
+    ball_to_json,
+    bounds,
+    decimal_interval,
+    one_line,
+    quoted,
+    quoted_name,
+    software,
+)
 
 _SHOWN_DIGITS = 45
 _LONGEST_SHOWN = 100
@@ -79,7 +89,7 @@ REWORDED = "worded otherwise than by this version, which checks no foreign words
 class Finding:
     """Something in a certificate that is not as it should be: where it stands, and what is wrong.
 
-    Both are made lines that can be printed: they may quote keys of the file.
+    Both are made lines that can be printed. What they have of the file is quoted (`quoted`, `quoted_name`).
 
     Attributes:
         in_words: whether only words differ (`WORDS`).
@@ -227,8 +237,8 @@ def climb(document: Mapping[str, Any], steps: Sequence[Step]) -> Recheck:
         except (InputError, ValueError) as error:
             findings.append(Finding("the certificate", str(error)))
         except Exception as error:
-            message = f"the check broke off: {type(error).__name__}: {error}"
-            findings.append(Finding("the check", " ".join(message.split()).removesuffix(":")))
+            said = f": {quoted(str(error))}" if str(error) else ""
+            findings.append(Finding("the check", f"the check broke off: {type(error).__name__}{said}"))
         if findings or obstacle:
             break
         level = Level(number)
@@ -245,7 +255,7 @@ def differences(stored: Any, again: Any, place: str, keys: tuple[str, ...] = ())
         return
     if isinstance(stored, Mapping) and isinstance(again, Mapping) and "rad" not in stored:
         for key in sorted({*stored, *again}):
-            inner = f"{place}, {key}" if place else key
+            inner = f"{place}, {quoted_name(key)}" if place else quoted_name(key)
             if key not in stored:
                 yield Finding(inner, "is missing")
             elif key not in again:
@@ -269,7 +279,7 @@ def decimals(value: Any, place: str) -> Iterator[Finding]:
         yield from differences(value, ball_to_json(ball_from_json(value)), place)
     elif isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from decimals(inner, f"{place}, {key}")
+            yield from decimals(inner, f"{place}, {quoted_name(key)}")
     elif isinstance(value, list):
         for index, inner in enumerate(value):
             yield from decimals(inner, f"{place}[{index}]")
@@ -278,7 +288,7 @@ def decimals(value: Any, place: str) -> Iterator[Finding]:
 def other_software(certificate: Mapping[str, Any]) -> Iterator[Finding]:
     """What may explain differences: another version rounds or words differently."""
     made_by = certificate.get("software", {})
-    other = [f"{name} {made_by.get(name)}, here {version}" for name, version in software().items()
+    other = [f"{name} {quoted_name(str(made_by.get(name)))}, here {version}" for name, version in software().items()
              if made_by.get(name) != version]  # fmt: skip
     if other:
         yield Finding("software", f"the certificate was made with {'; '.join(other)}: prove it again with this one")
@@ -294,7 +304,7 @@ def other_hypotheses(
     if missing and [name for name in expected if name in stored] == list(stored):
         text = f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} not among them: prove the claim again"
     else:
-        text = f"stored are {', '.join(stored)}; the theorem takes {', '.join(expected)}"
+        text = f"stored are {', '.join(map(quoted_name, stored))}; the theorem takes {', '.join(expected)}"
     yield Finding("hypotheses", text)
     yield from other_software(certificate)
 
@@ -331,5 +341,10 @@ def _shown(value: Any) -> str:
             return decimal_interval(ball_from_json(value), _SHOWN_DIGITS)
         except ValueError:
             return "not a ball"
+    if isinstance(value, str):
+        return quoted(value)
     text = repr(value)
-    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]} ..."
+    if len(text) <= _LONGEST_SHOWN:
+        return text
+    # A part of it could end in the middle of a quotation.
+    return f"of {len(value)} entries" if isinstance(value, (Mapping, list)) else f"{text[:_LONGEST_SHOWN]} .."

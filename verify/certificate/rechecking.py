@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from orbitproof.shared.formats import Candidate, candidate_from_json, validate_document
-from orbitproof.shared.systems import SYSTEMS
+from orbitproof.shared.systems import SYSTEMS, shown
 from orbitproof.verify.bifurcation import check_exactly, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certify import broken_off, for_origin
@@ -53,6 +53,7 @@ from orbitproof.verify.evidence import (
     Proved,
     Theorem,
     guarded,
+    quoted_name,
 )
 from orbitproof.verify.poincare import IntegratorSettings
 
@@ -157,7 +158,8 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
         known = theorem.hypotheses if isinstance(theorem, Theorem) else ()
         yield from unknown_reason(certificate["reason"], known)
         if names != known[: len(names)]:
-            yield Finding("hypotheses", f"stored are {', '.join(names)}; the theorem takes {', '.join(known)}")
+            stored = ", ".join(map(quoted_name, names))
+            yield Finding("hypotheses", f"stored are {stored}; the theorem takes {', '.join(known)}")
         return
     if stated.enclosures is None:
         yield Finding("enclosures", "there are none, so nothing shows that the claim is proved")
@@ -178,7 +180,7 @@ def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Findin
     if "place" in certificate:
         curve = certificate["place"]["rests_on"]
         examination.open_place = (
-            f"its place rests on the curve {curve['id']} ({curve['digest']}): give it with --curve FILE"
+            f"its place rests on the curve {shown(curve['id'])} ({curve['digest']}): give it with --curve FILE"
         )
     kept = {key: certificate[key] for key in ("software", "digest", "place") if key in certificate}
     found = _compare(certificate, again, stated.enclosures is not None)
@@ -231,10 +233,10 @@ def _compare(stored: Entry, again: Entry, from_tables: bool) -> Iterator[Finding
     if from_tables:
         yield from _verdict_differences(stored, again)
         if len(old) != len(new):
-            names = (", ".join(entry["name"] for entry in entries) for entries in (old, new))
+            names = (", ".join(quoted_name(entry["name"]) for entry in entries) for entries in (old, new))
             yield Finding("hypotheses", "stored are {}; evaluated again: {}".format(*names))
     elif len(old) > len(new):
-        yield Finding(f"hypothesis {old[len(new)]['name']}", _NOTHING_STORED)
+        yield Finding(f"hypothesis {quoted_name(old[len(new)]['name'])}", _NOTHING_STORED)
     for left, right in zip(old, new, strict=False):
         if from_tables or right["name"] in _WITHOUT_INTEGRATION:
             yield from differences(left, right, f"hypothesis {right['name']}", ("hypotheses",))

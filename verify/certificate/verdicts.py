@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from orbitproof.shared.formats import Candidate
+from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.levels import MEANINGS, Level, Recheck
 from orbitproof.verify.engines import aligned
@@ -26,17 +27,17 @@ def verdict_table(
     for candidate in candidates:
         certificate = certificates.get(candidate.id)
         if certificate is None:
-            rows.append((candidate.id, str(candidate.k), candidate.kind, "not finished", "", "", ""))
+            rows.append((shown(candidate.id), str(candidate.k), candidate.kind, "not finished", "", "", ""))
             continue
         parameter = ""
         if certificate.parameter is not None:
             parameter = f"{certificate.parameter_name} = {certain_digits(certificate.parameter, _SHOWN_DIGITS)}"
         elapsed = "kept" if candidate.id in kept else f"{certificate.computation.seconds:.1f} s"
-        name, side = certificate.id, certificate.side or ""
+        name, side = shown(certificate.id), certificate.side or ""
         rows.append((name, str(candidate.k), candidate.kind, certificate.verdict, side, parameter, elapsed))
         reason = certificate.reason
         if reason is not None:
-            reasons.append(f"{candidate.id}: not proved, {reason.condition}: {reason.message}; {reason.remedy}")
+            reasons.append(f"{name}: not proved, {reason.condition}: {reason.message}; {reason.remedy}")
     return "\n".join([*aligned(rows), *([""] if reasons else []), *reasons])
 
 
@@ -47,8 +48,8 @@ def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
     """
     rows = [("certificate", "verdict", "check", "level passed", "hypotheses", "integrated again")]
     remarks: list[str] = []
-    for name in names:
-        result = rechecks.get(name)
+    for each in names:
+        name, result = shown(each), rechecks.get(each)
         if result is None:
             rows.append((name, "", "not finished", "", "", ""))
             continue

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from flint import arb
 
 from orbitproof.shared.formats import ORBIT, Atlas
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, shown
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Ends
@@ -52,7 +52,7 @@ def bifurcation_statement(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> 
         lines += [f"- {_bifurcation(atlas, entry)}" for entry in orbits]
     if off:
         lines.append("Of these it is not shown that they lie on it:")
-        lines += [f"- {entry.id} (k = {entry.k}): {entry.reason}" for entry in off]
+        lines += [f"- {shown(entry.id)} (k = {entry.k}): {entry.reason}" for entry in off]
     if foreign:
         were = "certificate is" if foreign == 1 else "certificates are"
         lines.append(
@@ -144,7 +144,7 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
     where = "at the symmetric point of" if entry.place.s.is_zero() and entry.place.piece in symmetric else "in"
     which = "the other point of the orbit on Fix(R), " if entry.place.other_point else ""
     mirror = " (its mirror image)" if entry.place.mirrored else ""
-    return f"{entry.id}: {what}{value}, {which}{where} piece {entry.place.piece}{mirror}"
+    return f"{shown(entry.id)}: {what}{value}, {which}{where} piece {entry.place.piece}{mirror}"
 
 
 def _point(coordinates: Mapping[str, arb]) -> str:

@@ -8,6 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from orbitproof.shared.systems import ID, fits, shown
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -55,17 +57,17 @@ class Display:
     def advance(self, name: str, fraction: float, label: str) -> None:
         """A row has come so far in its current attempt."""
         self._fractions[name] = min(max(fraction, 0.0), 1.0)
-        self._refresh(f"{name} ({label})")
+        self._refresh(f"{_shown(name)} ({label})")
 
     def finish(self, name: str, word: str) -> None:
         """A row is finished, with this outcome."""
         self._fractions[name] = 1.0
         self._done += 1
-        line = f"[{self._done}/{len(self._weights)}] {name}: {word}"
+        line = f"[{self._done}/{len(self._weights)}] {_shown(name)}: {word}"
         if self._bar is None and self._done < len(self._weights):
             line += f"; about {self._remaining():.0f} s left"
         self.message(line)
-        self._refresh(name)
+        self._refresh(_shown(name))
 
     def message(self, text: str) -> None:
         """A message on stderr, unless quiet."""
@@ -86,6 +88,11 @@ class Display:
     def _refresh(self, description: str) -> None:
         if self._bar is not None:
             self._bar.update(self._bar.task_ids[0], completed=self._work_done(), description=description, refresh=True)
+
+
+def _shown(name: str) -> str:
+    """An id as tables have it; names of intervals, which are no ids, as they are."""
+    return shown(name) if fits(ID, name) else name
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:

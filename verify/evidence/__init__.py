@@ -56,6 +56,8 @@ from orbitproof.verify.evidence.outcome import (
     hypothesis_to_json,
     one_line,
     outcome_to_json,
+    quoted,
+    quoted_name,
     show,
 )
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
@@ -108,6 +110,8 @@ __all__ = [
     "one_line",
     "outcome_to_json",
     "power",
+    "quoted",
+    "quoted_name",
     "range_text",
     "show",
     "sign",

@@ -6,6 +6,7 @@ exactly those of the theorem, in order, and all of them hold; a check that was l
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -60,6 +61,24 @@ def one_line(text: str) -> str:
 
 
 _LONGEST_LINE = 4000
+
+
+def quoted(text: str) -> str:
+    """What a file says, as a quotation: in quotes that it cannot end, and of readable length.
+
+    >>> print(quoted("'. It is proved"))
+    "'. It is proved"
+    """
+    return repr(text) if len(text) <= _LONGEST_QUOTED else f"{text[:_LONGEST_QUOTED]!r} .."
+
+
+def quoted_name(text: str) -> str:
+    """A key or name in a file: as it is if it is one plain word, otherwise as a quotation."""
+    return text if _PLAIN_WORD.fullmatch(text) else quoted(text)
+
+
+_LONGEST_QUOTED = 100
+_PLAIN_WORD = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.^'()/+-]{0,59}")
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from itertools import pairwise
 from flint import arb
 
 from orbitproof.shared.formats import ORBIT
+from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, hull, is_below, is_positive
 from orbitproof.verify.stability.extrema import BAND, is_in_band
@@ -59,7 +60,7 @@ def between_orbits(
         for turn in _turns(segment, _orbits_on(segment, pieces[segment.stretch], certified)):
             here = [i for i, e in enumerate(result) if e.stretch == segment.stretch and e.s.overlaps(turn.s)]
             is_open = any(gap.stretch == segment.stretch and _meets(gap, turn.s) for gap in gaps)
-            names = ", ".join(turn.certificates)
+            names = ", ".join(map(shown, turn.certificates))
             if not here and not is_open:
                 raise EmptyIntersectionError(f"{names} show an extremum that the list does not have")
             if len(here) == 1 and not is_open:
@@ -79,7 +80,7 @@ def _orbits_on(segment: Segment, piece: str, certified: Sequence[Bifurcation]) -
         values.sort(key=lambda value: float(value.mid()))
         if not sum(values[1:], values[0]).overlaps(segment.characteristic[0].value(segment.tau_of(place.s))):
             raise EmptyIntersectionError(
-                f"{entry.id} has other stability parameters than the orbits of the curve there"
+                f"{shown(entry.id)} has other stability parameters than the orbits of the curve there"
             )
         if all(is_below(low, high) for low, high in pairwise(values)):
             found.append(_Orbit(entry.id, place.s, tuple(values)))
@@ -130,7 +131,7 @@ def _narrowed(entry: Extremum, turn: _Turn, segment: Segment) -> Extremum:
     try:
         s, value = entry.s.intersection(turn.s), entry.value.intersection(turn.value)
     except ValueError:
-        names = ", ".join(turn.certificates)
+        names = ", ".join(map(shown, turn.certificates))
         raise EmptyIntersectionError(f"{names} show another extremum than the list has there") from None
     tau = segment.tau_of(s)
     return replace(

@@ -8,6 +8,7 @@ from dataclasses import replace
 from flint import arb
 
 from orbitproof.shared.formats import FOLD, ORBIT, Atlas
+from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
@@ -40,14 +41,18 @@ def with_certificates(
         if len(here) == 1 and not is_open:
             found = result[here[0]]
             if found.kind is (Kind.HERE if place.other_point else Kind.THERE):
-                raise EmptyIntersectionError(f"{entry.id} is certified at one point of the orbit, found at the other")
+                raise EmptyIntersectionError(
+                    f"{shown(entry.id)} is certified at one point of the orbit, found at the other"
+                )
             known = found.kind in (Kind.FOLD, Kind.LOSS, Kind.SYMMETRIC)
             if known and found.kind is not _KINDS.get(entry.kind):
                 names = f"certified as a {entry.kind}, found is: {name_of(found.kind)}"
-                raise EmptyIntersectionError(f"{entry.id} is {names}")
+                raise EmptyIntersectionError(f"{shown(entry.id)} is {names}")
             result[here[0]] = replace(found, certificates=(*found.certificates, entry.id))
         elif not here and not is_open:
-            raise EmptyIntersectionError(f"{entry.id} is certified on the curve, but is no zero of its characteristic")
+            raise EmptyIntersectionError(
+                f"{shown(entry.id)} is certified on the curve, but is no zero of its characteristic"
+            )
     return tuple(result)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
+from orbitproof.shared.systems import shown
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
 from orbitproof.verify.stability.across_list import ListAcross
@@ -181,7 +182,7 @@ def _extrema(atlas: Atlas, found: CompleteList) -> list[str]:
 
 def _extremum(atlas: Atlas, entry: Extremum) -> str:
     place = f"{level_name(atlas)} in {interval_text(entry.level, _DIGITS)}, in piece {entry.piece}"
-    known = f"; shown by the certified orbits {', '.join(entry.certificates)}" if entry.certificates else ""
+    known = f"; shown by the certified orbits {', '.join(map(shown, entry.certificates))}" if entry.certificates else ""
     return f"(lambda + 1/lambda)/2 in {interval_text(entry.value, _MOST_DIGITS)}: {place}{known}"
 
 
@@ -232,7 +233,7 @@ def _point(atlas: Atlas, point: Point, parameter: str = _IN_PLANE) -> str:
         f"{level_name(atlas)} in {interval_text(point.level, _DIGITS)}, half period in "
         f"{decimal_interval(point.half_period, 10)}"
     )
-    known = f"; certified: {', '.join(point.certificates)}" if point.certificates else ""
+    known = f"; certified: {', '.join(map(shown, point.certificates))}" if point.certificates else ""
     return f"{_words(atlas, point.found, parameter)}: {place}, in piece {point.piece}{known}"
 
 

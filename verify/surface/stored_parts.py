@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from orbitproof.shared.formats import SurfacePiece
-from orbitproof.verify.evidence import ball_from_json, excludes_zero, is_inside, sign
+from orbitproof.verify.evidence import ball_from_json, excludes_zero, is_inside, quoted_name, sign
 
 _NAMES = ("poincare-map", "HC2", "HC3", "HC4", "point", "dH/dp_0", "h_fp'", "h_b''")
 """The hypotheses with enclosures, in order."""
@@ -32,7 +32,7 @@ def unshown(piece: SurfacePiece, part: Mapping[str, Any]) -> Iterator[str]:
     """What the enclosures of a stored part do not show, or say twice in different ways; nothing if all is well."""
     found = part.get("hypotheses", {})
     if tuple(found) != _NAMES:
-        yield f"the hypotheses are {', '.join(found)}, not {', '.join(_NAMES)}"
+        yield f"the hypotheses are {', '.join(map(quoted_name, found))}, not {', '.join(_NAMES)}"
         return
     try:
         balls = {name: {key: ball_from_json(ball) for key, ball in entry.items()} for name, entry in found.items()}

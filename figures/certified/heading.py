@@ -1,0 +1,22 @@
+"""What stands at the head of a picture of an atlas."""
+
+from __future__ import annotations
+
+from orbitproof.shared.formats import SURFACE, Atlas
+from orbitproof.shared.systems import MASS_PARAMETERS, shown
+
+_KINDS = {
+    "arc": "curve",
+    "loop": "closed curve",
+    "symmetric-arc": "symmetric curve",
+    "symmetric-loop": "symmetric closed curve",
+    SURFACE: "surface",
+}
+
+
+def heading_of(atlas: Atlas) -> str:
+    """Its id, kind, system and mass, which the check of its certificate is about; its title is anybody's words."""
+    mu = atlas.parameters.get("mu")
+    masses = [name for name, value in MASS_PARAMETERS.items() if value == mu and name not in atlas.id.lower()]
+    mass = "".join(f", {'-'.join(part.capitalize() for part in name.split('-'))}" for name in masses[:1])
+    return f"{shown(atlas.id)}: {_KINDS[atlas.claim.kind]} of {atlas.system.name}{mass}"
