@@ -1,4 +1,4 @@
-"""A worker process of the verifier in which the integration of some rows goes wrong: each imports this afresh."""
+"""A worker process of the verifier in which the integration of some rows goes wrong, whether it is forked or new."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import orbitproof.verify.certificate.side_by_side
 from orbitproof.shared.formats.candidates import Candidate
 from orbitproof.shared.processes import Report
 from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.side_by_side import certify_task as sound_task
 from orbitproof.verify.poincare.iterates import enclose_iterates
 
 EXCEPTIONS: dict[str, type[Exception]] = {
@@ -38,4 +39,4 @@ def integrate(candidate: Candidate, *arguments: Any) -> Any:
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
     """In place of `verify.certificate.side_by_side.certify_task`."""
     orbitproof.verify.certificate.side_by_side.certify = partial(certify, integrate=integrate)  # type: ignore[assignment]
-    return orbitproof.verify.certificate.side_by_side.certify_task(argument, report)
+    return sound_task(argument, report)
