@@ -10,8 +10,6 @@ from typing import Any
 
 import pytest
 from flint import arb
-from support import atlas_work
-from support.chain_cases import parabola
 from support.claims import known
 from support.forgeries import (
     DATA,
@@ -19,8 +17,10 @@ from support.forgeries import (
     atlas_certificate,
     changes,
     checked,
+    fabricated,
     forged,
     honest,
+    of_parabola,
     read,
 )
 
@@ -29,24 +29,14 @@ from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import SYSTEMS, Program
 from orbitproof.verify.atlas.recheck import atlas_of
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck
-from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import ball_from_json, ball_to_json
-
-NO_ENGINE: Callable[[float, str], None] = lambda fraction, label: None  # noqa: E731
 
 
 @pytest.fixture(scope="module")
 def point() -> Certificate:
     """A certificate of the Falkner-Skan touch-and-go bifurcation."""
     return certify(known("fs3"), Limits(max_precision=256))
-
-
-def of_parabola() -> tuple[Any, list[Document]]:
-    """The pieces of y = beta^2/100 with true results."""
-    atlas, _ = parabola()
-    whole = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
-    return atlas, [atlas_work.proving({**whole, "piece": piece.to_json()}, NO_ENGINE) for piece in atlas.pieces]
 
 
 @pytest.fixture(scope="module")
@@ -229,16 +219,6 @@ def test_half_periods_that_are_too_narrow_are_found_by_integrating() -> None:
     assert checked(consistent).stands
     found = checked(consistent, honest(results))
     assert "half period" in found.findings[0].place
-
-
-def fabricated(point: Certificate, where: tuple[str, str], name: str) -> Certificate:
-    """The tables of a true certificate in a box elsewhere, with everything that follows from them."""
-    entry = point.to_json()
-    claim = {**entry["statement"]["candidate"], "id": name, "centre": list(where)}
-    entry["statement"]["candidate"] = claim
-    stated = rechecking._read(entry)
-    outcome = rechecking._conclude(stated.claim, entry["computation"]["precision"], stated.enclosures)
-    return make_certificate(stated.candidate, outcome, entry["computation"], stated.enclosures)
 
 
 def test_a_bifurcation_that_does_not_exist_is_found_by_integrating(point: Certificate) -> None:

@@ -10,11 +10,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from support import atlas_work
+from support.chain_cases import parabola
+
 from orbitproof.shared.formats.atlas import Atlas, read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
-from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck
+from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck, rechecking
+from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.surface import conclude_surface
@@ -78,6 +82,25 @@ def honest(results: Sequence[Mapping[str, Any]], pieces: Sequence[Mapping[str, A
         return {**head, "verdict": "not proved", "reason": reason, "computation": {"seconds": 0.0}}
 
     return prover
+
+
+def of_parabola() -> tuple[Atlas, list[Document]]:
+    """The pieces of y = beta^2/100 with true results."""
+    atlas, _ = parabola()
+    whole = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
+    return atlas, [
+        atlas_work.proving({**whole, "piece": piece.to_json()}, lambda fraction, label: None) for piece in atlas.pieces
+    ]
+
+
+def fabricated(point: Certificate, where: tuple[str, str], name: str) -> Certificate:
+    """The tables of a true certificate in a box elsewhere, with everything that follows from them."""
+    entry = point.to_json()
+    claim = {**entry["statement"]["candidate"], "id": name, "centre": list(where)}
+    entry["statement"]["candidate"] = claim
+    stated = rechecking._read(entry)
+    outcome = rechecking._conclude(stated.claim, entry["computation"]["precision"], stated.enclosures)
+    return make_certificate(stated.candidate, outcome, entry["computation"], stated.enclosures)
 
 
 @cache

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from typing import Any
 
 import pytest
 from support import atlas_work
 from support.atlas_runs import CURVE, go
+from support.claims import known
+from support.forgeries import atlas_certificate, fabricated, forged, honest, of_parabola
 
 from orbitproof.shared.processes import Answer, Task
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.atlas.recheck import Means, _contradictions, recheck_atlas
-from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck
+from orbitproof.verify.certificate.certify import certify, not_proved
+from orbitproof.verify.evidence import Reason
 
 
 def document() -> dict[str, Any]:
@@ -23,6 +27,10 @@ def document() -> dict[str, Any]:
         CURVE, run.results, (), lambda entries: (), None, lambda names: nullcontext(lambda name: None)
     )
     return make_atlas_certificate(CURVE, run.results, conclusion, ())
+
+
+def without_integrating(changed: Mapping[str, Any]) -> Recheck:
+    return recheck_atlas(changed, (), False, Means(lambda entries, integrate: ()))
 
 
 def checked(change: Callable[[dict[str, Any]], None]) -> Recheck:
@@ -90,3 +98,66 @@ def test_sides_that_differ_contradict_each_other() -> None:
     assert [finding.place for finding in _contradictions(above, below)] == [
         "piece p001, s in [-0x1, 0x1], part [-0x1, 0x1], side"
     ]
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (lambda d: d["results"].append({**d["results"][0], "piece": "p999"}), "results[3].piece"),
+        (lambda d: d["conclusion"]["hypotheses"].pop(), "hypotheses"),
+        (lambda d: d["conclusion"]["hypotheses"].reverse(), "hypotheses"),
+    ],
+    ids=["no such piece", "a hypothesis less", "another order"],
+)
+def test_what_is_malformed_is_found_before_anything_is_evaluated(change: Any, place: str) -> None:
+    assert without_integrating(document()).stands
+    found = without_integrating(forged(document(), change))
+    assert (found.level, found.findings[0].place) == (Level.NONE, place)
+
+
+def test_a_run_that_was_not_finished_is_no_certificate() -> None:
+    run, _ = go(CURVE, atlas_work.proving)
+    found = without_integrating(make_atlas_certificate(CURVE, run.results[:2], None, ()))
+    assert (found.level, found.findings[0].place) == (Level.NONE, "conclusion")
+
+
+def test_decimals_that_are_not_those_of_their_ball_are_found() -> None:
+    found = without_integrating(forged(document(), lambda d: d["results"][2]["time"].update(decimal="[2.7, 3.2]")))
+    assert (found.level, found.findings[0].place) == (Level.FORM, "results[2], time")
+
+
+def test_two_certificates_of_one_id_are_refused() -> None:
+    entry = not_proved(known("fs3"), Reason("time", "it is late", "give it more"), 0.0)
+    run, _ = go(CURVE, atlas_work.proving)
+    with pytest.raises(ValueError, match="appears twice"):
+        conclusion_of(CURVE, run.results, [entry, entry], lambda entries: [], None)
+
+
+def test_what_another_integration_finds_about_a_bifurcation_on_the_curve_is_said() -> None:
+    """Its certificate is checked again with an integration, and one that is not on the curve is not."""
+    atlas, results = of_parabola()
+    point = certify(known("fs3"), Limits(max_precision=256))
+    near = fabricated(point, ("2", "4e-2"), "near")
+    carried = atlas_certificate(atlas, results, [near, point])
+    assert [entry["on_curve"] for entry in carried["conclusion"]["bifurcations"]] == [True, False]
+    integrated: list[str] = []
+
+    def prove(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
+        for task in tasks:
+            finished(Answer(task, honest(results)(task.argument, lambda fraction, label: None), 0.25))
+
+    def examined(entries: Sequence[Certificate], integrate: bool, *found: Finding, **changes: Any) -> list[Recheck]:
+        integrated.extend(entry.id for entry in entries if integrate)
+        seen = found if integrate else ()
+        return [Recheck(entry.id, "proved", 1, seen, **(changes if integrate else {})) for entry in entries]
+
+    for found, changes, said in (
+        ((), {}, []),
+        ((Finding("tables", "is disjoint"),), {}, [("bifurcation near, tables", "is disjoint")]),
+        ((), {"obstacle": "no time"}, [("bifurcation near, the certificate", "no time")]),
+    ):
+        means = Means(lambda entries, integrate, f=found, c=changes: examined(entries, integrate, *f, **c), prove)
+        check = recheck_atlas(carried, (), True, means)
+        assert [(finding.place, finding.message) for finding in check.findings] == said
+        assert check.level is (Level.CONCLUSION if said else Level.INTEGRATION)
+    assert integrated == ["near"] * 3

@@ -65,10 +65,31 @@ def test_computed_symmetry_breakings_go_there_and_the_jacobi_constant_increases(
         assert (point.jacobi_constant - at_limit) / mu == pytest.approx(0.752, abs=0.01)
 
 
-def test_where_there_is_no_zero_nothing_is_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(chapter, "LOWER", Fraction("0.6"))
-    monkeypatch.setattr(chapter, "UPPER", Fraction("0.61"))
+@pytest.mark.parametrize(
+    ("lower", "upper"),
+    [
+        ("0.6", "0.61"), ("0.5", "0.9"),
+        # The sign is the same at both ends, and the slope is known.
+        ("0.6", "0.60000001"), ("0.8", "0.80000001"),
+        # It changes, and the slope is not known to differ from 0 on so wide a range.
+        ("0.7", "0.715"),
+    ],
+)  # fmt: skip
+def test_where_no_simple_zero_is_shown_nothing_is_claimed(
+    lower: str, upper: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chapter, "LOWER", Fraction(lower))
+    monkeypatch.setattr(chapter, "UPPER", Fraction(upper))
     assert kepler_limit() is None
-    monkeypatch.setattr(chapter, "LOWER", Fraction("0.5"))
-    monkeypatch.setattr(chapter, "UPPER", Fraction("0.9"))
-    assert kepler_limit() is None
+
+
+def test_the_slope_is_enclosed_between_the_ends() -> None:
+    found = kepler_limit()
+    assert found is not None
+    with ctx.workprec(160):
+        step = Fraction(1, 2**40)
+        for e in (LOWER, UPPER):
+            low, high = (melnikov(acb(enclose(e + sign * step))).real for sign in (-1, 1))
+            # The third derivative is far below 2^40 there.
+            slope = (high - low) / (2 * enclose(step)) + arb(0, 2.0**-40)
+            assert found.slope.contains(slope)

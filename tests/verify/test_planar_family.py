@@ -129,6 +129,11 @@ def _wrong_point(pieces: list[LibrationPiece], results: list[dict[str, Any]]) ->
     pieces[0] = replace(pieces[0], point="L2", distance=(-middle + Fraction(1, 50), half))
 
 
+def _two_points(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
+    pieces.append(replace(pieces[0], id="other", point="L2"))
+    results.append({**results[1], "piece": "other"})
+
+
 def _other_side(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None:
     pieces[0] = replace(pieces[0], point="L2")
 
@@ -183,6 +188,7 @@ def _beyond(pieces: list[LibrationPiece], results: list[dict[str, Any]]) -> None
 REFUSED: dict[str, tuple[Change, str]] = {
     "the planar orbits are not those of the family": (_other_family, "is not in the tube"),
     "the family is that of the other libration point": (_wrong_point, "not shown to be among the sizes"),
+    "the pieces are about both libration points": (_two_points, "two libration points"),
     "the distances have the wrong side": (_other_side, "other side of the smaller mass"),
     "the family does not reach the libration point": (_without_the_point, "does not reach the libration point"),
     "the family ends before the surface": (_gap_before_the_surface, "not shown to be among the sizes"),

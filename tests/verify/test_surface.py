@@ -8,6 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -22,9 +23,11 @@ from orbitproof.shared.formats.atlas import Atlas, read_atlas
 from orbitproof.shared.formats.pieces import SurfacePiece, evaluate
 from orbitproof.shared.systems.hill import hill_field, hill_integral
 from orbitproof.shared.systems.system import CR3BP, HILL, MASS_PARAMETERS
+from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.evidence.comparisons import enclose, is_inside
-from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.evidence.outcome import NotProved, Proved, Reason
+from orbitproof.verify.surface import piece as surface_piece
 from orbitproof.verify.surface.gluing import Sheet, read_sheet
 from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, coordinate_terms, enclose_surface
 from orbitproof.verify.surface.piece import prove_surface_piece
@@ -220,3 +223,84 @@ def test_what_the_box_is_made_of(piece: SurfacePiece) -> None:
             factors = [base**power for base, power in zip(p, exponents, strict=True)]
             value += evaluate(polynomial, s) * factors[0] * factors[1] * factors[2]
         assert abs(number(value) - state[index]) < 1e-14
+
+
+def test_tables_hold_for_every_s_of_a_part() -> None:
+    """Of polynomials in s over an interval that is not [-1, 1]."""
+    source = random.Random(6)
+    scales = (Fraction(1, 8), Fraction(1, 16), Fraction(1, 4))
+    arithmetic = WideArithmetic(Grading((2, 1, 2), 3), 80, 0, 4, width=5)
+    for _ in range(20):
+        start, end = sorted(Fraction(n, 16) for n in source.sample(range(-16, 17), 2))
+        rows = [[Fraction(source.randint(-64, 64), 64) for _ in range(5)] for _ in range(2)]
+        element = arithmetic.polynomial({(0, 0, 0): rows[0], (1, 0, 0): rows[1]})
+        returned = SurfaceReturn((element,), element, arb(1), scales, (start, end), 1, "")
+        part = sorted(start + (end - start) * Fraction(n, 16) for n in source.sample(range(17), 2))
+        (table,), level = returned.tables((part[0], part[1]))
+        for s in (*part, sum(part) / 2):
+            t = (2 * s - start - end) / (end - start)
+            value, slope = (evaluate(row, t) for row in rows)
+            for found in (table, level):
+                assert found.centre[0, 0, 0].contains(enclose(value))
+                assert found.box[1, 0, 0].contains(enclose(slope / scales[0]))
+                assert found.centre[1, 0, 0].contains(enclose(slope / scales[0]))
+
+
+def test_the_tables_hold_on_all_of_the_box(piece: SurfacePiece, returned: SurfaceReturn) -> None:
+    """They are those of half of the polydisc."""
+    assert all(scale / 2 >= radius for scale, radius in zip(returned.scales, piece.radii, strict=True))
+
+
+@pytest.fixture
+def parts_at_will(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Fraction, Fraction], bool]], None]:
+    """Has the theorem hold on the parts that a function names, without an integration."""
+
+    def where(holds: Callable[[Fraction, Fraction], bool]) -> None:
+        results = SimpleNamespace(local=(arb(0),) * 3, side="below")
+
+        def outcome(self: Any, part: tuple[Fraction, Fraction]) -> Any:
+            reason = Reason("HC3", "it may vanish", "other radii")
+            return SimpleNamespace(hypotheses=(), results=results) if holds(*part) else NotProved(reason)
+
+        monkeypatch.setattr(surface_piece._Parts, "_outcome", outcome)
+        monkeypatch.setattr(
+            surface_piece, "enclose_surface", lambda *_: SimpleNamespace(steps=1, coordinates="", time=arb(1))
+        )
+
+    return where
+
+
+def test_parts_are_halved_until_the_theorem_holds_on_all_of_them(parts_at_will: Any, piece: SurfacePiece) -> None:
+    parts_at_will(lambda start, end: end - start <= Fraction(1, 4))
+    found = prove_surface_piece(HILL, piece, WHOLE, FAST)
+    assert isinstance(found.outcome, Proved), found.outcome.reason
+    parts = found.outcome.results.parts
+    assert (parts[0].start, parts[-1].end) == WHOLE
+    assert all(a.end == b.start for a, b in pairwise(parts))
+    for place in (Fraction(-99, 100), Fraction(-1, 3), Fraction(1, 3), Fraction(99, 100)):
+        parts_at_will(lambda start, end, place=place: not start <= place <= end)
+        outcome = prove_surface_piece(HILL, piece, WHOLE, FAST).outcome
+        assert isinstance(outcome, NotProved)
+        assert "it may vanish" in outcome.reason.message
+
+
+def test_parts_that_are_asked_for_cover_the_interval(parts_at_will: Any, piece: SurfacePiece) -> None:
+    parts_at_will(lambda start, end: True)
+    zero, gap = Fraction(0), Fraction(1, 2**40)
+    for sections, proved in (
+        ([(-ONE, zero), (zero, ONE)], True), ([(-ONE, zero), (gap, ONE)], False),
+        ([(-ONE, zero)], False), ([(gap - ONE, zero), (zero, ONE)], False),
+    ):  # fmt: skip
+        outcome = prove_surface_piece(HILL, piece, WHOLE, FAST, sections=sections).outcome
+        assert isinstance(outcome, Proved) == proved
+        assert isinstance(outcome, Proved) or "leave a gap" in outcome.reason.message
+
+
+def test_a_centre_out_of_the_plane_is_named_before_anything_is_followed(
+    parts_at_will: Any, piece: SurfacePiece
+) -> None:
+    parts_at_will(lambda start, end: True)
+    changed, word = FALSE["a centre out of the plane"]
+    outcome = prove_surface_piece(HILL, changed(piece), WHOLE, FAST).outcome
+    assert isinstance(outcome, NotProved)
+    assert word in outcome.reason.message

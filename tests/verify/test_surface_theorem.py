@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -23,12 +24,14 @@ from orbitproof.shared.formats.pieces import SurfacePiece, evaluate
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems.system import HILL
 from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.evidence.balls_as_text import ball_to_json
-from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.evidence.balls_as_text import ball_from_json, ball_to_json
+from orbitproof.verify.evidence.comparisons import enclose, hull
 from orbitproof.verify.evidence.outcome import NotProved, Proved
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at, prove_surface_piece
+from orbitproof.verify.surface.proved_parts import ProvedPart
 from orbitproof.verify.surface.statement import _digits
+from orbitproof.verify.surface.stored_parts import unshown
 from orbitproof.verify.surface.theorem import ProvedSurface, conclude_surface, heights
 
 
@@ -230,6 +233,121 @@ def test_a_surface_with_a_flaw_is_refused(name: str) -> None:
     assert isinstance(conclusion.outcome, NotProved)
     assert not conclusion.statement
     assert conclusion.outcome.reason.condition == condition
+
+
+def message_of(pieces: Sequence[SurfacePiece], results: Sequence[dict[str, Any]] | None = None, **covers: str) -> str:
+    atlas = flat_atlas(pieces, **covers)
+    if not covers:
+        atlas = replace(atlas, claim=replace(atlas.claim, covers=None))
+    outcome = conclude_surface(atlas, [result_of(p) for p in pieces] if results is None else results).outcome
+    return "proved" if isinstance(outcome, Proved) else outcome.reason.message
+
+
+def test_pieces_between_which_parameters_are_missing_are_not_glued_however_few() -> None:
+    """The same curve on both sides of a gap that is much smaller than the boxes."""
+    gap = ONE / 2**60
+    for first, second in ((Fraction(1, 4), Fraction(1, 4) - gap), (Fraction(1, 4), Fraction(1, 4) + gap)):
+        message = message_of([flat_piece(1, Fraction(1, 8), first), flat_piece(2, second, Fraction(1, 2))])
+        assert message == "proved" if second < first else "no parameter values in common" in message
+    ahead = [flat_piece(1, Fraction(1, 4) + gap, Fraction(1, 2)), flat_piece(2, Fraction(1, 8), Fraction(1, 4))]
+    assert "not in order" in message_of(ahead)
+    assert "not in order" in message_of([flat_piece(1, Fraction(1, 8), ONE / 2), flat_piece(2, ONE / 8, ONE / 4)])
+
+
+def test_the_pieces_reach_both_ends_of_the_range() -> None:
+    above = str(Fraction(1, 8) - Fraction(1, 2**20))
+    assert "above the range" in message_of(three(), start=above, end="0.5")
+    last = three()[-1].parameters["h"]
+    beyond = str(sum(last) + Fraction(1, 2**20))
+    assert "below the range's end" in message_of(three(), start="0.125", end=beyond)
+    assert message_of(three(), start="0.125", end=str(sum(last))) == "proved"
+
+
+@pytest.mark.parametrize("edges", [(-ONE - ONE / 2**30, ONE), (-ONE, ONE + ONE / 2**30), (ONE / 2, -ONE)])
+def test_a_part_that_is_none_of_the_piece_proves_nothing(edges: Sequence[Fraction]) -> None:
+    pieces = three()
+    results = [result_of(piece) for piece in pieces]
+    results.append(result_of(pieces[1], edges))
+    assert "within [-1, 1]" in message_of(pieces, results)
+
+
+def test_a_parameter_increases_only_if_it_does_so_everywhere() -> None:
+    source = random.Random(4)
+    piece, known = three()[0], {True: 0, False: 0}
+    for _ in range(200):
+        row = [Fraction(source.randint(-8, 8), 8) for _ in range(source.randint(2, 5))]
+        found = Sheet(piece, tuple(row), ()).increases()
+        places = [Fraction(n, 64) for n in range(-64, 65)]
+        assert not found or all(sum(k * c * s ** (k - 1) for k, c in enumerate(row) if k) > 0 for s in places)
+        known[found] += 1
+    assert min(known.values()) > 10
+
+
+def test_at_the_joint_of_two_parts_a_point_may_be_that_of_either() -> None:
+    piece = three()[0]
+    left, right = (tuple(arb(sign * value, 2**-40) for value in (1, 0, 2)) for sign in (-1, 1))
+    parts = (ProvedPart(-ONE, Fraction(0), left, "below"), ProvedPart(Fraction(0), ONE, right, "below"))
+    sheet = Sheet(piece, piece.parameters["h"], parts)
+    for edges, points in (
+        ((-ONE / 2, -ONE / 4), [left]), ((ONE / 4, ONE), [right]), ((-ONE / 4, ONE / 4), [left, right]),
+        ((Fraction(0), Fraction(0)), [left, right]),
+    ):  # fmt: skip
+        found = sheet.local(*edges)
+        for point in points:
+            assert all(ball.contains(value) for ball, value in zip(found, point, strict=True))
+    assert sheet.local(ONE / 4, ONE)[2].rad() < 1
+
+
+def test_half_periods_are_those_of_all_pieces() -> None:
+    pieces = three()
+    results = [{**result_of(p), "time": ball_to_json(arb(k, 0.1))} for k, p in enumerate(pieces, start=1)]
+    statement = conclude(pieces, results).statement
+    found = re.search(r"All half periods lie in \[(\S+), (\S+)\]\.", statement)
+    assert found is not None
+    assert 0.85 < float(found[1]) <= 0.9
+    assert 3.1 <= float(found[2]) < 3.15
+
+
+def test_heights_are_those_of_the_first_direction_of_the_box() -> None:
+    """R_1 times the entry of the frame, whatever the other radii are."""
+    pieces = [replace(piece, radii=(ONE / 7, ONE / 4096, ONE / 5)) for piece in three()]
+    assert {entry.z for entry in heights(flat_atlas(pieces))} == {Fraction(2, 4096)}
+
+
+SHOWN = [
+    ("HC2", "d q_2(P^1) / d p_2", None), ("HC3", "g_0", None), ("HC4", "G_01 + G_11 p_1'", None),
+    ("dH/dp_0", "dH/dp_0", None), ("h_fp'", "h_fp'", None), ("h_b''", "h_b''", None),
+    ("HC2", "p_2^H", 2), ("HC2", "p_1(P_0)", 1), ("HC3", "p_0(P_1)", 0),
+    ("point", "p_0", 0), ("point", "p_1", 1), ("point", "p_2", 2),
+]  # fmt: skip
+"""What has to be different from 0 or inside P_i (sections 8 and 9)."""
+
+
+@pytest.mark.parametrize(("name", "key", "inside"), SHOWN, ids=[f"{name} {key}" for name, key, _ in SHOWN])
+def test_a_stored_part_shows_each_of_its_inequalities(
+    name: str, key: str, inside: int | None, piece: SurfacePiece
+) -> None:
+    results = json.loads((Path(__file__).parents[1] / "data" / "surface-results.json").read_text())
+    part = results[0]["parts"][0]
+    assert not list(unshown(piece, part))
+    entry = part["hypotheses"][name]
+    stored = ball_from_json(entry[key])
+    # Just over the edge, to both sides.
+    edge = arb(0) if inside is None else enclose(piece.radii[inside])
+    for ball in (hull(stored, edge), hull(stored, -edge)):
+        entry[key] = ball_to_json(ball)
+        if name == "point":
+            part["point"] = list(entry.values())[:3]
+        assert any(key in text for text in unshown(piece, part)), ball
+
+
+def test_a_stored_part_has_the_point_and_the_side_of_its_hypotheses(piece: SurfacePiece) -> None:
+    results = json.loads((Path(__file__).parents[1] / "data" / "surface-results.json").read_text())
+    part = results[0]["parts"][0]
+    other = [*part["point"][:2], ball_to_json(arb(0))]
+    assert list(unshown(piece, {**part, "point": other})) == ["the point is not that of the hypothesis"]
+    assert part["side"] == "below"
+    assert any("the side is 'above'" in text for text in unshown(piece, {**part, "side": "above"}))
 
 
 def test_a_point_that_is_not_finite_proves_nothing() -> None:

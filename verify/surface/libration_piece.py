@@ -32,6 +32,7 @@ from orbitproof.verify.evidence import (
     excludes_zero,
     guarded,
     is_inside,
+    power,
 )
 from orbitproof.verify.poincare import PHYSICAL, Returns
 from orbitproof.verify.surface.half_return import SurfaceLimits
@@ -211,11 +212,11 @@ class _Newton:
         speed, unit = arb(0, 1) * enclose(BOX), arb(0, 1)
         value, slope = unit * self.spread, unit * self.slope_spread
         for (i, j), polynomial in self.known:
-            term = values_around(polynomial, centre, reach) * beta**i
+            term = values_around(polynomial, centre, reach) * power(beta, Fraction(i))
             if j == 0:
                 value += term
             else:
-                slope += j * term * speed ** (j - 1)
+                slope += j * term * power(speed, Fraction(j - 1))
         if not (value.is_finite() and slope.is_finite() and excludes_zero(slope)):
             return None
         return -value / slope

@@ -1,0 +1,82 @@
+"""Places on a proved curve: told, checked again, and taken from nothing that does not stand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from support.claims import known
+from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
+
+from orbitproof.verify.atlas import check_of_conclusion, places_on, recheck_places
+from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.certificate import Certificate, Finding, Limits, Recheck, recheck
+from orbitproof.verify.certificate.certify import certify
+
+
+@pytest.fixture(scope="module")
+def point() -> Certificate:
+    """Of a point of the curve, as far as can be told without an integration."""
+    return fabricated(certify(known("fs3"), Limits(max_precision=256)), ("2", "4e-2"), "near")
+
+
+@pytest.fixture(scope="module")
+def curve() -> AtlasCertificate:
+    """y = beta^2/100 for beta from 1 to 5."""
+    atlas, results = of_parabola()
+    return AtlasCertificate(atlas, atlas_certificate(atlas, results))
+
+
+@pytest.fixture(scope="module")
+def placed(curve: AtlasCertificate, point: Certificate) -> Certificate:
+    (found,) = places_on(curve, [point])
+    assert "lies on the proved curve parabola, piece p000, s" in found.line
+    return found.certificate
+
+
+def checked(curve: AtlasCertificate, entry: Certificate, examined: Recheck | None = None) -> Recheck:
+    """With the place that it carries."""
+    examined = check_of_conclusion(curve.document) if examined is None else examined
+    return recheck_places(curve, examined, [entry], {entry.id: recheck(entry)})[entry.id]
+
+
+def test_a_place_stands_with_the_curve_that_it_rests_on(curve: AtlasCertificate, placed: Certificate) -> None:
+    place = placed.to_json()["place"]
+    assert place["rests_on"] == {"id": "parabola", "digest": curve.document["digest"]}
+    assert (place["piece"], place["mirrored"], place["other_point"]) == ("p000", False, False)
+    assert not recheck(placed).stands
+    assert checked(curve, placed).stands
+
+
+CHANGES: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
+    "another piece": (lambda place: place.update(piece="p001"), "piece"),
+    "another s": (lambda place: place["s"].update(rad="0x1p-200"), "s"),
+    "the other point": (lambda place: place.update(other_point=True), "other_point"),
+    "its mirror image": (lambda place: place.update(mirrored=True), "mirrored"),
+    "another digest": (lambda place: place["rests_on"].update(digest="sha256:" + 64 * "0"), "place"),
+    "another curve": (lambda place: place["rests_on"].update(id="circle"), "place"),
+}
+
+
+@pytest.mark.parametrize(("change", "where"), CHANGES.values(), ids=CHANGES.keys())
+def test_a_forged_place_is_found(
+    change: Callable[[dict[str, Any]], Any], where: str, curve: AtlasCertificate, placed: Certificate
+) -> None:
+    place = placed.to_json()["place"]
+    change(place)
+    found = checked(curve, placed.with_place(place))
+    assert not found.stands
+    assert where in found.findings[0].place
+    assert where != "place" or "rests on the curve" in found.findings[0].message
+
+
+def test_a_curve_that_does_not_stand_places_nothing(curve: AtlasCertificate, placed: Certificate) -> None:
+    falls = Recheck("parabola", "proved", 1, (Finding("digest", "does not fit the content"),))
+    found = checked(curve, placed, falls)
+    assert not found.stands
+    assert "does not stand" in found.findings[0].message
+    other = AtlasCertificate(curve.atlas, forged(curve.document, lambda d: d["conclusion"]["joints"].pop()))
+    (place,) = places_on(other, [placed])
+    assert "place" not in place.certificate.to_json()
+    assert "does not stand" in place.line
