@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from orbitproof.shared.formats.candidates import Candidate, InputError, candidate_from_json
 from orbitproof.verify.certificate.certificate import (
     Certificate,
+    digest,
     is_proof_of,
     make_certificate,
     read_certificates,
@@ -194,6 +195,12 @@ def test_an_edited_certificate_is_no_proof(proved: Certificate) -> None:
     ]
     assert not any(is_proof_of(entry, candidate()) for entry in edits)
     assert is_proof_of(edit(lambda _: None), candidate())
+    # Nor is it with a digest that fits; and where nothing else tells, the digest does.
+    for entry in edits:
+        whole = entry.to_json()
+        assert not is_proof_of(Certificate.from_json({**whole, "digest": digest(whole)}), candidate())
+    assert not is_proof_of(edit(lambda entry: entry["computation"].update(seconds=0.0)), candidate())
+    assert not is_proof_of(edit(lambda entry: entry["results"]["normal_form"].clear()), candidate())
 
 
 @pytest.mark.parametrize(

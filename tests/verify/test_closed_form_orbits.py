@@ -5,40 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
 from typing import Any
 
 import mpmath
 import pytest
 from flint import arb
+from support.springs import BITS, CLAIMS, SMALL, SPRINGS, Y, claim, exactly, half, number, springs
 
-from orbitproof.shared.formats import COORDINATE, Candidate, Equation
-from orbitproof.shared.systems import ParameterRange, ReversibleSystem
 from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import NotProved, Proved, bounds
 from orbitproof.verify.newton import BoxFunction
 from orbitproof.verify.orbit import Approach, OrbitEnclosures, OrbitResults, enclose_orbit
 from orbitproof.verify.orbit.theorem import Extremum, _coordinate
 from orbitproof.verify.poincare import IntegratorSettings
-
-BITS = 160
-
-SPRINGS = ReversibleSystem(
-    name="springs",
-    title="hard spring beside a soft one",
-    state=("x", "y", "vx", "vy"),
-    parameters={"w": ParameterRange(None, None)},
-    vector_field=lambda s, p: (s[2], s[3], -s[0] - s[0] ** 3, -p[0] * s[1]),
-    reversing_symmetry=(1, 1, -1, -1),
-    section="vx",
-    first_integral=lambda s, p: (s[2] ** 2 + s[3] ** 2 + s[0] ** 2 + s[0] ** 4 / 2 + p[0] * s[1] ** 2,),
-    first_integral_name="twice the energy",
-    squared_distance=lambda s, _: (3 + s[1],),
-    distance_name="something",
-)
-"""x'' = -x - x^3 from x = a is at -a after the time T(a); y = y_0 cos(t w^(1/2))."""
-
-Y = Fraction(1, 2)
 
 
 @pytest.fixture(autouse=True)
@@ -47,58 +26,8 @@ def precision() -> Iterator[None]:
         yield
 
 
-def number(value: Fraction) -> Any:
-    return mpmath.mpf(value.numerator) / value.denominator
-
-
-def exactly(value: Any) -> Fraction:
-    return Fraction(int(mpmath.floor(mpmath.ldexp(value, BITS))), 2**BITS)
-
-
-def half(a: Any) -> Any:
-    """T(a)."""
-    return 2 * mpmath.ellipk(a * a / (2 + 2 * a * a)) / mpmath.sqrt(1 + a * a)
-
-
-def claim(w: int, turns: Fraction, crossings: int, radii: tuple[Fraction, Fraction], off: Fraction) -> Candidate:
-    """The orbit through y = Y on which the soft spring turns by `turns` times pi in half a period.
-
-    The centre is `off` radii away from it.
-    """
-    time = number(turns) * mpmath.pi / mpmath.sqrt(w)
-    a = mpmath.findroot(lambda value: crossings * half(value) - time, 1.0)
-    tilt = Fraction(1, 4)
-    return Candidate(
-        id="springs",
-        system=SPRINGS,
-        parameters={"w": Fraction(w)},
-        kind="orbit",
-        k=1,
-        centre=(exactly(a) + off * radii[0], Y + off * (radii[1] + tilt * radii[0])),
-        frame=((Fraction(1), Fraction(0)), (tilt, Fraction(1))),
-        kernel_frame=((Fraction(1),),),
-        radii=radii,
-        crossings=crossings,
-        equation=Equation(COORDINATE, Y, "y"),
-    )
-
-
-SMALL = (Fraction(1, 2**50), Fraction(1, 2**54))
-CLAIMS = {
-    "once": lambda: claim(111, Fraction(8), 1, SMALL, Fraction(1, 2)),
-    "twice": lambda: claim(11, Fraction(5), 2, SMALL, Fraction(1, 2)),
-}
-
-
-@cache
-def found(name: str) -> tuple[Candidate, OrbitEnclosures]:
-    with mpmath.workprec(BITS):
-        candidate = CLAIMS[name]()
-    return candidate, enclose_orbit(candidate, IntegratorSettings(128))
-
-
 def proved(name: str) -> OrbitResults:
-    candidate, enclosures = found(name)
+    candidate, enclosures = springs(name)
     outcome = _conclude(candidate, 128, enclosures)
     assert isinstance(outcome, Proved), outcome.reason
     assert isinstance(outcome.results, OrbitResults)
@@ -112,7 +41,7 @@ def holds(ball: arb, value: Any) -> bool:
 
 @pytest.mark.parametrize("name", CLAIMS)
 def test_results_are_those_of_the_motion(name: str) -> None:
-    orbit, (candidate, _) = proved(name), found(name)
+    orbit, (candidate, _) = proved(name), springs(name)
     w, m = number(candidate.parameters["w"]), candidate.crossings
     a = number(candidate.centre[0] - SMALL[0] / 2)
     time, sign = m * half(a), (-1) ** m
@@ -172,7 +101,7 @@ def test_derivatives_are_enclosed_at_all_points_of_a_wide_box() -> None:
 
 
 def test_a_coordinate_is_enclosed_on_every_part_of_the_box() -> None:
-    candidate = found("once")[0]
+    candidate = springs("once")[0]
     sides = [arb(0, arb(radius.numerator) / radius.denominator) for radius in candidate.radii]
     for row, (middle, slopes) in enumerate(zip(candidate.centre, candidate.frame, strict=True)):
         function = BoxFunction(_coordinate(candidate, row))
@@ -247,14 +176,14 @@ NOTHING: dict[str, tuple[Callable[[Any], Any], str]] = {
 
 @pytest.mark.parametrize(("change", "condition"), NOTHING.values(), ids=NOTHING.keys())
 def test_enclosures_that_show_less_prove_nothing(change: Change, condition: str) -> None:
-    candidate, enclosures = found("once")
+    candidate, enclosures = springs("once")
     outcome = _conclude(candidate, 128, change(enclosures))
     assert isinstance(outcome, NotProved)
     assert outcome.reason.condition == condition
 
 
 def test_a_crossing_before_the_end_that_may_be_in_fix_r_proves_nothing() -> None:
-    candidate, enclosures = found("twice")
+    candidate, enclosures = springs("twice")
     ((first,), last) = enclosures.iterates
     near = replace(enclosures, iterates=((table(first, {ZERO: arb(0, 1)}),), last))
     outcome = _conclude(candidate, 128, near)
@@ -263,7 +192,7 @@ def test_a_crossing_before_the_end_that_may_be_in_fix_r_proves_nothing() -> None
 
 
 def least(change: Change) -> Extremum:
-    candidate, enclosures = found("once")
+    candidate, enclosures = springs("once")
     outcome = _conclude(candidate, 128, change(enclosures))
     assert isinstance(outcome, Proved), outcome.reason
     assert isinstance(outcome.results, OrbitResults)

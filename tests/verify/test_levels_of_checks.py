@@ -1,0 +1,359 @@
+"""The levels of a check, how stored and new values are compared, and what of a claim is compared at all."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from flint import arb, fmpq
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.claims import known, to_the_end
+from support.forgeries import forged
+from support.springs import springs
+
+from orbitproof.shared.numbers import format_dyadic, parse_exact
+from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, recheck
+from orbitproof.verify.certificate import rechecking as chapter
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.kinds import contradictions, unconfirmed
+from orbitproof.verify.certificate.levels import (
+    CannotBeCheckedError,
+    NothingToCheckError,
+    climb,
+    confirmed,
+    differences,
+    overlap,
+)
+from orbitproof.verify.certificate.precision import more_precision
+from orbitproof.verify.certificate.stated_system import systems_with
+from orbitproof.verify.certificate.tables import tables_from_json, tables_to_json
+from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds
+from orbitproof.verify.poincare import Enclosures
+
+
+@pytest.fixture(scope="module")
+def point() -> Certificate:
+    """A certificate of the Falkner-Skan touch-and-go bifurcation."""
+    return certify(known("fs3"), Limits(max_precision=256))
+
+
+# The levels
+
+
+def _passes(examination: Any) -> Iterator[Finding]:
+    examination.hypotheses += 1
+    yield from ()
+
+
+def _finds(examination: Any) -> Iterator[Finding]:
+    yield Finding("here", "something")
+
+
+def _raising(error: Exception) -> Callable[[Any], Iterator[Finding]]:
+    def step(examination: Any) -> Iterator[Finding]:
+        yield from ()
+        raise error
+
+    return step
+
+
+STEPS = {
+    "passes": (_passes, None),
+    "finds": (_finds, "here: something"),
+    "cannot": (_raising(CannotBeCheckedError("no such system")), "no such system"),
+    "memory": (_raising(MemoryError()), "there is not enough memory to check it; give --memory more, or fewer --jobs"),
+    "value": (_raising(ValueError("no number")), "the certificate: no number"),
+    "defect": (_raising(RuntimeError("a defect")), "the check: the check broke off: RuntimeError: 'a defect'"),
+    "silent": (_raising(AssertionError()), "the check: the check broke off: AssertionError"),
+}
+
+
+DOCUMENT = {"id": "c", "verdict": "proved"}
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_level_that_is_not_passed_is_the_last_and_nothing_stands(name: str) -> None:
+    step, why = STEPS[name]
+    for before in range(3):
+        found = climb(DOCUMENT, [*[_passes] * before, step, *[_passes] * (2 - before)])
+        assert found.level == (before if why else 3)
+        assert found.hypotheses == (before if why else 3)
+        assert found.stands == found.stands_without_place == (why is None)
+        assert found.why == (why or "")
+        assert found.word != "stands" or why is None
+
+
+def test_a_level_with_nothing_to_look_at_is_not_passed() -> None:
+    found = climb(DOCUMENT, [_passes, _raising(NothingToCheckError("nothing is stored")), _passes])
+    assert (found.level, found.notes, found.stands) == (Level.FORM, ("nothing is stored",), True)
+
+
+# Values
+
+
+@settings(max_examples=50)
+@given(st.data())
+def test_values_are_the_same_only_if_all_of_them_and_their_types_are(data: Any) -> None:
+    leaves = st.one_of(st.none(), st.booleans(), st.integers(0, 1), st.floats(0, 1), st.sampled_from(["", "0", "a"]))
+    values = st.recursive(
+        leaves, lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.sampled_from("xy"), inner, max_size=2)
+    )
+    left, right = data.draw(values), data.draw(values)
+    assert bool(list(differences(left, right, "place"))) == (
+        json.dumps(left, sort_keys=True) != json.dumps(right, sort_keys=True)
+    )
+    assert not list(differences(left, copy.deepcopy(left), "place"))
+
+
+def test_a_ball_is_one_value() -> None:
+    ball = {"mid": "0x1", "rad": "0x0", "decimal": "[1, 1]"}
+    (finding,) = differences({"a": [ball]}, {"a": [{**ball, "decimal": "[1, 2]"}]}, "")
+    assert finding.place == "a[0]"
+
+
+def ball(low: Fraction, high: Fraction) -> arb:
+    low, high = sorted((low, high))
+    (middle, radius) = ((low + high) / 2, (high - low) / 2)
+    return arb(fmpq(middle.numerator, middle.denominator), arb(fmpq(radius.numerator, radius.denominator)))
+
+
+dyadic = st.integers(-(2**30), 2**30).map(lambda n: Fraction(n, 2**20))
+
+
+@given(dyadic, dyadic, dyadic, dyadic)
+def test_enclosures_confirm_and_contradict_each_other_as_intervals_do(a: Any, b: Any, c: Any, d: Any) -> None:
+    stored, fresh = ball(a, b), ball(c, d)
+    (low, high), (new_low, new_high) = bounds(stored), bounds(fresh)
+    apart = new_high < low or high < new_low
+    assert bool(list(overlap(stored, fresh, "here"))) == apart
+    beyond = max(low - new_low, new_high - high, Fraction(0))
+    assert bool(list(confirmed(stored, fresh, "here"))) == (beyond > (high - low) / 2**20)
+    # The tolerance is a part of the stored width: what is exact is confirmed by itself alone.
+    assert bool(list(confirmed(ball(a, a), fresh, "here"))) == ((new_low, new_high) != (a, a))
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "[0 +/- inf]"])
+def test_what_is_not_finite_confirms_nothing(value: str) -> None:
+    for stored, fresh in ((arb(value), arb(1)), (arb(1), arb(value)), (arb(value), arb(value))):
+        assert list(confirmed(stored, fresh, "here"))
+    assert list(overlap(arb(0, 1), arb(value), "here"))
+
+
+# What is compared
+
+
+def moved(value: Any) -> Any:
+    """Stored tables with each ball moved by more than its radius."""
+    if isinstance(value, str) and " +- " in value:
+        middle, radius = (parse_exact(part) for part in value.split(" +- "))
+        return " +- ".join(format_dyadic(part) for part in (middle + 3 * radius + 1, radius))
+    if isinstance(value, dict):
+        return {key: moved(inner) for key, inner in value.items()}
+    return list(map(moved, value)) if isinstance(value, list) else value
+
+
+def test_no_number_of_the_tables_is_left_out(point: Certificate) -> None:
+    candidate, enclosures = springs("twice")
+    entry, own = tables_to_json(enclosures), point.to_json()["enclosures"]
+    assert entry is not None
+    # In two variables there are ten derivatives, at the centre and over the box: of q twice, two coordinates, the half
+    # period, the level, the distance at both ends; four of the second half; two numbers of each extremum in between.
+    for claim, tables, count in ((candidate, entry, 8 * 20 + 4 + 2 * 4), (point.candidate, own, 3 * 20 + 3)):
+        stored, other = (
+            tables_from_json(each, claim, {"order": 20, "precision": 128}) for each in (tables, moved(tables))
+        )
+        assert not list(contradictions(stored, stored, "again"))
+        assert len(list(contradictions(stored, other, "again"))) == count
+
+
+def test_other_extrema_are_other_tables() -> None:
+    _, enclosures = springs("once")
+    assert enclosures.distance is not None
+    between = tuple(replace(each, kind=-each.kind) for each in enclosures.distance.between)
+    for distance in (
+        None, replace(enclosures.distance, between=between), replace(enclosures.distance, between=between[1:]),
+        replace(enclosures.distance, start_kind=-enclosures.distance.start_kind),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match="do not belong to each other"):
+            list(contradictions(enclosures, replace(enclosures, distance=distance), "again"))
+
+
+def leaves(value: Any, place: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
+    """The balls and words of a JSON value."""
+    if isinstance(value, dict) and "rad" not in value:
+        for key, inner in value.items():
+            yield from leaves(inner, (*place, key))
+    elif isinstance(value, list):
+        for number, inner in enumerate(value):
+            yield from leaves(inner, (*place, number))
+    else:
+        yield place, value
+
+
+@pytest.mark.parametrize("kind", ["bifurcation", "orbit"])
+def test_each_result_is_confirmed_by_that_of_a_new_proof(kind: str, point: Certificate) -> None:
+    """Balls that are narrower than what is found, and words that differ, are not."""
+    if kind == "orbit":
+        candidate, enclosures = springs("once")
+        outcome = chapter._conclude(candidate, 128, enclosures)
+    else:
+        stated = chapter._read(point.to_json())
+        outcome = chapter._conclude(stated.claim, point.computation.precision, stated.enclosures)
+    assert isinstance(outcome, Proved)
+    stored = {
+        "hypotheses": [
+            {"name": each.name, "enclosures": {name: ball_to_json(ball) for name, ball in each.enclosures.items()}}
+            for each in outcome.hypotheses
+        ],
+        "results": outcome.results.to_json(),
+    }
+    assert not list(unconfirmed(stored, outcome, "again"))
+    count = 0
+    for place, value in leaves(stored):
+        if (place[0] == "hypotheses" and "enclosures" not in place) or place[-1] in ("parameter_name", "level_name"):
+            continue
+        changed = copy.deepcopy(stored)
+        target: Any = changed
+        for key in place[:-1]:
+            target = target[key]
+        exact = isinstance(value, dict) and value["rad"] == "0x0"
+        target[place[-1]] = (
+            f"{value}, indeed" if isinstance(value, str)
+            else ball_to_json(arb(1000)) if exact
+            else {**value, "rad": "0x0"}
+        )  # fmt: skip
+        assert len(list(unconfirmed(changed, outcome, "again"))) == 1, place
+        count += 1
+    assert count > 20
+
+
+# Integrations
+
+
+def test_an_integration_that_breaks_off_is_found(point: Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
+    for error in (IntegrationFailure("size", "it is too large", "none"), ValueError("no number")):
+
+        def fails(*_: Any, error: Exception = error) -> Any:
+            raise error
+
+        monkeypatch.setattr(chapter, "enclose", fails)
+        found = recheck(point, True)
+        assert found.level is Level.CONCLUSION
+        assert ("it is too large" if isinstance(error, IntegrationFailure) else "no number") in found.why
+
+
+def test_an_integration_that_does_not_prove_the_claim_again_is_found(
+    point: Certificate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its enclosures contain the stored ones, and are too wide."""
+    stated = chapter._read(point.to_json())
+    assert isinstance(stated.enclosures, Enclosures)
+
+    def wider(table: Any) -> Any:
+        wide = arb(0, 2.0**-20)
+        parts = ({index: ball + wide for index, ball in part.items()} for part in (table.box, table.centre))
+        return type(table)(*parts)
+
+    iterates = tuple(tuple(map(wider, components)) for components in stated.enclosures.iterates)
+    monkeypatch.setattr(chapter, "enclose", lambda *_: replace(stated.enclosures, iterates=iterates))
+    found = recheck(point, True)
+    assert found.level is Level.CONCLUSION
+    assert "the claim is not proved again" in found.why
+
+
+def test_a_hypothesis_less_of_what_is_not_proved_is_found() -> None:
+    claim = replace(known("fs3"), centre=(known("fs3").centre[0] + Fraction(1, 10**8), known("fs3").centre[1]))
+    refuted = certify(claim, Limits(max_precision=256), integrate=to_the_end)
+    assert not refuted.proved
+    assert recheck(refuted).stands
+    shorter = Certificate.from_json(forged(refuted.to_json(), lambda d: d["hypotheses"].pop()))
+    assert recheck(shorter).level is Level.FORM
+    assert any(finding.place == "hypotheses" for finding in recheck(shorter).findings)
+
+
+# What is read
+
+
+def test_tables_of_another_kind_or_of_other_sizes_are_not_read(point: Certificate) -> None:
+    candidate, enclosures = springs("once")
+    computation = {"order": 20, "precision": 128}
+    entry, own = tables_to_json(enclosures), point.to_json()["enclosures"]
+    assert entry is not None
+    for claim, tables in ((candidate, own), (point.candidate, entry)):
+        with pytest.raises(ValueError, match="another kind of claim"):
+            tables_from_json(tables, claim, computation)
+    for number in (1, 9, 11):
+        texts = (entry["half_period"]["box"] * 2)[:number]
+        changed = {**entry, "half_period": {**entry["half_period"], "box": texts}}
+        with pytest.raises(ValueError, match=f"half period, box: {number} derivatives up to order 3, not 10"):
+            tables_from_json(changed, candidate, computation)
+
+
+def unknown(change: Callable[[dict[str, Any]], Any] = lambda statement: None) -> dict[str, Any]:
+    """The statement of a claim about a system that is not known here."""
+    candidate, _ = springs("once")
+    claim = chapter.make_certificate(
+        candidate, NotProved(Reason("time", "it is late", "give it more")), COMPUTATION
+    ).to_json()["statement"]
+    claim["candidate"]["system"] = "somebody-elses"
+    change(claim)
+    return dict(claim)
+
+
+COMPUTATION = {"precision": 64, "order": 16, "steps": 1, "attempts": 1, "seconds": 0.0}
+
+
+FUNCTIONS = {
+    "fewer inputs": "v0 = x\nreturn v0",
+    "another order": "v0 = y\nv1 = x\nv2 = vx\nv3 = vy\nv4 = w\nreturn v0",
+    "two values": "v0 = x\nv1 = y\nv2 = vx\nv3 = vy\nv4 = w\nreturn v0, v1",
+}
+
+
+@pytest.mark.parametrize("key", ["first_integral", "squared_distance"])
+@pytest.mark.parametrize("text", FUNCTIONS.values(), ids=FUNCTIONS.keys())
+def test_functions_of_an_unknown_system_are_those_of_its_state_and_parameters(key: str, text: str) -> None:
+    statement = unknown()
+    assert systems_with({}, statement, statement["candidate"])["somebody-elses"].state == ("x", "y", "vx", "vy")
+    statement = unknown(lambda entry: entry.update({key: text}))
+    with pytest.raises(ValueError, match="not a function of state and parameters"):
+        systems_with({}, statement, statement["candidate"])
+
+
+def test_a_known_name_is_the_system_of_that_name() -> None:
+    statement = unknown()
+    known_systems = {"somebody-elses": springs("once")[0].system}
+    assert systems_with(known_systems, statement, statement["candidate"]) is known_systems
+
+
+def test_a_level_coordinate_that_does_not_follow_is_refused() -> None:
+    certificate = certify(known("em1"), Limits(max_precision=256, level="integral"))
+    statement = certificate.statement
+    for entry in (statement["candidate"], statement["level_form"]):
+        entry["system"] = "somebody-elses"
+    own = systems_with({}, statement, statement["candidate"])["somebody-elses"]
+    assert own.level_coordinate == "vy"
+    statement["level_coordinate"] = statement["level_coordinate"].replace(" - ", " + ", 1)
+    with pytest.raises(ValueError, match="does not follow"):
+        systems_with({}, statement, statement["candidate"])
+
+
+# How precisely
+
+
+@pytest.mark.parametrize("digits", [1, 20, 60, 1000])
+def test_no_attempt_has_more_bits_than_the_limit(digits: int, point: Certificate) -> None:
+    found: Any = SimpleNamespace(parameter=arb("453.4425868", 2.0**-40))
+    outcome: Any = Proved.__new__(Proved)
+    object.__setattr__(outcome, "results", found)
+    for limit in (128, 192, 512, 4096):
+        more = more_precision(point.candidate, 120, outcome, None, Limits(max_precision=limit, digits=digits))
+        assert more is None or 120 < more <= limit
+    assert digits == 1 or more_precision(point.candidate, 120, outcome, None, Limits(4096, digits=digits)) is not None
