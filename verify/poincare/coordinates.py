@@ -1,8 +1,8 @@
 """The coordinates in which the orbits of a box are followed (sections 3 and 14).
 
 Either the system's own, or regularised ones, in which a passage close to a singularity takes a few long
-steps instead of many short ones. Both give enclosures of the same Poincare map; which one is used is a
-matter of time only.
+steps instead of many short ones. Both give enclosures of the same Poincare map; which one is used can
+decide how long a proof takes and whether it succeeds, not what it says.
 """
 
 from __future__ import annotations
