@@ -33,7 +33,7 @@ def compare_certificates(catalogue: Catalogue, path: Path) -> tuple[list[str], b
             continue
         if entry["verdict"] != "proved":
             unproved += 1
-            lines.append(f"{int(number):6d}  not proved: {entry['reason']['message']}")
+            lines.append(f"{int(number):6d}  not proved, the run said: {entry['reason']['message']!r}")
             continue
         if parse_exact(entry["statement"]["candidate"]["parameters"]["mu"]) != catalogue.mass_ratio:
             raise InputError(f"{path}: {entry['id']}: about another mass parameter than the catalogue; give its own")

@@ -35,7 +35,7 @@ from orbitproof.figures.report.statements import (
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow, has_second_proof
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import MEANINGS, Level
-from orbitproof.verify.evidence import software
+from orbitproof.verify.evidence import Reason, software
 
 TITLE = "Bifurcations and families of symmetric periodic orbits: theorems and their certificates"
 
@@ -117,7 +117,7 @@ def _not_proved(entries: Sequence[Checked]) -> list[Section]:
     items: list[Runs] = []
     for entry in entries:
         reason = entry.certificate.to_json()["reason"] if isinstance(entry, CheckedRow) else entry.document["reason"]
-        items.append((f"{shown(name_of(entry))}: {reason['condition']}; the run said: {reason['message']!r}",))
+        items.append((f"{shown(name_of(entry))}: {Reason(**reason).as_said}",))
     words = (
         "These certificates claim nothing. That something is not proved does not mean that it is false. What the runs "
         "said is quoted; nothing checks it."

@@ -23,7 +23,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.certificate import read_certificates
-from orbitproof.verify.evidence import ball_from_json, bounds, enclose, power
+from orbitproof.verify.evidence import Reason, ball_from_json, bounds, enclose, power
 
 _NUMBERED = re.compile(r"-(k[0-9]+|fold)-[0-9]+(-second)?\Z")
 _LARGEST_EXPONENT = 150_000
@@ -49,7 +49,7 @@ class CertifiedRow:
         parameters: exact values of the system's fixed parameters.
         kind, k: what is claimed.
         proved: the verdict.
-        reason: why it is not proved, in one line; empty if it is.
+        reason: why it is not proved, in one line, as the run said; empty if it is.
         parameter_name: family parameter or first integral.
         parameter: its enclosure at the bifurcation point; `None` if not proved.
         point: enclosures of the coordinates of the point on Fix(R); empty if not proved.
@@ -130,7 +130,7 @@ def _row(certificate: Mapping[str, Any], where: str) -> tuple[CertifiedRow, Cand
         kind=claim.kind,
         k=claim.k,
         proved=certificate["verdict"] == "proved",
-        reason=f"{reason['condition']}: {reason['message']}; {reason['remedy']}" if reason else "",
+        reason=Reason(**reason).as_said if reason else "",
         parameter_name=name,
         parameter=parameter,
         point=point,

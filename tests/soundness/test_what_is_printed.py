@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import pytest
@@ -13,6 +15,7 @@ from test_forged_certificates import of_parabola
 
 from orbitproof.figures.report.content import report_of
 from orbitproof.figures.report.theorems import check_files
+from orbitproof.figures.tables.rows import read_rows
 from orbitproof.shared.formats import InputError, atlas_from_json
 from orbitproof.shared.systems import shown
 from orbitproof.verify.__main__ import main
@@ -170,3 +173,17 @@ def test_the_same_of_an_atlas() -> None:
     (finding,) = checked(other).findings[:1]
     assert finding.place.endswith(quoted(LIE))
     assert digest(other) == other["digest"]
+
+
+def test_reasons_are_told_as_what_a_run_said_wherever_a_certificate_prints(tmp_path: Any) -> None:
+    hopeless = certify(replace(known("fs3"), kernel_frame=((Fraction(0),),)), Limits(max_precision=256))
+    told = forged(hopeless.to_json(), lambda entry: entry["reason"].update(message=LIE, remedy=LIE[1:]))
+    entry = Certificate.from_json(told)
+    said = f"the run said: {LIE!r}, and to try: {LIE[1:]!r}"
+    assert str(entry) == f"k = 3 touch-and-go, not proved, frames; {said}"
+    page = html.unescape(entry._repr_html_())
+    assert page.count(said) == 1
+    assert page.replace(said, "").count("FAILED") == 0
+    write_certificates(tmp_path / "one.json", [entry])
+    (row,) = read_rows([tmp_path / "one.json"])
+    assert row.reason == f"frames; {said}"

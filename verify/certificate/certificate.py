@@ -79,14 +79,17 @@ class Computation:
 class Certificate:
     """What was claimed about one candidate, every hypothesis with its enclosures, and the verdict.
 
-    A value: it does not change, and two are equal if their JSON is. It says what its maker wrote; whether that
-    follows from the enclosures that it carries is what `recheck` decides. All balls are in nondimensional units.
+    A value: it does not change, and two are equal if their JSON is. It says what its maker wrote, its verdict and its
+    words included; whether that follows from the enclosures that it carries is what `recheck` decides. All balls are in
+    nondimensional units.
 
     Attributes:
         id: the candidate's.
         kind, k: what was claimed: one of `shared.formats.KINDS` or `ORBIT`, and the multiplicity.
         verdict: "proved" or "not proved", which never means "shown to be false".
-        theorem: what is proved, in words; `None` if nothing is.
+        theorem: what its maker says is proved, in the maker's words; `None` if nothing is. Nothing checks them: of a
+            certificate from elsewhere only the words of the `Recheck` may be believed, which is in `rendered` the
+            certificate in words that follow from its data, if its own are others.
         parameter_name: the bifurcation parameter, a family parameter or a first integral; for an orbit "period"; `None`
             if nothing is proved.
         parameter: the ball that contains its value; `None` if nothing is proved.
@@ -96,8 +99,8 @@ class Certificate:
             an orbit.
         orbit: what is proved of an orbit; `None` for a bifurcation, or if nothing is proved.
         normal_form: enclosures of the coefficients of the bifurcation function, by name; empty if not proved.
-        hypotheses: those that were looked at, in order, with their enclosures.
-        reason: why it is not proved; `None` if it is.
+        hypotheses: those that were looked at, in order, with their enclosures; their statements are the maker's words.
+        reason: why it is not proved, in words of the run that made it; `None` if it is.
         computation: how the verdict was found.
         software: names and versions of what made the certificate.
     """
@@ -165,7 +168,7 @@ class Certificate:
     def __str__(self) -> str:
         claim = self._claim
         if self.reason is not None:
-            return f"{claim}, not proved, {self.reason.condition}: {self.reason.message}"
+            return f"{claim}, not proved, {self.reason.as_said}"
         return ", ".join(part for part in (claim, "proved", self.side, self._shown_parameter()) if part)
 
     def __repr__(self) -> str:
@@ -178,7 +181,7 @@ class Certificate:
         """The table that a notebook shows."""
         rows = [("claim", self._claim), ("verdict", self.verdict)]
         if self.reason is not None:
-            rows += [(self.reason.condition, self.reason.message), ("remedy", self.reason.remedy)]
+            rows += [("reason", self.reason.as_said)]
         if self.parameter is not None:
             rows += [] if self.side is None else [("new orbits", self.side)]
             rows += [("parameter", self._shown_parameter())]

@@ -132,6 +132,12 @@ class Reason:
     reached: float | None = None
     enclosures: Mapping[str, arb] = field(default_factory=dict, compare=False)
 
+    @property
+    def as_said(self) -> str:
+        """As a certificate tells it: words of the run that made it are a quotation, which nothing checks."""
+        remedy = f", and to try: {one_line(self.remedy)!r}" if self.remedy else ""
+        return f"{self.condition}; the run said: {one_line(self.message)!r}{remedy}"
+
     def to_json(self) -> dict[str, str]:
         """The JSON object: one line each, whatever an exception had to say."""
         return {"condition": self.condition, "message": one_line(self.message), "remedy": one_line(self.remedy)}
