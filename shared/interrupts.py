@@ -39,7 +39,8 @@ def held_back() -> Iterator[None]:
 def run_command(main: Callable[[], int]) -> int:
     """The exit code of a command line that signals end as Ctrl-C does; `INTERRUPTED` where it does not care for itself.
 
-    Where a package of an extra is missing, one line says so, and the code is 2.
+    Where a package of an extra is missing, the memory is short or a number too large, one line says so, and the code
+    is 2: commands that read, search and draw do so in their own process.
     """
     with ending_by_signals():
         try:
@@ -49,6 +50,10 @@ def run_command(main: Callable[[], int]) -> int:
             if line is None:
                 raise
             print(f"error: {line}", file=sys.stderr)
+            return 2
+        except (MemoryError, OverflowError) as error:
+            why = "there is not enough memory" if isinstance(error, MemoryError) else "a number is too large"
+            print(f"error: {why} for what is asked; is the file one that you trust?", file=sys.stderr)
             return 2
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)

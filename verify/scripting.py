@@ -106,7 +106,7 @@ def recheck(
         certificates: from `certify` or `read`, each with an id of its own.
         integrate: enclose again, at another precision and order, and prove again from that.
         jobs: processes side by side.
-        timeout: seconds for each check; without one 300, and as long as it takes with `integrate`.
+        timeout: seconds for each check; without one 300, and four hours with `integrate`.
         memory: GiB for each process.
         quiet: nothing on standard error.
 

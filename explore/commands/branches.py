@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -21,6 +20,7 @@ from orbitproof.shared.formats import (
     read_candidates,
     read_document,
     select_ids,
+    stated_format,
     validate_document,
 )
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -122,7 +122,7 @@ def run(options: argparse.Namespace) -> int:
 
 def read_claims(path: Path) -> list[Claim]:
     """The points of a candidates or a certificates file. Raises `InputError`."""
-    if _format(path) != "orbitproof-certificates":
+    if stated_format(path, "give candidates or certificates") != "certificates":
         return [Claim(candidate) for candidate in read_candidates(path) if candidate.kind not in _WITHOUT]
     claims: dict[str, Claim] = {}
     for index, entry in enumerate(read_document(path, "certificates")["certificates"]):
@@ -138,15 +138,6 @@ def read_claims(path: Path) -> list[Claim]:
         results = entry["results"]
         claims[candidate.id] = Claim(candidate, entry["verdict"], results["side"] if results else None)
     return list(claims.values())
-
-
-def _format(path: Path) -> object:
-    """What a file says it is; `None` if it says nothing, or nothing that can be read."""
-    try:
-        document = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
-    return document.get("format") if isinstance(document, dict) else None
 
 
 def _branch(

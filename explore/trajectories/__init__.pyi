@@ -6,7 +6,6 @@ from .source import Choice as Choice
 from .source import NoOrbit as NoOrbit
 from .source import SourceOrbit as SourceOrbit
 from .source import find_orbit as find_orbit
-from .source import format_of as format_of
 from .trajectory import Trajectory as Trajectory
 from .trajectory import trajectory_of as trajectory_of
 from .units import Units as Units

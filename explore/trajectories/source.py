@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -23,6 +22,7 @@ from orbitproof.shared.formats import (
     candidate_from_json,
     read_candidates,
     read_document,
+    stated_format,
 )
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
@@ -79,27 +79,10 @@ def find_orbit(path: Path, choice: Choice) -> SourceOrbit:
         "family": _family_row,
         "": _catalogue_row,
     }
-    kind = format_of(path)
+    kind = stated_format(path, _REMEDY)
     if kind not in readers:
         raise InputError(f"{path}: holds {kind}; {_REMEDY}")
     return readers[kind](path, choice)
-
-
-def format_of(path: Path, remedy: str = _REMEDY) -> str:
-    """The file's format as it says itself, "" where it does not; whoever reads it in full reports what is wrong.
-
-    Raises `InputError`, with the `remedy`, where it cannot be read.
-    """
-    try:
-        text = path.read_text("utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        why = "not a text file" if isinstance(error, UnicodeDecodeError) else f"cannot be read ({error.strerror})"
-        raise InputError(f"{path}: {why}; {remedy}") from None
-    try:
-        document = json.loads(text) if text.lstrip().startswith("{") else {}
-    except (ValueError, RecursionError):
-        return ""
-    return str(document.get("format", "")).removeprefix("orbitproof-")
 
 
 def _candidate(path: Path, choice: Choice) -> SourceOrbit:

@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import InputError, check_writable, write_text
+from orbitproof.shared.formats import InputError, check_writable, stated_format, write_text
 from orbitproof.shared.systems import CR3BP, THREE_BODY
 
 _EXAMPLES = """\
@@ -46,10 +46,9 @@ def run(options: argparse.Namespace) -> int:
     check_writable(options.output)
     # Before anything is computed: it may not be installed.
     import_module("plotly")
-    from orbitproof.explore.trajectories import format_of
     from orbitproof.figures.pictures.interactive import html_of
 
-    kind = format_of(options.file, _REMEDY)
+    kind = stated_format(options.file, _REMEDY)
     draw = {"family": _family, "atlas-certificate": _curve, "tori": _tori}.get(kind)
     if draw is None:
         raise InputError(f"{options.file}: {_REMEDY}")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.figures.files import add_file_options, check_folder, file_name
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, stated_format
 
 _EXAMPLES = """\
 examples:
@@ -38,14 +38,13 @@ def add_parser(commands: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
     from orbitproof.explore.invariants import read_manifold, read_tori
-    from orbitproof.explore.trajectories import format_of
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_manifold, draw_tori
     from orbitproof.figures.style import close, use_style
 
     drawings = []
     for path in options.files:
-        if format_of(path, _REMEDY) == "manifold":
+        if stated_format(path, _REMEDY) == "manifold":
             drawings.append((path, draw_manifold, read_manifold(path)))
         else:
             drawings.append((path, draw_tori, read_tori(path)))

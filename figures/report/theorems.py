@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import contextlib
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_from_json, read_document, select_ids
+from orbitproof.shared.formats import (
+    Atlas,
+    Candidate,
+    InputError,
+    candidate_from_json,
+    read_document,
+    select_ids,
+    stated_format,
+)
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.atlas import SCHEMA, atlas_of, conclusion_apart
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all, systems_with
 from orbitproof.verify.engines import LONG_CHECK_SECONDS, CheckLimits, Display
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_statement
-
-_ATLAS = "orbitproof-atlas-certificate"
 
 
 class Refused(Exception):
@@ -121,18 +126,9 @@ def has_second_proof(entry: CheckedRow) -> bool:
 
 
 def _read(path: Path) -> list[tuple[Path, Certificate | Mapping[str, Any]]]:
-    if _says_atlas(path):
+    if stated_format(path, "give the path of a certificates file") == SCHEMA:
         return [(path, read_document(path, SCHEMA))]
     return [(path, certificate) for certificate in read_certificates(path).values()]
-
-
-def _says_atlas(path: Path) -> bool:
-    """Whether the file calls itself the certificate of an atlas; what cannot be read is refused by its reader."""
-    try:
-        document = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(document, dict) and document.get("format") == _ATLAS
 
 
 def _name(entry: Certificate | Mapping[str, Any]) -> str:

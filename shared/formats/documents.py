@@ -11,9 +11,10 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import resources
+from itertools import islice
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -39,8 +40,25 @@ def validator(name: str) -> Draft202012Validator:
 
     checker = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
     text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
-    strict: type[Draft202012Validator] = extend(Draft202012Validator, type_checker=checker)
+    strict: type[Draft202012Validator] = extend(Draft202012Validator, {"anyOf": _any_of}, type_checker=checker)
     return strict(json.loads(text))
+
+
+_MOST_ERRORS = 100
+"""That are looked at: there may be one for each character of a file."""
+
+
+def _any_of(checker: Any, alternatives: Any, instance: Any, schema: Any) -> Iterator[ValidationError]:
+    """The keyword, with the first errors of each alternative."""
+    from jsonschema.exceptions import ValidationError
+
+    context: list[ValidationError] = []
+    for index, alternative in enumerate(alternatives):
+        errors = list(islice(checker.descend(instance, alternative, schema_path=index), _MOST_ERRORS))
+        if not errors:
+            return
+        context += errors
+    yield ValidationError("no alternative fits", context=context)
 
 
 def _refuse_constant(text: str) -> NoReturn:
@@ -63,17 +81,44 @@ def _unique_keys(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return result
 
 
+_MOST_BYTES = 2**28
+"""Of a file: a hundred times as many as any of ours has."""
+
+
+def _text_of(path: Path, remedy: str) -> str:
+    """The text of a file. Raises `InputError` with the `remedy`."""
+    try:
+        with path.open("rb") as stream:
+            content = stream.read(_MOST_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); {remedy}") from None
+    if len(content) > _MOST_BYTES:
+        raise InputError(f"{path}: has more than {_MOST_BYTES // 2**20} MiB; split it")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file; {remedy} (JSON, UTF-8)") from None
+
+
+def stated_format(path: Path, remedy: str) -> str:
+    """The file's format as it says itself, "" where it does not; whoever reads it in full reports what is wrong.
+
+    Raises `InputError`, with the `remedy`, where it cannot be read.
+    """
+    text = _text_of(path, remedy).removeprefix("\ufeff")
+    try:
+        document = json.loads(text) if text.lstrip().startswith("{") else {}
+    except (ValueError, RecursionError):
+        return ""
+    return str(document.get("format", "")).removeprefix("orbitproof-")
+
+
 def read_document(path: Path, name: str) -> dict[str, Any]:
     """Read and validate a JSON document against the schema `name` ("candidates", "certificates").
 
     Raises `InputError` if the file cannot be read, is not JSON, or does not fit the schema.
     """
-    try:
-        text = path.read_text("utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); give the path of a {name} file") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file; give the path of a {name} file (JSON, UTF-8)") from None
+    text = _text_of(path, f"give the path of a {name} file")
     if _long_numbers(text) > _MOST_BITS:
         raise InputError(f"{path}: its numbers are too long for this memory; write smaller exponents")
     try:
@@ -151,10 +196,13 @@ def _refuse_other_format(document: object, name: str, path: Path) -> None:
 
 
 def validate_document(document: object, name: str, source: str) -> None:
-    """Check a JSON value against the schema `name`; raises `InputError` that names the field and the rule."""
+    """Check a JSON value against the schema `name`; raises `InputError` that names the field and the rule.
+
+    It is the best of the first ones.
+    """
     from jsonschema.exceptions import best_match
 
-    error = best_match(validator(name).iter_errors(document))
+    error = best_match(islice(validator(name).iter_errors(document), _MOST_ERRORS))
     if error is not None:
         where = short(error.json_path.removeprefix("$").removeprefix(".")) or "the document"
         raise InputError(f"{source}: field {where}: {_broken_rule(error)}; see shared/schemas/{name}.schema.json")

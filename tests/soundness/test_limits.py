@@ -4,27 +4,33 @@ from __future__ import annotations
 
 import json
 import multiprocessing
+from collections.abc import Callable
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import pytest
 from flint import arb
+from jsonschema.exceptions import ValidationError
 from support import process_work
 from support.claims import known
 from support.forgeries import DATA, atlas_certificate, forged, read
+from test_forged_certificates import of_parabola
 
 from orbitproof import verify
 from orbitproof.figures.report.command import main as report
+from orbitproof.shared.formats import InputError, documents, read_document, stated_format, validate_document
+from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP, Program, record
 from orbitproof.verify import second_proofs
-from orbitproof.verify.__main__ import main
+from orbitproof.verify.__main__ import _parser, main
 from orbitproof.verify.atlas import AtlasCertificate, apart, atlas_of, conclusion_apart, places_on_apart
+from orbitproof.verify.atlas import __main__ as atlas_command
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, rechecking, side_by_side
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
-from orbitproof.verify.engines import CheckLimits
+from orbitproof.verify.engines import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits
 from orbitproof.verify.evidence import ball_to_json
 
 HEAD = {"format": "orbitproof-certificates", "version": 1, "software": {}}
@@ -295,3 +301,84 @@ def test_a_statement_that_ends_the_reader_of_second_proofs_costs_its_own_row_onl
     out = capsys.readouterr().out
     assert "cannot follow" in out
     assert "more memory than 0.25 GiB" in out
+
+
+def test_a_file_that_is_too_large_is_refused_when_so_much_of_it_was_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(documents, "_MOST_BYTES", 2**20)
+    for path in (tmp_path / "large.json", Path("/dev/zero")):
+        if not path.exists():
+            path.write_text("[" + "1," * 2**20 + "1]")
+        with pytest.raises(InputError, match="has more than 1 MiB"):
+            read_document(path, "certificates")
+        with pytest.raises(InputError, match="has more than 1 MiB"):
+            stated_format(path, "give another")
+
+
+@pytest.mark.parametrize(
+    "wrong", [lambda n: {"certificates": [1] * n}, lambda n: results_of({str(i): 0 for i in range(n)})]
+)
+def test_of_a_file_full_of_errors_the_first_ones_are_looked_at(
+    wrong: Callable[[int], dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also within alternatives of a schema."""
+    made: list[object] = []
+    first = ValidationError.__init__
+    monkeypatch.setattr(
+        ValidationError, "__init__", lambda self, *rest, **more: (made.append(self), first(self, *rest, **more))[1]
+    )
+    with pytest.raises(InputError, match="certificates"):
+        validate_document({**HEAD, **wrong(20_000)}, "certificates", "file")
+    assert 100 <= len(made) < 1_000
+
+
+def results_of(point: dict[str, Any]) -> dict[str, Any]:
+    entry = json.loads((DATA / "figures-certificates.json").read_text("utf-8"))["certificates"][0]
+    return {"certificates": [{**entry, "results": {"point": point}}]}
+
+
+@pytest.mark.parametrize("error", [MemoryError(), OverflowError("int too large")])
+def test_what_the_process_of_a_command_cannot_hold_is_one_line(
+    error: Exception, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fails() -> int:
+        raise error
+
+    assert run_command(fails) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+
+
+def test_an_integration_again_has_a_limit_of_time_if_none_is_given(
+    honest: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: list[float | None] = []
+
+    def answers(work: Any, source: Any, progress: Any, jobs: int, timeout: float | None, **more: Any) -> Any:
+        given.append(timeout)
+        while (task := source()) is not None:
+            yield Answer(task, Recheck(task.name, "proved", 1, ()), 0.0)
+
+    monkeypatch.setattr(side_by_side, "answers", answers)
+    entry = Certificate.from_json(honest)
+    for limits in (CheckLimits(), CheckLimits(7.0)):
+        side_by_side.recheck_all([entry], True, 1, lambda *_: None, lambda check: None, limits)
+    assert given == [CHECK_SECONDS, INTEGRATION_SECONDS, 7.0, 7.0]
+    assert INTEGRATION_SECONDS >= 3600
+    assert f"with --integrate {INTEGRATION_SECONDS:g}" in " ".join(_parser().format_help().split())
+
+
+def test_an_interval_again_has_the_same_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[float | None] = []
+
+    def engine_of(scheduler: Any, jobs: int, timeout: float | None, memory: int) -> Any:
+        given.append(timeout)
+        raise InputError("enough")
+
+    monkeypatch.setattr(atlas_command, "engine_of", engine_of)
+    path = tmp_path / "curve.json"
+    path.write_text(json.dumps(atlas_certificate(*of_parabola())), "utf-8")
+    for more in ([], ["--timeout", "9"]):
+        assert main(["atlas", "--recheck", "--integrate", "--quiet", *more, str(path)]) in (1, 2)
+    assert given == [INTEGRATION_SECONDS, 9.0]

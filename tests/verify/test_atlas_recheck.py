@@ -59,6 +59,16 @@ def test_an_atlas_of_which_nothing_is_proved_does_not_pass_the_last_level() -> N
     assert checked(lambda result: None).level is Level.INTEGRATION
 
 
+@pytest.mark.parametrize("condition", ["time", "memory", "process"])
+def test_an_interval_that_is_not_brought_to_an_end_says_nothing_against_the_certificate(condition: str) -> None:
+    reason = {"condition": condition, "message": "it was ended", "remedy": "give more"}
+    found = checked(lambda result: result.update(verdict="not proved", reason=reason))
+    assert (found.findings, found.stands, found.word) == ((), False, "cannot be checked here")
+    assert found.level is Level.CONCLUSION
+    assert "it was ended; give more" in found.obstacle
+    assert "p001" in found.obstacle
+
+
 BALL = {"mid": "0x3", "rad": "0x1p-1", "decimal": "[2.5, 3.5]"}
 REASON = {"condition": "tube", "message": "the tube is empty", "remedy": ""}
 

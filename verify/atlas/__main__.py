@@ -277,6 +277,8 @@ def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Wor
     if not (options.integrate and concluded.stands):
         return concluded
 
+    limit = _check_limits(options).with_integration
+
     def prove_again(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
         display = Display(dict.fromkeys([task.name for task in tasks], 1.0), options.quiet)
         waiting = deque(tasks)
@@ -284,14 +286,14 @@ def examined(document: Mapping[str, Any], options: argparse.Namespace, work: Wor
         def answered(answer: Answer) -> None:
             display.finish(answer.task.name, finished(answer))
 
-        engine_in = engine_of(options.scheduler, options.jobs, options.timeout, options.memory)
+        engine_in = engine_of(options.scheduler, options.jobs, limit, options.memory)
         with engine_in as engine, display.shown():
             engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)
 
     def check_again(entries: Sequence[Certificate], integrate: bool) -> Sequence[Recheck]:
         return _checked(entries, integrate, options)
 
-    means = Means(check_again, prove_again, options.timeout, _placing(options.quiet))
+    means = Means(check_again, prove_again, limit, _placing(options.quiet))
     return recheck_atlas(document, given, options.integrate, means)
 
 

@@ -26,6 +26,7 @@ from orbitproof.verify.certificate import (
     NOT_INTEGRATED,
     UNCHECKED_REASON,
     UNKNOWN,
+    CannotBeCheckedError,
     Certificate,
     Examination,
     Finding,
@@ -54,6 +55,9 @@ _MORE = {"precision": 32, "order": 4, "width": 8}
 _MORE_OF_SAME_WIDTH = {"precision": 32, "order": 4}
 """What the second integration has more: it has to find bounds that are no larger than the stored ones. Polynomials of
 higher degree are sometimes enclosed a little more widely; what they do not confirm is proved with those of the same."""
+
+_ENDED = ("time", "memory", "process")
+"""Why a proof was not brought to an end."""
 
 _LARGEST_ORDER = 99
 _LARGEST = 4096
@@ -223,20 +227,29 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
             # What is not answered is not confirmed.
             findings.update({task.name: [Finding(task.name, "was not integrated again")] for task in remaining})
             means.prove(remaining, finished)
+    # What was not brought to an end says nothing of the interval.
+    ended = {name: result for name, result in results.items() if result.get("reason", {}).get("condition") in _ENDED}
+    found = [finding for name, entries in findings.items() if name not in ended for finding in entries]
     yield from dict.fromkeys(contradictions)
-    yield from (finding for found in findings.values() for finding in found)
-    if contradictions or any(findings.values()) or document["verdict"] != "proved":
+    yield from found
+    if contradictions or found:
+        return
+    if ended:
+        name, result = next(iter(ended.items()))
+        raise CannotBeCheckedError(f"{name}: {result['reason']['message']}; {result['reason']['remedy']}")
+    if document["verdict"] != "proved":
         return
     conclusion = means.conclude(atlas, list(results.values()), [], order_of(document))
     if conclusion["verdict"] != "proved":
         yield Finding("integration", f"the theorem is not proved again: {conclusion['reason']['message']}")
     on_curve = {entry["id"] for entry in document["conclusion"]["bifurcations"] if entry["on_curve"]}
     bifurcations = [entry for entry in _rests_on(document) if entry.id in on_curve]
-    for check in means.check(bifurcations, True):
-        problems = (
-            check.findings if check.findings or not check.obstacle else (Finding("the certificate", check.obstacle),)
-        )
-        yield from (Finding(f"bifurcation {shown(check.id)}, {entry.place}", entry.message) for entry in problems)
+    checks = means.check(bifurcations, True)
+    for check in checks:
+        yield from (Finding(f"bifurcation {shown(check.id)}, {entry.place}", entry.message) for entry in check.findings)
+    for check in checks:
+        if check.obstacle:
+            raise CannotBeCheckedError(f"bifurcation {shown(check.id)}: {check.obstacle}")
 
 
 def _tasks(

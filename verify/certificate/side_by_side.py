@@ -119,7 +119,7 @@ def _checked_apart(
     certificates: Sequence[Certificate], integrate: bool, jobs: int, progress: Progress, limits: CheckLimits
 ) -> Iterator[tuple[Certificate, Recheck | Failure]]:
     tasks = (Task(entry.id, (entry, integrate)) for entry in certificates)
-    timeout = limits.timeout if integrate else limits.without_integration
+    timeout = limits.with_integration if integrate else limits.without_integration
     source = partial(next, tasks, None)
     with closing(answers(recheck_task, source, progress, jobs, timeout, memory=limits.memory)) as all_answers:
         for answer in all_answers:

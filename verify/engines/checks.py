@@ -15,13 +15,16 @@ CHECK_SECONDS = 300.0
 LONG_CHECK_SECONDS = 3600.0
 """The same of a curve or surface: its intervals are put together, and all resonances on it are looked for."""
 
+INTEGRATION_SECONDS = 4 * 3600.0
+"""The same of an integration again, for each row or each interval of a piece: the slowest that we know take minutes."""
+
 
 @dataclass(frozen=True)
 class CheckLimits:
     """What the check of one certificate may take; it has a process of its own, which is ended there.
 
     Attributes:
-        timeout: seconds, or `None`: as long as an integration takes, and `usual` without one.
+        timeout: seconds, or `None`: `INTEGRATION_SECONDS` for an integration, and `usual` without one.
         memory: bytes beyond what the process begins with.
         usual: seconds for a check that does not integrate.
     """
@@ -35,6 +38,11 @@ class CheckLimits:
             raise ValueError(f"timeout: {self.timeout!r} is not a positive number of seconds")
         if not 0 < self.memory < 2**60:
             raise ValueError(f"memory: {self.memory!r} is not a possible number of bytes")
+
+    @property
+    def with_integration(self) -> float:
+        """Seconds for an integration."""
+        return INTEGRATION_SECONDS if self.timeout is None else self.timeout
 
     @property
     def without_integration(self) -> float:

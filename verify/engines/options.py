@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from orbitproof.shared.processes import GRACE_SECONDS
-from orbitproof.verify.engines.checks import GIBIBYTE, CheckLimits
+from orbitproof.verify.engines.checks import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits
 
 
 class ArgumentParser(argparse.ArgumentParser):
@@ -35,7 +35,7 @@ class ArgumentParser(argparse.ArgumentParser):
     def run_options(self, tasks: str, timeout: str, one: str, usual: float) -> None:
         """The options of every run of `tasks`; `timeout` is the option that ends `one` of them.
 
-        Without it, a check that does not integrate has the `usual` time.
+        Without it, a check that does not integrate has the `usual` time, and one that does `INTEGRATION_SECONDS`.
         """
         self.number("--jobs", "N", f"{tasks} side by side, each in a process of its own (default: 1)", whole(1), 1)
         self.add_argument(
@@ -43,7 +43,7 @@ class ArgumentParser(argparse.ArgumentParser):
         )
         words = (
             f"give {one} up after this time; it has {GRACE_SECONDS:g} s more to end by itself; with --recheck, "
-            f"each check as well (without integration, default: {usual:g})"
+            f"each check as well (default: {usual:g}, with --integrate {INTEGRATION_SECONDS:g})"
         )
         self.number(timeout, "SECONDS", words, positive_seconds, None)
         self.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")
