@@ -5,17 +5,22 @@ from __future__ import annotations
 import random
 import re
 from fractions import Fraction
+from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from flint import arb
 from support.claims import coordinates_in_box, known
 
 from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS, Program, record
 from orbitproof.verify.certificate import Certificate, Limits, digest, recheck
 from orbitproof.verify.certificate.certificate import is_proof_of
 from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.in_full import in_full as told_in_full
 from orbitproof.verify.claim import equations, level_program
 from orbitproof.verify.claim.formulas import setting
+from orbitproof.verify.evidence import Theorem
 
 PROGRAMS = {
     **{name: system.program for name, system in BRANCH_SYSTEMS.items()},
@@ -104,18 +109,28 @@ def test_decimals_of_the_box_are_rounded_to_the_right_side(certificate: Certific
     corners = [
         tuple(sum((a * b for a, b in zip(row, p, strict=True)), middle)
               for middle, row in zip(claim.centre, claim.frame, strict=True))
-        for p in (claim.radii, tuple(-radius for radius in claim.radii))
+        for signs in product((1, -1), repeat=len(claim.radii))
+        for p in [tuple(sign * radius for sign, radius in zip(signs, claim.radii, strict=True))]
     ]  # fmt: skip
     for name, *ends in zip(claim.coordinates, *corners, strict=True):
         low, high = (Fraction(end) for end in re.search(
             rf"on the box {name} lies in \[(\S+), (\S+)\]\.", text).groups())  # type: ignore[union-attr]  # fmt: skip
         assert all(low <= end <= high for end in ends)
     reach = Fraction(re.search(r"by at most (\S+)\.", text).group(1))  # type: ignore[union-attr]
-    for signs in ((1, 1, 1), (1, -1, 1), (-1, 1, 1), (1, 1, -1)):
-        corner = tuple(c + sign * reach for c, sign in zip(claim.centre, signs, strict=False))
+    for signs in product((1, -1), repeat=len(claim.centre)):
+        corner = tuple(c + sign * reach for c, sign in zip(claim.centre, signs, strict=True))
         inside = coordinates_in_box(claim, corner)
         assert all(abs(value) <= radius for value, radius in zip(inside, claim.radii, strict=True))
     assert reach > min(claim.radii) / 10
+
+
+@pytest.mark.parametrize(
+    ("side", "words"), [("above", "greater than"), ("below", "less than"), ("both", "on both sides of")]
+)
+def test_the_side_of_the_new_orbits_is_said_as_it_is(side: str, words: str) -> None:
+    found = SimpleNamespace(point={}, parameter=arb(1), parameter_name="H", side=side)
+    text = told_in_full(known("fs2"), None, Theorem("As the tests have it.", ()), found)
+    assert f"The new orbits exist for values of the parameter {words} that." in text
 
 
 def test_a_changed_word_is_said_and_is_no_proof_of_the_candidate(certificate: Certificate) -> None:
