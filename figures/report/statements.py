@@ -16,6 +16,7 @@ from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
+from orbitproof.verify.claim import atlas_in_words, claim_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 
 _DIGITS = 34
@@ -190,12 +191,13 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
 
 def box_table(entry: CheckedRow) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
+    claim, candidate = claim_in_words(entry.claim), claim_in_words(entry.candidate)
     rows: list[tuple[Runs, ...]] = [
-        ((Math(to_latex(name)),), (Code(format_rational(value)),)) for name, value in entry.candidate.parameters.items()
+        ((Math(to_latex(name)),), (Code(format_rational(value)),)) for name, value in candidate.parameters.items()
     ]
-    rows += _box_rows(entry.claim, "")
+    rows += _box_rows(claim, "")
     if entry.claim is not entry.candidate:
-        rows += _box_rows(entry.candidate, ", the candidate's own box")
+        rows += _box_rows(candidate, ", the candidate's own box")
     title = f"The box of {shown(name_of(entry))}; entries of A that are 0 are left out"
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
 
@@ -221,7 +223,7 @@ def parameter_text(entry: Checked) -> str:
 
 
 def _extent(entry: CheckedAtlas) -> str:
-    conclusion, covers = entry.document["conclusion"], entry.atlas.claim.covers
+    conclusion, covers = entry.document["conclusion"], atlas_in_words(entry.atlas).claim.covers
     parts = []
     if covers is not None:
         parts.append(f"{covers.coordinate} from {exact_text(covers.start)} to {exact_text(covers.end)}")

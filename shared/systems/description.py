@@ -128,6 +128,8 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
     ranges = _ranges(entry.get("parameters", ()))
     variables = (*state, *ranges)
     _distinct("parameters", variables)
+    named = _mapping("symmetries", entry.get("symmetries", {}))
+    _distinct("symmetries", (*variables, *named))
     functions = _Functions(state, tuple(ranges), entry.get("where", {}))
     integral, distance = entry.get("first_integral"), entry.get("squared_distance")
     try:
@@ -139,8 +141,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             vector_field=functions.function("field", entry["field"], state),
             reversing_symmetry=_signs("R", entry["R"], state),
             symmetries={
-                _name("symmetries", key): _signs(f"symmetries.{key}", signs, state)
-                for key, signs in _mapping("symmetries", entry.get("symmetries", {})).items()
+                _name("symmetries", key): _signs(f"symmetries.{key}", signs, state) for key, signs in named.items()
             },
             section=entry["section"],
             family_parameter=entry.get("family_parameter"),

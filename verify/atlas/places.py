@@ -19,6 +19,7 @@ from orbitproof.verify.certificate import (
     digest,
     recheck,
 )
+from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.curve import Bifurcation, conclude
 from orbitproof.verify.evidence import ball_to_json, located
 
@@ -140,7 +141,7 @@ def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
     place, rests_on = entry.place, _rests_on(curve)
     assert place is not None
     point = "P(x)" if place.other_point else "x"
-    mirror = f"The image under {curve.atlas.claim.symmetry} of the" if place.mirrored else "The"
+    mirror = f"The image under {atlas_in_words(curve.atlas).claim.symmetry} of the" if place.mirrored else "The"
     return {
         "rests_on": rests_on,
         "piece": place.piece,

@@ -30,6 +30,7 @@ from orbitproof.verify.claim import (
     check_frames,
     check_level,
     check_symmetries,
+    claim_in_words,
     point_on_fixed_set,
 )
 from orbitproof.verify.evidence import (
@@ -127,6 +128,7 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
 
 
 def _statement(candidate: Candidate) -> str:
+    candidate = claim_in_words(candidate)
     system, k = candidate.system, candidate.k
     parameter = parameter_name(candidate)
     fixed = ", ".join(candidate.parameters)

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
+from itertools import count
 from math import floor, log10
 from typing import Protocol
 
 from flint import arb
 
 from orbitproof.shared.formats import FOLD, Candidate
-from orbitproof.verify.claim import inverse, setting
+from orbitproof.verify.bifurcation import parameter_name
+from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words, setting
 from orbitproof.verify.evidence import (
     Theorem,
     certain_digits,
@@ -43,10 +45,6 @@ class Located(Protocol):
         """Enclosure of the parameter."""
 
     @property
-    def parameter_name(self) -> str | None:
-        """What the parameter is called."""
-
-    @property
     def side(self) -> str | None:
         """Parameter values at which there are new orbits."""
 
@@ -57,21 +55,19 @@ def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, foun
     `form` as in `certificate.statement`. The decimals of the box are rounded outward where it is enclosed, and inward
     where something is said to lie in it.
     """
-    claim = form or candidate
+    system = candidate.system
+    own, claim = claim_in_words(candidate), claim_in_words(form or candidate)
     with guarded(_BITS):
-        lines = [*_setting(candidate), *_box(claim, form is not None)]
+        lines = setting(system, candidate.parameters, candidate.symmetry, candidate.crossings)
+        lines += _box(claim, form is not None)
         if form is not None:
-            lines += ["The candidate's own box:", *_set(candidate, "candidate")]
+            lines += ["The candidate's own box:", *_set(own, "candidate")]
         lines += ["Theorem.", theorem.statement]
         if isinstance(found, OrbitResults):
             lines += orbit_in_full(candidate, found)
         else:
-            lines += [_definition(claim), *_found(found, claim)]
+            lines += [_definition(claim), *_found(found, claim, keyed_in_words(system, found.point))]
     return "\n".join(lines)
-
-
-def _setting(candidate: Candidate) -> Sequence[str]:
-    return setting(candidate.system, candidate.parameters, candidate.symmetry, candidate.crossings)
 
 
 def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
@@ -98,22 +94,30 @@ def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
 def _set(claim: Candidate, where: str) -> Iterator[str]:
     """The box as a set, exactly by reference to the numbers of the statement, and in decimals."""
     radii = ", ".join(exact_text(radius) for radius in claim.radii)
+    names = (*claim.system.state, *claim.system.parameters)
+    c, p = (next(each for each in _letters(letter) if each not in names) for letter in "cp")
     yield (
-        f"  all points c + A p with |p_i| <= R_i, where c, A and R are exactly centre, frame and radii of {where} in "
-        f"this statement; (R_i) = ({radii})."
+        f"  all points {c} + A {p} with |{p}_i| <= R_i, where {c}, A and R are exactly centre, frame and radii of "
+        f"{where} in this statement; (R_i) = ({radii})."
     )
     sides = [symmetric(radius) for radius in claim.radii]
     for name, middle, row in zip(claim.coordinates, claim.centre, claim.frame, strict=True):
         values = enclose(middle) + dot([enclose(value) for value in row], sides)
         centre = "0" if middle == 0 else certain_digits(enclose(middle), _DIGITS)
-        yield f"  {name}: c is {centre}, and on the box {name} lies in {decimal_interval(values, _DIGITS)}."
+        yield f"  {name}: {c} is {centre}, and on the box {name} lies in {decimal_interval(values, _DIGITS)}."
     rows = inverse(claim.frame)
     if rows is not None:
         reach = min(
             radius / sum((abs(value) for value in row), Fraction(0))
             for row, radius in zip(rows, claim.radii, strict=True)
         )
-        yield f"  It contains every point whose coordinates differ from those of c by at most {_below(reach)}."
+        yield f"  It contains every point whose coordinates differ from those of {c} by at most {_below(reach)}."
+
+
+def _letters(letter: str) -> Iterator[str]:
+    """The letter, and what stands for it where somebody's coordinate is called so."""
+    yield letter
+    yield from (f"{letter}{number}" for number in count())
 
 
 def _below(value: Fraction) -> str:
@@ -158,11 +162,11 @@ _SIDES = {
 }
 
 
-def _found(found: Located, claim: Candidate) -> Sequence[str]:
-    where = ", ".join(located(name, ball, _DIGITS) for name, ball in found.point.items())
+def _found(found: Located, claim: Candidate, point: Mapping[str, arb]) -> Sequence[str]:
+    where = ", ".join(located(name, ball, _DIGITS) for name, ball in point.items())
     parameter = "not finite" if found.parameter is None else decimal_interval(found.parameter, _DIGITS)
     return [
         f"The bifurcation point has {where}.",
-        f"The parameter there, {found.parameter_name}, lies in {parameter}.",
+        f"The parameter there, {parameter_name(claim)}, lies in {parameter}.",
         f"The {'two' if claim.kind == FOLD else 'new'} orbits exist {_SIDES[str(found.side)]}.",
     ]

@@ -82,6 +82,8 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
     symmetry, signs = _symmetry_of(claim), statement.get("symmetry")
     if (symmetry is None) != (signs is None):
         raise ValueError("statement.symmetry: the claim names a symmetry and its signs are missing, or the other way")
+    if symmetry in field.inputs:
+        raise ValueError(f"statement.symmetry: {symmetry!r} is the name of a coordinate or parameter as well")
     given = claim.get("parameters")
     if given is None:
         given = claim["pieces"][0]["parameters"]

@@ -4,20 +4,32 @@ from orbitproof.verify.claim.formulas import equations, setting
 from orbitproof.verify.claim.frames import check_adapted_frames, check_frames, determinant, inverse, is_adapted
 from orbitproof.verify.claim.level import check_level, level_program, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.claim.symmetry import check_symmetries, parities, signs_on
+from orbitproof.verify.claim.wording import (
+    atlas_in_words,
+    claim_in_words,
+    keyed_in_words,
+    names_in_words,
+    system_in_words,
+)
 
 __all__ = [
+    "atlas_in_words",
     "check_adapted_frames",
     "check_frames",
     "check_level",
     "check_symmetries",
+    "claim_in_words",
     "determinant",
     "equations",
     "inverse",
     "is_adapted",
+    "keyed_in_words",
     "level_program",
+    "names_in_words",
     "parities",
     "point_on_fixed_set",
     "quadratic_coefficient",
     "setting",
     "signs_on",
+    "system_in_words",
 ]

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from string import ascii_lowercase
 
-from orbitproof.shared.systems import Program, ReversibleSystem
+from orbitproof.shared.systems import BRANCH_SYSTEMS, Program, ReversibleSystem
+from orbitproof.verify.claim.wording import keyed_in_words, names_in_words, system_in_words
 from orbitproof.verify.evidence import exact_text
 
 _SUM, _PRODUCT, _POWER, _ATOM = range(4)
@@ -18,19 +19,19 @@ _INLINE = 3
 _SIGNS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 
 
-def equations(program: Program, left: Sequence[str]) -> list[str]:
-    """``left = formula`` for each output of a program, then what the names in them stand for.
+def equations(program: Program, left: Sequence[str], taken: Sequence[str] = ()) -> list[str]:
+    """``left = formula`` for each output of a program, then what the names in them stand for, none of those `taken`.
 
     Operations are written down in the order in which the program does them, with ``^`` for powers; x*x is x^2, and
     the factor -1 a sign.
     """
-    formulas = _Formulas(program)
+    formulas = _Formulas(program, taken)
     lines = [f"{name} = {formulas.of(output)[0]}" for name, output in zip(left, program.outputs, strict=True)]
     return [*lines, *formulas.definitions]
 
 
 class _Formulas:
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, taken: Sequence[str] = ()) -> None:
         steps = program.instructions
         self.steps = steps
         self.texts: dict[int, tuple[str, int]] = {}
@@ -39,7 +40,7 @@ class _Formulas:
         for step in steps:
             for operand in step.operands:
                 uses[operand] += 1
-        names = iter(_unused(program.inputs))
+        names = iter(_unused((*program.inputs, *taken)))
         sizes: list[int] = []
         for index, step in enumerate(steps):
             square = step.operation == "mul" and len(set(step.operands)) == 1
@@ -101,6 +102,10 @@ def _unused(inputs: Sequence[str]) -> list[str]:
     return [*letters, *(f"u{number}" for number in range(1, 1000))]
 
 
+_TAKEN = ("c", "h", "i", "j", "s", "u")
+"""Letters of theorems, which no formula of somebody's own system has for a part of it."""
+
+
 def setting(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], symmetry: str | None, crossings: int = 1
 ) -> list[str]:
@@ -111,12 +116,19 @@ def setting(
         symmetry: the name of S, if the theorem uses one.
         crossings: P is the map to the crossing of this number.
     """
+    names, parameters = names_in_words(system), keyed_in_words(system, parameters)
+    symmetry = None if symmetry is None else names.get(symmetry, symmetry)
+    system = system_in_words(system)
     left = [f"{name}'" for name in system.state]
-    lines = [f"The {system.title}:", *(f"  {line}" for line in equations(system.program, left))]
+    taken = () if system.name in BRANCH_SYSTEMS else _TAKEN
+    lines = [f"The {system.title}:", *(f"  {line}" for line in equations(system.program, left, taken))]
     lines += [f"  {name} = {exact_text(value)}" for name, value in parameters.items()]
+    if names:
+        called = ", ".join(f"{new} is called {name}" for name, new in names.items())
+        lines.append(f"In the description of the system {called}, which has another meaning here.")
     if system.first_integral_program is not None:
         lines.append(f"A first integral, the {system.first_integral_name or 'value of H'}:")
-        lines += [f"  {line}" for line in equations(system.first_integral_program, ["H"])]
+        lines += [f"  {line}" for line in equations(system.first_integral_program, ["H"], taken)]
     state = ", ".join(system.state)
     lines.append(f"R({state}) = ({_image(system, system.reversing_symmetry)}) reverses the flow.")
     if symmetry is not None and symmetry in system.symmetries:
@@ -126,12 +138,22 @@ def setting(
             f"The Poincare map takes a point of the section {{{system.section} = 0}} that its orbit crosses to the "
             f"next point in which the orbit crosses the section, in either direction; P is its power {crossings}."
         )
-        return lines
+        return [*lines, *_points(system)]
     lines.append(
         f"P maps a point of the section {{{system.section} = 0}} that its orbit crosses to the next point in which "
         f"the orbit crosses the section, which is in the opposite direction."
     )
-    return lines
+    return [*lines, *_points(system)]
+
+
+def _points(system: ReversibleSystem) -> list[str]:
+    """What x is, where a system of somebody's own has a coordinate or a parameter of that name."""
+    if system.name in BRANCH_SYSTEMS or "x" not in (*system.state, *system.parameters):
+        return []
+    return [
+        "In what follows x is a point of the section where it is called one or P, T or Sigma is taken of it, and "
+        "elsewhere what is called x above."
+    ]
 
 
 def _image(system: ReversibleSystem, signs: Sequence[int]) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.claim import check_symmetries, signs_on
+from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
@@ -90,8 +90,9 @@ def _negated(atlas: Atlas) -> int:
 def _check_plane(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
     index, symmetry = _negated(atlas), atlas.claim.symmetry
     name = atlas.system.centre_coordinates[index]
+    said = names_in_words(atlas.system).get(name, name)
     with checklist.hypothesis(
-        "plane", "15.6", f"{name} has one sign on the curve except at s = 0 of symmetric pieces", _REMEDY
+        "plane", "15.6", f"{said} has one sign on the curve except at s = 0 of symmetric pieces", _REMEDY
     ) as evidence:
         side = 1 if chain.stretches[0].tube.piece.frame[index][0] > 0 else -1
         for stretch in chain.stretches:
@@ -121,8 +122,9 @@ def check_two_points(checklist: Checklist, names: Sequence[str], first: Sequence
 
 def _check_increasing(checklist: Checklist, atlas: Atlas, chain: Chain, name: str) -> None:
     index = atlas.system.centre_coordinates.index(name)
+    said = names_in_words(atlas.system).get(name, name)
     with checklist.hypothesis(
-        f"increasing-{name}", "15.7", f"the derivative of {name} along the curve is positive", "leave out the claim"
+        f"increasing-{name}", "15.7", f"the derivative of {said} along the curve is positive", "leave out the claim"
     ) as evidence:
         for stretch in chain.stretches:
             evidence.require(
@@ -136,7 +138,8 @@ def _check_covers(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
     assert covers is not None
     index = atlas.system.centre_coordinates.index(covers.coordinate)
     low, high = exact_text(covers.start), exact_text(covers.end)
-    statement = f"{covers.coordinate} is at most {low} where the curve begins and at least {high} where it ends"
+    said = names_in_words(atlas.system).get(covers.coordinate, covers.coordinate)
+    statement = f"{said} is at most {low} where the curve begins and at least {high} where it ends"
     with checklist.hypothesis("covers", "15.7", statement, "let the pieces reach further") as evidence:
         first, last = (end[index] for end in chain.ends)
         evidence.record("beginning", first)

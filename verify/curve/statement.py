@@ -8,7 +8,7 @@ from flint import arb
 
 from orbitproof.shared.formats import ORBIT, Atlas
 from orbitproof.shared.systems import ReversibleSystem, shown
-from orbitproof.verify.claim import signs_on
+from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, signs_on
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
 from orbitproof.verify.curve.conclusion import Ends
 from orbitproof.verify.curve.lyapunov_family import libration_units, meaning
@@ -19,6 +19,8 @@ _DIGITS = 18
 
 def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
     """What is proved of the curve, without the bifurcations on it. `half_period` may be not finite: not known."""
+    ends = {key: keyed_in_words(atlas.system, point) for key, point in ends.items()}
+    atlas = atlas_in_words(atlas)
     paragraphs = [_setting(atlas), _curve(atlas, ends)]
     claim = atlas.claim
     if claim.increasing:
@@ -138,7 +140,10 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
         "touch_and_go": f"touch-and-go of order {entry.k}",
     }.get(entry.kind, entry.kind)
     assert entry.place is not None
-    value = "" if entry.parameter is None else f", {entry.parameter_name} in {interval_text(entry.parameter, _DIGITS)}"
+    # Of a first integral it is a title.
+    own = names_in_words(atlas.system) if entry.parameter_name == atlas.system.family_parameter else {}
+    name = own.get(entry.parameter_name, entry.parameter_name)
+    value = "" if entry.parameter is None else f", {name} in {interval_text(entry.parameter, _DIGITS)}"
     # On a regular piece s = 0 is a point like any other.
     symmetric = {piece.id for piece in atlas.curve_pieces() if piece.kind == "symmetric"}
     where = "at the symmetric point of" if entry.place.s.is_zero() and entry.place.piece in symmetric else "in"

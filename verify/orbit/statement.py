@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from flint import acb, arb
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate
+from orbitproof.verify.claim import claim_in_words, keyed_in_words, system_in_words
 from orbitproof.verify.evidence import Theorem, decimal_interval, exact_text, interval_text, located
 from orbitproof.verify.orbit.multipliers import STABLE, UNDECIDED, UNSTABLE, Stability
 
@@ -19,6 +20,7 @@ _DIGITS = 40
 
 def orbit_theorem(candidate: Candidate) -> Theorem:
     """What a claim about one orbit says, and the hypotheses that show it, in order."""
+    candidate = claim_in_words(candidate)
     system = candidate.system
     m = candidate.crossings
     names = ["symmetries", "frames", "poincare-map", *(["half-orbit"] if m > 1 else []), "orbit"]
@@ -56,10 +58,11 @@ def _equation(candidate: Candidate) -> str:
 
 def orbit_in_full(candidate: Candidate, found: OrbitResults) -> Iterator[str]:
     """What was found, in lines."""
-    yield f"The orbit starts at x with {_named(found.point)}; P(x) has {_named(found.other_point)}."
+    here, there = (_named(keyed_in_words(candidate.system, point)) for point in (found.point, found.other_point))
+    yield f"The orbit starts at the point with {here}; the image of that point under P has {there}."
     yield f"T(x) lies in {_text(found.half_period)}, the period in {_text(found.period)}."
     if found.level is not None:
-        yield f"The {found.level_name} lies in {_text(found.level)}."
+        yield f"The {system_in_words(candidate.system).first_integral_name} lies in {_text(found.level)}."
     yield from _stability(found.stability, candidate)
     for word, extremum in (("least", found.least), ("greatest", found.greatest)):
         if extremum is not None:

@@ -10,6 +10,7 @@ from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import Program
+from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.curve import Stretch, derived_parameter
 from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_zero, is_positive, power
 from orbitproof.verify.stability.kinds import Matter
@@ -67,7 +68,7 @@ class Level:
         self._names = system.centre_coordinates
         self._is_coordinate = system.family_parameter is not None
         self._program = None if self._is_coordinate else system.first_integral_program
-        self._title = level_name(atlas)
+        self._title = level_name(atlas_in_words(atlas))
         self._slopes: dict[str, arb] = {}
         self._known = {name: enclose(system.normalised.get(name, Fraction(0))) for name in system.state}
         self._known |= {name: enclose(value) for name, value in atlas.parameters.items()}

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
+from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
 from orbitproof.verify.stability.across_list import ListAcross
@@ -55,6 +56,7 @@ def statement(
     atlas: Atlas, found: CompleteList, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]
 ) -> str:
     """What is proved of resonances and stability along the curve, or along the half of it that the pieces follow."""
+    atlas = atlas_in_words(atlas)
     but = ", but for the places named below," if found.gaps else ""
     where = f"{_half(atlas) or 'Along the curve'}{but}"
     listed = [point for point in found.points if point.k]
@@ -63,10 +65,11 @@ def statement(
         result = f"the points with {value}, are exactly these:"
     else:
         result = f"no point has {value}."
+    u = "x" if "u" in (*atlas.system.state, *atlas.system.parameters) else "u"
     lines = [f"Hypothesis {hypothesis.name} of the list: {hypothesis.statement}." for hypothesis in found.hypotheses]
     lines.append(
-        f"Let Sigma(u) be the stability matrix of the orbit of u on the section, {_held(atlas)}: its eigenvalues are "
-        f"the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} {result}"
+        f"Let Sigma({u}) be the stability matrix of the orbit of {u} on the section, {_held(atlas)}: its eigenvalues "
+        f"are the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} {result}"
     )
     lines += [f"- {_point(atlas, point)}" for point in listed]
     if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
@@ -99,7 +102,7 @@ def statement(
 
 def statement_across(atlas: Atlas, across: ListAcross) -> str:
     """What is proved of variations out of the plane."""
-    found = across.found
+    atlas, found = atlas_in_words(atlas), across.found
     but = ", but for the places named below," if found.gaps else ""
     where = _half(atlas) or "Along the curve"
     lines = [

@@ -13,6 +13,7 @@ from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL
+from orbitproof.verify.claim import atlas_in_words, keyed_in_words
 from orbitproof.verify.curve import Ends
 from orbitproof.verify.evidence import exact_text, located, range_text
 from orbitproof.verify.surface.planar_family import PlanarFamily
@@ -45,6 +46,8 @@ def surface_statement(
         sides: of the levels of the first integral at which the new orbits live, from all pieces.
         family: where the planar orbits are shown to be the Lyapunov family of a libration point.
     """
+    ends = {key: keyed_in_words(atlas.system, point) for key, point in ends.items()}
+    atlas = atlas_in_words(atlas)
     height = min(entry.z for entry in heights)
     system, claim = atlas.system, atlas.claim
     parameter = system.fixed_parameters[0]

@@ -1,0 +1,96 @@
+"""The names of a system in the words of a theorem, apart from the theorem's own symbols (section 1.5).
+
+A coordinate may be called H and a parameter P. Where a theorem has such a name it says what it is, H_coordinate and
+P_parameter; H and P are then the theorem's own. Names of the systems that every installation knows are no such ones.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TypeVar
+
+from orbitproof.shared.formats import Atlas, Candidate
+from orbitproof.shared.systems import ReversibleSystem
+
+_KINDS = ("coordinate", "parameter", "symmetry")
+_SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|s|[pPR]_[0-9]+)(_({'|'.join(_KINDS)}))*")
+"""What theorems call something; and what is made of such a name, so that no two names become the same."""
+
+Value = TypeVar("Value")
+
+
+def names_in_words(system: ReversibleSystem) -> dict[str, str]:
+    """How those names of a system are written that would be symbols of a theorem."""
+    groups = (system.state, system.parameters, system.symmetries)
+    return {
+        name: f"{name}_{kind}"
+        for kind, names in zip(_KINDS, groups, strict=True)
+        for name in names
+        if _SYMBOL.fullmatch(name)
+    }
+
+
+def keyed_in_words(system: ReversibleSystem, values: Mapping[str, Value]) -> dict[str, Value]:
+    """Values by names of a system, by those names as they are written."""
+    names = names_in_words(system)
+    return {names.get(name, name): value for name, value in values.items()}
+
+
+def system_in_words(system: ReversibleSystem) -> ReversibleSystem:
+    """The system with its names as they are written; itself if that is how it has them."""
+    names = names_in_words(system)
+    integral = system.first_integral_name
+    taken = integral in (*system.state, *system.parameters) or (
+        integral is not None and integral != "H" and _SYMBOL.fullmatch(integral) is not None
+    )
+    if not names and not taken:
+        return system
+
+    def written(name: str | None) -> str | None:
+        return None if name is None else names.get(name, name)
+
+    return replace(
+        system,
+        state=tuple(names.get(name, name) for name in system.state),
+        parameters=keyed_in_words(system, system.parameters),
+        symmetries=keyed_in_words(system, system.symmetries),
+        section=names.get(system.section, system.section),
+        family_parameter=written(system.family_parameter),
+        level_coordinate=written(system.level_coordinate),
+        first_integral_name="first integral" if taken else integral,
+    )
+
+
+def claim_in_words(candidate: Candidate) -> Candidate:
+    """The claim with the names of its system as they are written."""
+    system, names = system_in_words(candidate.system), names_in_words(candidate.system)
+    if system is candidate.system:
+        return candidate
+    equation = candidate.equation
+    if equation is not None and equation.coordinate is not None:
+        equation = replace(equation, coordinate=names.get(equation.coordinate, equation.coordinate))
+    symmetry = candidate.symmetry
+    return replace(
+        candidate,
+        system=system,
+        parameters=keyed_in_words(candidate.system, candidate.parameters),
+        symmetry=None if symmetry is None else names.get(symmetry, symmetry),
+        equation=equation,
+    )
+
+
+def atlas_in_words(atlas: Atlas) -> Atlas:
+    """The same of an atlas; its pieces are left alone."""
+    system, names = system_in_words(atlas.system), names_in_words(atlas.system)
+    if system is atlas.system:
+        return atlas
+    claim, covers = atlas.claim, atlas.claim.covers
+    claim = replace(
+        claim,
+        symmetry=None if claim.symmetry is None else names.get(claim.symmetry, claim.symmetry),
+        increasing=tuple(names.get(name, name) for name in claim.increasing),
+        covers=None if covers is None else replace(covers, coordinate=names.get(covers.coordinate, covers.coordinate)),
+    )
+    return replace(atlas, system=system, parameters=keyed_in_words(atlas.system, atlas.parameters), claim=claim)
