@@ -73,7 +73,7 @@ def format_rational(value: Fraction) -> str:
 
 
 def round_dyadic(value: Fraction, bits: int) -> Fraction:
-    """The dyadic number nearest to `value` (ties to even) with at most `bits` significant bits."""
+    """The multiple nearest to `value` (ties to even) of a power of 2, with at most `bits` + 1 significant bits."""
     if value == 0:
         return value
     magnitude = abs(value)

@@ -20,7 +20,7 @@ from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.poincare import crossing
-from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, range_of, stays_positive
+from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, range_of, stays_positive, wide_parts
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
 from orbitproof.verify.poincare.returns import at_start
 
@@ -139,6 +139,39 @@ def test_an_orbit_that_starts_off_the_section_is_refused() -> None:
 def test_an_orbit_that_starts_along_the_section_is_refused() -> None:
     with pytest.raises(IntegrationFailure):
         cover([Fraction(0), Fraction(0), Fraction(1)])
+
+
+def level(value: Fraction | int, error: float = 0.0) -> Series:
+    """A constant up to an error."""
+    return series([Fraction(value)], error=error)
+
+
+@pytest.mark.parametrize("then", [1, -1])
+def test_the_velocity_next_to_the_section_keeps_its_sign_from_step_to_step(then: int) -> None:
+    counter = CrossingCounter()
+    counter.cover(level(0, 1.0), level(1), arb(0), ONE)
+    if then == 1:
+        counter.cover(level(0, 1.0), level(then), ONE, ONE)
+        return
+    with pytest.raises(IntegrationFailure, match="changes sign next to the section"):
+        counter.cover(level(0, 1.0), level(then), ONE, ONE)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("velocity", [1, -1, 0])
+def test_orbits_cross_in_the_direction_of_their_velocity(side: int, velocity: int) -> None:
+    """After the start with y' > 0 the section coordinate is positive; to the other side leads y' < 0 only."""
+    counter = CrossingCounter()
+    counter.cover(level(0, 1.0), level(1), arb(0), ONE)
+    counter.cover(level(1), level(0, 1.0), ONE, ONE)
+    if velocity:
+        counter.cover(level(0, 1.0), level(velocity), ONE, ONE)
+    if side == 1 or velocity == -1:
+        counter.cover(level(side), level(0, 1.0), ONE, ONE)
+        assert counter.crossings == (side == -1)
+        return
+    with pytest.raises(IntegrationFailure, match="against the velocity"):
+        counter.cover(level(side), level(0, 1.0), ONE, ONE)
 
 
 @pytest.mark.parametrize("error", [1.0, 1e300, float("inf"), float("nan")])
@@ -266,6 +299,24 @@ def test_a_function_is_positive_on_a_part_that_is_halved_where_its_coefficients_
         patch.setattr(crossing, "_WIDE_DEPTH", 0)
         assert not stays_positive(function, wide)
     assert stays_positive(function, wide) is positive
+
+
+@pytest.mark.parametrize("number", [1, 2, 7, 8])
+def test_the_parts_cover_the_interval_of_the_wide_variable(number: int) -> None:
+    parts = wide_parts(number)
+    assert all(any(part.contains(arb(n) / 64) for part in parts) for n in range(-64, 65))
+    assert len(parts) == number
+    assert all(float(part.rad()) < 1.01 / number for part in parts)
+
+
+@pytest.mark.parametrize("slope", [0, 1, -1])
+def test_a_function_that_is_negative_at_one_end_of_a_part_only_is_not_positive(slope: int) -> None:
+    arithmetic = WideArithmetic(Grading((1,), 1), 60, 0, 2, width=2)
+    one = int(arithmetic.one)
+    # 1 +- 10 (s - 1/2), on [3/8, 5/8] between -1/4 and 9/4.
+    known = packed_from(arithmetic, [[one - 5 * slope * one, 10 * slope * one, 0]])
+    function = Series(arithmetic, [known, fmpz_poly([])], arithmetic.zero_errors())
+    assert stays_positive(function, arb(1) / 2 + arb(0, 1) / 8) is (slope == 0)
 
 
 def test_values_that_are_said_not_to_depend_on_time_do_not() -> None:

@@ -68,6 +68,26 @@ def test_derivatives_of_exact_elements_are_enclosed(seed: int, ratio: Fraction) 
             assert contains(table.centre[alpha], centre / unit)
 
 
+@pytest.mark.parametrize("grading", GRADINGS, ids=str)
+def test_the_table_of_an_exact_element_is_that_of_its_polynomial(grading: Grading) -> None:
+    """The ends of the enclosure are sums over the monomials of what each of them is at most on the box."""
+    source = random.Random(str(grading))
+    ratio = Fraction(1, 3)
+    series, _ = random_element(source, grading)
+    exact = {e: Fraction(int(c[0]), 2**scale) for e, c, scale in
+             zip(grading.monomials, series.coefs, series.arithmetic.scales, strict=True)}  # fmt: skip
+    size = len(grading.weights)
+    with ctx.workprec(200):
+        table = derivative_table(series.with_errors(series.arithmetic.zero_errors()), [Fraction(1)] * size, ratio)
+        for alpha, ball in table.box.items():
+            at_zero = derivative_at(exact, alpha, [Fraction(0)] * size)
+            largest = derivative_at({e: abs(c) for e, c in exact.items()}, alpha, [ratio] * size)
+            for end in (at_zero - largest + abs(at_zero), at_zero + largest - abs(at_zero)):
+                assert contains(ball, end, Fraction(1, 2**100))
+            assert float(ball.rad()) <= float(largest - abs(at_zero)) * (1 + 1e-6)
+            assert contains(table.centre[alpha], at_zero)
+
+
 @pytest.mark.parametrize("order, degree", [(1, 4), (2, 8), (3, 11)])
 def test_the_bound_on_the_box_is_nearly_attained(order: int, degree: int) -> None:
     """One high power whose derivative at the edge of the box exceeds its norm: the estimate needs its factor."""
