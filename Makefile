@@ -3,7 +3,7 @@
 
 SHELL := /bin/sh
 .DEFAULT_GOAL := help
-.PHONY: help demo branches examples report figures docs test lint test-slow campaign faults bench clean
+.PHONY: help demo branches examples report figures docs test lint test-slow campaign faults reading-list bench clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -29,6 +29,7 @@ help:
 	@echo "make test-slow  the longer proofs and campaigns"
 	@echo "make campaign   10,000 false claims and 2,000 forged certificates (campaign.json; hours, goes on where it stopped)"
 	@echo "make faults     faults made on purpose, one line each: which tests notice them (faults.json; hours, goes on where it stopped)"
+	@echo "make reading-list CHAPTER=curve   what has to be read to believe a theorem: files in order, lines"
 	@echo "make bench      benchmarks; each prints its numbers"
 	@echo "make clean      remove $(VENV), $(OUT), $(SITE) and caches"
 
@@ -154,6 +155,9 @@ campaign: $(VENV)/dev.stamp
 
 faults: $(VENV)/dev.stamp
 	@$(BIN)/python tests/faults/run.py --jobs $(JOBS) --slow --output faults.json
+
+reading-list: $(BIN)/python
+	@$(BIN)/python docs/reading_list.py $(CHAPTER)
 
 bench: $(VENV)/dev.stamp
 	@for file in tests/benchmarks/bench_*.py; do echo "$$file"; $(BIN)/python $$file || exit 1; done

@@ -1,0 +1,128 @@
+"""What has to be read to believe a theorem: ``python docs/reading_list.py CHAPTER``.
+
+These are the modules that the one that concludes uses, directly or by way of others, each after all that it uses
+itself. A name that comes through the face of a room counts for the module that defines it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import sys
+from collections.abc import Iterator, Sequence
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = "orbitproof"
+
+CHAPTERS = {
+    "bifurcation": "verify.bifurcation.theorem",
+    "orbit": "verify.orbit.theorem",
+    "curve": "verify.curve.theorem",
+    "surface": "verify.surface.theorem",
+    "list": "verify.stability.theorem",
+    "second-proof": "verify.second_proof.proof",
+}
+"""The module that concludes, by what it concludes about."""
+
+
+@cache
+def path_of(module: str) -> Path | None:
+    """The file of a module, named without the package; `None` if there is none."""
+    path = ROOT.joinpath(*module.split("."))
+    found = [file for file in (path / "__init__.py", path.with_suffix(".py")) if file.exists()]
+    return found[0] if found else None
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    """A file, read."""
+    return ast.parse(path.read_text("utf-8"))
+
+
+def imports(path: Path) -> Iterator[tuple[str, str]]:
+    """Module and name of everything that a file imports from the package, wherever in it, types alone left out."""
+    waiting: list[ast.AST] = [tree_of(path)]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
+            continue
+        if isinstance(node, ast.ImportFrom):
+            room = [PACKAGE, *path.relative_to(ROOT).parts[:-1]][: 1 - node.level or None] if node.level else []
+            source = ".".join([*room, *([node.module] if node.module else [])])
+            if source.startswith(f"{PACKAGE}."):
+                yield from ((source.removeprefix(f"{PACKAGE}."), alias.name) for alias in node.names)
+        waiting += reversed(list(ast.iter_child_nodes(node)))
+
+
+@cache
+def definer(module: str, name: str) -> str:
+    """The module in which a name that can be imported from `module` is defined."""
+    if path_of(f"{module}.{name}") is not None:
+        return f"{module}.{name}"
+    path = path_of(module)
+    assert path is not None, module
+    sources = [source for source, imported in imports(path) if imported == name]
+    return definer(sources[0], name) if path.name == "__init__.py" and sources else module
+
+
+def reading_list(module: str) -> list[str]:
+    """The modules to be read for one, itself last, each after those that it uses."""
+    found: dict[str, None] = {}
+    begun: set[str] = set()
+
+    def read(name: str) -> None:
+        if name in begun:
+            return
+        begun.add(name)
+        path = path_of(name)
+        assert path is not None, name
+        for source in sorted({definer(*each) for each in imports(path)}):
+            read(source)
+        found[name] = None
+
+    read(module)
+    return list(found)
+
+
+def length(module: str) -> int:
+    """Its lines, all of them."""
+    path = path_of(module)
+    assert path is not None, module
+    return len(path.read_text("utf-8").splitlines())
+
+
+def told(module: str) -> str:
+    """The list as text: file, lines, and what it is about."""
+    modules = reading_list(module)
+    lines = []
+    for name in modules:
+        path = path_of(name)
+        assert path is not None
+        about = (ast.get_docstring(tree_of(path)) or "").partition("\n")[0]
+        lines.append(f"{path.relative_to(ROOT)!s:44}{length(name):6}  {about}")
+    return "\n".join([*lines, f"{len(modules)} modules, {sum(map(length, modules))} lines"])
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; 2 for a chapter that is not there."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    words = f"{', '.join(CHAPTERS)}, or a module as verify.curve.theorem; without one, the length of each list"
+    parser.add_argument("chapter", nargs="?", help=words)
+    options = parser.parse_args(arguments)
+    if options.chapter is None:
+        for name, module in CHAPTERS.items():
+            modules = reading_list(module)
+            print(f"{name:14}{sum(map(length, modules)):7} lines in {len(modules)} modules, up to {module}")
+        return 0
+    module = CHAPTERS.get(options.chapter, options.chapter)
+    if path_of(module) is None:
+        print(f"error: no chapter or module {options.chapter!r}; give one of {', '.join(CHAPTERS)}", file=sys.stderr)
+        return 2
+    print(told(module))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

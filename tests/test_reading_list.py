@@ -1,0 +1,60 @@
+"""What has to be read to believe a theorem (docs/reading_list.py)."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "docs"))
+
+import reading_list  # noqa: E402
+
+
+@pytest.mark.parametrize("module", reading_list.CHAPTERS.values())
+def test_each_module_comes_after_all_that_it_uses(module: str) -> None:
+    listed = reading_list.reading_list(module)
+    assert listed[-1] == module
+    assert len(set(listed)) == len(listed) > 5
+    for number, name in enumerate(listed):
+        path = reading_list.path_of(name)
+        assert path is not None
+        used = {reading_list.definer(*each) for each in reading_list.imports(path)}
+        assert used <= set(listed[:number]), name
+        assert name.split(".")[0] in ("shared", "verify")
+
+
+def test_names_count_for_the_module_that_defines_them() -> None:
+    assert reading_list.definer("verify.evidence", "Proved") == "verify.evidence.outcome"
+    assert reading_list.definer("verify.evidence", "outcome") == "verify.evidence.outcome"
+
+
+def test_what_a_theorem_rests_on_is_listed() -> None:
+    row = reading_list.reading_list("verify.bifurcation.theorem")
+    assert {"verify.flow.step", "verify.newton.interval_newton", "shared.systems.program"} <= set(row)
+    assert not any(name.startswith(("verify.curve", "verify.stability")) for name in row)
+    assert set(row) < set(reading_list.reading_list("verify.curve.theorem"))
+
+
+def test_relative_imports_are_followed() -> None:
+    second = reading_list.reading_list("verify.second_proof.proof")
+    assert {name.split(".")[1] for name in second} == {"second_proof"}
+    assert "verify.second_proof.flow" in second
+
+
+def test_the_command_says_how_long_the_lists_are(capsys: pytest.CaptureFixture[str]) -> None:
+    assert reading_list.main([]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(reading_list.CHAPTERS)
+    assert reading_list.main(["bifurcation"]) == 0
+    *entries, last = capsys.readouterr().out.splitlines()
+    total = sum(int(entry.split()[1]) for entry in entries)
+    assert last == f"{len(entries)} modules, {total} lines"
+    assert lines[0].split()[1] == str(total)
+
+
+def test_an_unknown_chapter_is_bad_input(capsys: pytest.CaptureFixture[str]) -> None:
+    assert reading_list.main(["nothing"]) == 2
+    assert "'nothing'" in capsys.readouterr().err
