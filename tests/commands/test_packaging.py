@@ -41,7 +41,6 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def wheel(copy: Path) -> Path:
-    pytest.importorskip("setuptools", minversion="77")
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--no-index"]
     subprocess.run([*command, "-w", str(copy / "dist"), str(copy)], check=True, capture_output=True, text=True)
     (path,) = (copy / "dist").glob("*.whl")

@@ -184,7 +184,8 @@ def test_a_family_is_a_table_where_pandas_is(family: explore.OrbitFamily, monkey
     with pytest.raises(ModuleNotFoundError, match=r"^to_dataframe needs pandas: pip install pandas$"):
         family.to_dataframe()
     monkeypatch.undo()
-    pandas = pytest.importorskip("pandas")
+    import pandas
+
     frame = family.to_dataframe()
     assert isinstance(frame, pandas.DataFrame)
     assert len(frame) == len(family)

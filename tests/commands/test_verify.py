@@ -257,7 +257,8 @@ def test_worker_processes_give_the_same_certificates(finished: tuple[Path, Path]
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")
 def test_a_cluster_gives_the_same_certificates(finished: tuple[Path, Path], tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     target = tmp_path / "certificates.json"
     options = {"n_workers": 2, "threads_per_worker": 2, "dashboard_address": ":0", "silence_logs": 50}
     with distributed.LocalCluster(**options) as cluster:

@@ -150,7 +150,6 @@ def read_message(path: Path) -> tuple[dict[str, str], list[str], list[tuple[date
 
 
 def test_ephemeris_message_is_read_back_by_an_independent_reader(tmp_path: Path) -> None:
-    pytest.importorskip("ccsds_ndm")
     table, message = tmp_path / "a.csv", tmp_path / "a.oem"
     words = ["--orbit", "4", "--units", "km", "--epoch", "2030-05-06T07:08:09", "--points", "50"]
     assert main(["trajectory", str(with_units(tmp_path)), *words, "-o", str(table), "--oem", str(message)]) == 0

@@ -87,7 +87,6 @@ def test_command_draws_both_and_refuses_other_files(
 
 
 def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[Path, Path], tmp_path: Path) -> None:
-    pytest.importorskip("plotly")
     data = Path(__file__).parents[1] / "data"
     page = tmp_path / "page.html"
     words = [str(data / "figures-halo-family.json"), "--candidates", str(data / "figures-candidates.json")]
@@ -110,7 +109,6 @@ def test_interactive_pages_need_nothing_else_and_copy_the_verdicts(files: tuple[
 def test_interactive_refuses_what_it_cannot_draw(
     files: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("plotly")
     page, data = tmp_path / "page.html", Path(__file__).parents[1] / "data"
     for words, said in (
         ([str(files[1])], "give families, the certificate of an atlas, or tori"),

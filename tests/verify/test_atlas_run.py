@@ -134,7 +134,8 @@ def task_argument(name: str) -> dict[str, Any]:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")
 def test_a_cluster_gives_the_same_certificate_as_processes(tmp_path: Path, capsys: Any) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     sys.path.insert(0, str(ROOT / "tests"))
     source = write(tmp_path / "atlas.json")
     options = {"n_workers": 2, "threads_per_worker": 2, "dashboard_address": ":0", "silence_logs": 50}
@@ -155,7 +156,8 @@ def test_a_cluster_gives_the_same_certificate_as_processes(tmp_path: Path, capsy
 def test_a_cluster_without_workers_or_with_other_software_is_refused(
     tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     source = write(tmp_path / "atlas.json")
     options = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
     with distributed.LocalCluster(n_workers=0, **options) as cluster:
