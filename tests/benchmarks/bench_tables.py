@@ -26,7 +26,7 @@ from orbitproof.shared.formats.candidates import Candidate, read_candidates
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 from orbitproof.shared.systems.system import CR3BP
-from orbitproof.verify.certificate.precision import first_precision
+from orbitproof.verify.oracle.precision import first_precision
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
 from orbitproof.verify.poincare.returns import REGULARISED

@@ -29,7 +29,6 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.claim.symmetry import check_symmetries, parities
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
 from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit, meaning
@@ -41,6 +40,7 @@ from orbitproof.verify.evidence import Checklist
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.oracle.precision import Limits
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 DIGITS = 60

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_series, ctx, fmpz_poly
+from orbitproof.verify.flow.solution import Expansion
 from support.claims import known
 from support.flow_checks import (
     ball,
@@ -32,12 +33,11 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETER
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import point_on_fixed_set
 from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.flow.solution import Expansion
 from orbitproof.verify.flow.step import FlowStep, advance
+from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.coordinates import PHYSICAL, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, stays_positive
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, _Integration, enclose_iterates

@@ -27,8 +27,8 @@ from orbitproof.shared.formats.candidates import Candidate, InputError, candidat
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.certificate.certify import Integrator, certify
 from orbitproof.verify.certificate.kinds import enclose
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
+from orbitproof.verify.oracle.precision import Limits
 
 BITS = 256
 """Enough for every true claim here, as the first test shows, so that precision is not what the false ones lack."""

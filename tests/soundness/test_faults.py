@@ -17,9 +17,9 @@ import orbitproof.verify.certificate.side_by_side
 from orbitproof.shared.processes import GRACE_SECONDS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.certificate.side_by_side import certify_all
+from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import enclose_iterates
 
 CERTIFY = import_module("orbitproof.verify.certificate.certify")
@@ -82,7 +82,7 @@ def test_a_fault_anywhere_else_is_not_a_proof(
 
 def test_a_fault_with_more_precision_leaves_the_proof_at_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     precisions = []
-    monkeypatch.setattr("orbitproof.verify.certificate.precision.count_certain_digits", lambda ball: 0)
+    monkeypatch.setattr("orbitproof.verify.oracle.precision.count_certain_digits", lambda ball: 0)
 
     def broken_at_more(candidate: Any, settings: Any, report: Any) -> Any:
         precisions.append(settings.precision)

@@ -24,8 +24,8 @@ from orbitproof.shared.formats.candidates import Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.evidence.balls_as_text import exact_value
+from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
 
 LITTLE = 1e-250

@@ -12,8 +12,8 @@ from orbitproof.shared.formats.candidates import Candidate, read_candidates
 from orbitproof.shared.systems.system import MASS_PARAMETERS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.evidence.balls_as_text import bounds
+from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 DATA = Path(__file__).parents[1] / "data" / "known-bifurcations.json"

@@ -16,7 +16,7 @@ from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import read_atlas_certificate
 from orbitproof.verify.certificate.certificate import write_certificates
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
+from orbitproof.verify.oracle.precision import Limits
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
 

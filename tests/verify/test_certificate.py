@@ -22,7 +22,6 @@ from orbitproof.verify.certificate.certificate import (
     write_certificates,
 )
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits, first_precision
 from orbitproof.verify.evidence import DerivativeTable
 from orbitproof.verify.evidence.balls_as_text import (
     ball_from_json,
@@ -38,6 +37,7 @@ from orbitproof.verify.evidence.balls_as_text import (
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import NotProved, Reason
+from orbitproof.verify.oracle.precision import Limits, first_precision
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings
 
 FALKNER_SKAN: dict[str, Any] = {

@@ -16,9 +16,9 @@ from orbitproof.shared.formats import FOLD, Candidate
 from orbitproof.verify.bifurcation.on_the_way import _iterate, _problem
 from orbitproof.verify.certificate.certify import _attempt, certify
 from orbitproof.verify.certificate.kinds import enclose
-from orbitproof.verify.certificate.precision import Limits, Verdict, accuracy_bits, first_precision
 from orbitproof.verify.evidence import NotProved, Proved, guarded
 from orbitproof.verify.newton import BoxFunction
+from orbitproof.verify.oracle.precision import Limits, Verdict, accuracy_bits, first_precision
 from orbitproof.verify.poincare import HalfReturns, IntegratorSettings, Returns, enclose_iterates
 
 DIGITS = 30

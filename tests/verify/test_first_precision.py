@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from orbitproof.verify.flow.centre import dyadic_below
+from orbitproof.verify.flow.solution import CentreExpansion
 
 from orbitproof.shared.formats.candidates import Candidate, read_candidates
 from orbitproof.shared.systems.program import record
@@ -19,9 +21,7 @@ from orbitproof.verify.algebra.programs import prepare
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.bifurcation.level_forms import level_form
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import first_precision
-from orbitproof.verify.flow.centre import dyadic_below
-from orbitproof.verify.flow.solution import CentreExpansion
+from orbitproof.verify.oracle.precision import first_precision
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.iterates import regularised_steps
 

@@ -29,8 +29,8 @@ from orbitproof.shared.systems import DescriptionError, FixedLevel, ReversibleSy
 from orbitproof.verify.certificate.certificate import Certificate, digest
 from orbitproof.verify.certificate.certify import Integrator, certify
 from orbitproof.verify.certificate.kinds import enclose
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
+from orbitproof.verify.oracle.precision import Limits
 
 DATA = Path(__file__).parents[1] / "data"
 

@@ -30,13 +30,13 @@ from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
+from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.stability.matrix import orbit_functions
 
 FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"

@@ -21,12 +21,12 @@ from orbitproof.shared.formats import Atlas, Candidate, InputError, candidate_fr
 from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, reusable
 from orbitproof.verify.certificate.certificate import Certificate, digest
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.statement import curve_statement
 from orbitproof.verify.evidence.outcome import Proved as PieceProved
 from orbitproof.verify.functions.functions import bounded
+from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.second_proof.proof import Proved, second_proof
 from orbitproof.verify.stability.matrix import orbit_functions
 

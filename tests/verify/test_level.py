@@ -28,12 +28,12 @@ from orbitproof.verify.__main__ import main
 from orbitproof.verify.bifurcation.level_forms import in_box, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, is_proof_of
 from orbitproof.verify.certificate.certify import _forms, certify
-from orbitproof.verify.certificate.precision import Limits, missing_bits
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import level_program, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.evidence import DerivativeTable
 from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.oracle.precision import Limits, missing_bits
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_first_integral, enclose_iterates
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"

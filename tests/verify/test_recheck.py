@@ -23,11 +23,11 @@ from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Level, rechecking
 from orbitproof.verify.certificate.certificate import Certificate, digest, read_certificates, write_certificates
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.certificate.verdicts import recheck_table
 from orbitproof.verify.evidence.balls_as_text import exact_value
+from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
 
 MODULE = importlib.import_module("orbitproof.verify.certificate.rechecking")

@@ -14,8 +14,8 @@ from support.claims import known, to_the_end
 from orbitproof.shared.formats import Candidate, read_candidates
 from orbitproof.verify.bifurcation import remedies
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.precision import Limits
 from orbitproof.verify.evidence import Checklist
+from orbitproof.verify.oracle.precision import Limits
 
 TRUE = known("fs2")
 CANDIDATES = Path(__file__).parents[1] / "data" / "figures-candidates.json"

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from typing import Any
 
 from orbitproof.shared.formats import Atlas
+from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
-from orbitproof.verify.curve import conclude
+from orbitproof.verify.curve import conclude, other_point
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import with_complete_list
 from orbitproof.verify.surface import conclude_surface
+
+partner = partial(other_point, ORACLE)
+"""Encloses the other point of a symmetric orbit on Fix(R), by integration."""
 
 Placing = Callable[[Sequence[str]], AbstractContextManager[Callable[[str], None]]]
 """For the ids of certificates a context in which a function is called with each before it is looked for."""
@@ -47,5 +53,6 @@ def conclusion_of(
             begin(certificate.id)
             return checks[certificate]
 
-        conclusion = conclude(atlas, results, bifurcations, examine)
+        points = [certified_point(atlas, entry, examine) for entry in bifurcations]
+        conclusion = conclude(atlas, results, points, partner)
     return conclusion.to_json() if order is None else with_complete_list(atlas, results, conclusion, order)

@@ -8,6 +8,8 @@ from typing import Any
 
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.atlas.certified import certified_point
+from orbitproof.verify.atlas.conclusion import partner
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
     REWORDED,
@@ -125,7 +127,8 @@ def _placed(
         for orbit in orbits:
             yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: its certificate does not stand: {why}"
         return
-    found = conclude(curve.atlas, curve.results, orbits).bifurcations
+    points = [certified_point(curve.atlas, orbit, recheck) for orbit in orbits]
+    found = conclude(curve.atlas, curve.results, points, partner).bifurcations
     for orbit, entry in zip(orbits, found, strict=True):
         if entry.place is None:
             yield orbit, None, f"{shown(entry.id)}: not shown to lie on {name}: {entry.reason}"

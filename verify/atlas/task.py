@@ -15,6 +15,7 @@ from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
 from orbitproof.verify.engines import Answer, Failure, Report, Task
 from orbitproof.verify.evidence import Proved
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
@@ -102,21 +103,23 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
             surface_limits = SurfaceLimits(**argument["integrator"])
             parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
             return prove_surface_piece(
-                system, piece, (start, end), surface_limits, stepped, argument["symmetry"], parts
+                system, piece, (start, end), ORACLE, surface_limits, stepped, argument["symmetry"], parts
             ).to_json()
         if isinstance(piece, LibrationPiece):
             surface_limits = SurfaceLimits(**argument["integrator"])
-            return prove_libration_piece(piece, (start, end), surface_limits, stepped).to_json()
+            return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).to_json()
         parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
         limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
         more = {"crossings": crossings, **({"slope_bits": SLOPE_BITS} if argument.get("stability") else {})}
-        found = prove_piece(system, parameters, piece, (start, end), limits, stepped, argument["symmetry"], **more)
+        found = prove_piece(
+            system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more
+        )
         result = found.to_json()
         if argument.get("stability") and isinstance(found.outcome, Proved):
             known = found.outcome.results
             result["stability"] = stability_to_json(
                 system, parameters, piece, (known.start, known.end), limits, str(found.computation["coordinates"]),
-                argument["symmetry"], stepped, known.half_return, crossings,
+                ORACLE, argument["symmetry"], stepped, known.half_return, crossings,
             )  # fmt: skip
             result["computation"]["seconds"] = round(time.monotonic() - began, 3)
         return result

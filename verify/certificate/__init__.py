@@ -28,7 +28,6 @@ from orbitproof.verify.certificate.levels import (
     overlap,
     unknown_reason,
 )
-from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 from orbitproof.verify.certificate.rechecking import (
     NOT_INTEGRATED,
     UNCHECKED_REASON,
@@ -40,6 +39,7 @@ from orbitproof.verify.certificate.side_by_side import certify_all, expected_wor
 from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
 from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table
+from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits
 
 __all__ = [
     "GREATEST_PRECISION",

@@ -22,14 +22,6 @@ from orbitproof.verify.bifurcation import (
 )
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
 from orbitproof.verify.certificate.kinds import Found, enclose, prove, theorem_of
-from orbitproof.verify.certificate.precision import (
-    Limits,
-    Verdict,
-    accuracy_bits,
-    first_precision,
-    missing_bits,
-    more_precision,
-)
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -38,7 +30,16 @@ from orbitproof.verify.evidence import (
     Reason,
     guarded,
 )
-from orbitproof.verify.poincare import IntegratorSettings, regularised_steps
+from orbitproof.verify.oracle.precision import (
+    Limits,
+    Verdict,
+    accuracy_bits,
+    first_precision,
+    missing_bits,
+    more_precision,
+    steps_of_centre,
+)
+from orbitproof.verify.poincare import IntegratorSettings
 
 Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Found]
 Progress = Callable[[float, str], None]
@@ -205,7 +206,7 @@ def _first_precision(candidate: Candidate, digits: int) -> int:
     least = first_precision(candidate, digits)
     if candidate.k == 1 or candidate.kind == ORBIT:
         return least
-    return first_precision(candidate, digits, regularised_steps(candidate, least))
+    return first_precision(candidate, digits, steps_of_centre(candidate, least))
 
 
 def _better(old: _Attempt | None, new: _Attempt) -> _Attempt:

@@ -14,6 +14,7 @@ from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.tables import derivative_name
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Proved, Reason, Theorem, ball_from_json
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, enclose_orbit, orbit_theorem, prove_orbit
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
@@ -33,8 +34,8 @@ def enclose(
     `NotEstablishedError` if the claim is seen to be false on the way.
     """
     if candidate.kind == ORBIT:
-        return enclose_orbit(candidate, settings, progress)
-    return enclose_iterates(candidate, settings, progress, bifurcation.check_half_returns)
+        return enclose_orbit(candidate, settings, ORACLE, progress)
+    return enclose_iterates(candidate, settings, ORACLE, progress, bifurcation.check_half_returns)
 
 
 def prove(candidate: Candidate, checklist: Checklist, found: Found | None) -> Outcome[Results]:

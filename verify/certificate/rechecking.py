@@ -41,7 +41,6 @@ from orbitproof.verify.certificate.levels import (
     other_software,
     unknown_reason,
 )
-from orbitproof.verify.certificate.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.certificate.stated_system import named_as, systems_with
 from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.evidence import (
@@ -55,6 +54,7 @@ from orbitproof.verify.evidence import (
     guarded,
     quoted_name,
 )
+from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION
 from orbitproof.verify.poincare import IntegratorSettings
 
 _MORE_PRECISION = 8

@@ -14,10 +14,10 @@ from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import Certificate, repeated
 from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
 from orbitproof.verify.certificate.levels import Recheck, not_checked, not_finished
-from orbitproof.verify.certificate.precision import Limits, first_precision
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.engines import Answer, CheckLimits, Engine, Failure, Processes, Progress, Report, Task
 from orbitproof.verify.evidence import Reason
+from orbitproof.verify.oracle.precision import Limits, first_precision
 
 Finished = Callable[[Certificate], None]
 

@@ -1,12 +1,13 @@
 """Curves of symmetric orbits in pieces: tubes, gluing, bifurcations on the curve (sections 15 and 16)."""
 
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Partner
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import hypotheses_of as curve_hypotheses
 from orbitproof.verify.curve.equation import BEYOND, HalfReturn, divided_by_wide, tube_points
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
-from orbitproof.verify.curve.lyapunov_family import jacobi_constant, point_name
+from orbitproof.verify.curve.lyapunov_family import certified_system, jacobi_constant, point_name
+from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import (
     Account,
@@ -24,11 +25,13 @@ __all__ = [
     "BEYOND",
     "Account",
     "Bifurcation",
+    "CertifiedPoint",
     "Chain",
     "Conclusion",
     "Ends",
     "HalfReturn",
     "Interval",
+    "Partner",
     "PieceLimits",
     "PieceResult",
     "ProvedCurve",
@@ -37,12 +40,14 @@ __all__ = [
     "about_pieces",
     "attempt",
     "broken_off",
+    "certified_system",
     "conclude",
     "curve_hypotheses",
     "derived_parameter",
     "divided_by_wide",
     "interval_to_json",
     "jacobi_constant",
+    "other_point",
     "parameter_series",
     "point_name",
     "prove_piece",

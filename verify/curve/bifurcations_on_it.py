@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
 from flint import acb, arb
 
-from orbitproof.shared.formats import ORBIT, Atlas, InputError, read_system
-from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
-from orbitproof.verify.certificate import Certificate, Recheck, recheck
+from orbitproof.shared.formats import ORBIT, Atlas
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.lyapunov_family import PLANAR, certified_system, in_units_of_orbit, point_name
-from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.tube import lower_end, upper_end
 from orbitproof.verify.evidence import (
     EmptyIntersectionError,
@@ -27,9 +25,44 @@ from orbitproof.verify.evidence import (
     symmetric,
 )
 
-Examine = Callable[[Certificate], Recheck]
 Point = Mapping[str, arb]
 Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point, int], Point | None]
+
+
+def no_partner(system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Point, crossings: int) -> None:
+    """A `Partner` that finds none."""
+
+
+@dataclass(frozen=True)
+class CertifiedPoint:
+    """What a certificate proves of a point: that it lies on a symmetric orbit, and what orbit that is.
+
+    Attributes:
+        id, kind, k: of the certificate.
+        problem: why it counts for nothing; empty if all else holds.
+        is_foreign: whether that is since it is about another system, section, reversing symmetry, level or other
+            parameters than the curve, or not readable here.
+        crossings: how often half orbits meet the section.
+        symmetry, signs: name and signs of the symmetry that breaks; `None` if none does.
+        point: enclosures of its coordinates, by name.
+        parameter_name, parameter: of the bifurcation.
+        stability: enclosures of the stability parameters of one orbit; none of a bifurcation.
+        other_point: enclosures of the coordinates of the orbit's other point on Fix(R), if they are known.
+    """
+
+    id: str
+    kind: str
+    k: int
+    problem: str = ""
+    is_foreign: bool = False
+    crossings: int = 1
+    symmetry: str | None = None
+    signs: tuple[int, ...] | None = None
+    point: Point = field(default_factory=dict)
+    parameter_name: str = ""
+    parameter: arb | None = None
+    stability: tuple[acb, ...] = ()
+    other_point: Point | None = None
 
 
 @dataclass(frozen=True)
@@ -96,58 +129,49 @@ class Bifurcation:
 
 
 def place_bifurcation(
-    atlas: Atlas,
-    chain: Chain | None,
-    certificate: Certificate,
-    examine: Examine = recheck,
-    partner: Partner = other_point,
+    atlas: Atlas, chain: Chain | None, certified: CertifiedPoint, partner: Partner = no_partner
 ) -> Bifurcation:
-    """Whether the bifurcation of a certificate lies on the curve.
+    """Whether the point of a certificate lies on the curve.
 
-    `chain` is `None` if the curve itself is not proved. `examine` shows that the certificate's conclusion follows
-    from what it stores; `partner` encloses the other point of a symmetric orbit on Fix(R).
+    `chain` is `None` if the curve itself is not proved. `partner` encloses the other point of a symmetric orbit on
+    Fix(R).
     """
-    candidate = certificate.statement["candidate"]
-    entry = Bifurcation(certificate.id, certificate.kind, certificate.k, None, "", {})
-    other = _other_system(atlas, certificate)
-    if other is not None:
-        return replace(entry, reason=other, is_foreign=True)
-    if not certificate.proved:
-        return replace(entry, reason=f"the certificate says {certificate.verdict!r}")
-    examined = examine(certificate)
-    if not examined.stands_without_place:
-        return replace(entry, reason=f"the certificate does not stand: {examined.why}")
-    crossings = candidate.get("crossings", 1)
+    entry = Bifurcation(certified.id, certified.kind, certified.k, None, certified.problem, {})
+    if certified.problem:
+        return replace(entry, is_foreign=certified.is_foreign)
+    crossings = certified.crossings
     if crossings != atlas.claim.crossings:
         reason = f"its half orbits meet the section {crossings} times, those of the curve {atlas.claim.crossings}"
         return replace(entry, reason=reason)
     names = certified_system(atlas.system).centre_coordinates
-    if not set(names) <= set(certificate.point):
+    if not set(names) <= set(certified.point):
         return replace(entry, reason="the certificate does not have all coordinates of the point")
-    point = {name: certificate.point[name] for name in names}
+    point = {name: certified.point[name] for name in names}
     breaks = entry.kind == "symmetry_breaking"
     if point_name(atlas.system) is not None and entry.kind == ORBIT:
         return replace(entry, reason="the curve is one of orbits in units of their size")
     if point_name(atlas.system) is not None:
-        planar = breaks and candidate.get("symmetry") == PLANAR
+        planar = breaks and certified.symmetry == PLANAR
         carried = in_units_of_orbit(atlas.system, atlas.parameters, point) if planar else None
         if carried is None:
             return replace(entry, reason="it is not shown to be a planar orbit away from the libration point")
         point = carried
-    entry = replace(entry, point=point, parameter_name=str(certificate.parameter_name), parameter=certificate.parameter)
-    orbit = certificate.orbit
-    if orbit is not None:
-        entry = replace(entry, stability=orbit.stability.parameters)
+    entry = replace(
+        entry,
+        point=point,
+        parameter_name=certified.parameter_name,
+        parameter=certified.parameter,
+        stability=certified.stability,
+    )
     if chain is None:
         return replace(entry, reason="the curve itself is not proved")
     # By what it does: another system of the same name may call another symmetry so.
     own = atlas.system.symmetries.get(str(atlas.claim.symmetry))
-    doubly = breaks and own is not None and certificate.statement.get("symmetry") == list(own)
-    place = locate(atlas, chain, list(point.values()), doubly)
+    place = locate(atlas, chain, list(point.values()), breaks and own is not None and certified.signs == own)
     if isinstance(place, Place):
         return replace(entry, place=place)
     if point_name(atlas.system) is None:
-        second = orbit.other_point if orbit else partner(atlas.system, atlas.parameters, point, crossings)
+        second = certified.other_point or partner(atlas.system, atlas.parameters, point, crossings)
         found_there = None if second is None else locate(atlas, chain, [second[name] for name in names], False)
         if isinstance(found_there, Place):
             return replace(entry, place=replace(found_there, other_point=True))
@@ -214,27 +238,3 @@ def _in_stretch(stretch: Stretch, point: Sequence[arb], is_symmetry_breaking: bo
     if any(upper_end(ball) - lower_end(ball) >= 1 for ball in offsets):
         return most, f"its enclosure is too wide for the tube of {name}; certify it in a smaller box"
     return most, f"it is not shown to lie on the part of {name} that is proved; more digits or a wider tube may decide"
-
-
-def _other_system(atlas: Atlas, certificate: Certificate) -> str | None:
-    """Why a certificate is about another system than the atlas, if it is."""
-    statement = certificate.statement
-    wanted = certified_system(atlas.system)
-    try:
-        # The system of the atlas may be one that is not known here, described by its certificate alone.
-        known = {**SYSTEMS, wanted.name: wanted}
-        system, parameters = read_system(statement["candidate"], "statement.candidate", known)
-    except (InputError, KeyError, ValueError) as error:
-        return f"the certificate cannot be read: {error}"
-    if system.name != wanted.name:
-        return f"it is about another system, {system.name}"
-    if system.fixed_level != wanted.fixed_level:
-        return "it is about another level"
-    if (system.section, system.reversing_symmetry) != (wanted.section, wanted.reversing_symmetry):
-        return "it is about another section or another reversing symmetry"
-    for name, value in atlas.parameters.items():
-        if parameters.get(name) != value:
-            return f"it is about another value of {name}"
-    if statement["vector_field"] != wanted.program.text():
-        return f"it is about another vector field than that of {system.name} now"
-    return None

@@ -16,7 +16,7 @@ from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, recentred, values_around
 from orbitproof.verify.evidence import enclose
-from orbitproof.verify.poincare import Returns
+from orbitproof.verify.poincare import Oracle, Returns
 
 BEYOND = Fraction(17, 16)
 TUBE = Fraction(1, 2)
@@ -79,6 +79,7 @@ class HalfReturn:
         start: Mapping[str, Series],
         widths: Sequence[Fraction],
         coordinates: str,
+        oracle: Oracle,
         begun: Callable[[str], None] | None = None,
         progress: Callable[[int], None] | None = None,
         crossings: int = 1,
@@ -93,7 +94,7 @@ class HalfReturn:
 
         Raises `IntegrationFailure`.
         """
-        returns = Returns(system, next(iter(start.values())).arithmetic, start, coordinates)
+        returns = Returns(system, next(iter(start.values())).arithmetic, start, oracle, coordinates)
         if begun is not None:
             begun(returns.coordinates.name)
         state, time = returns.half_orbit(crossings, progress)

@@ -24,18 +24,23 @@ from orbitproof.verify.evidence import (
     is_positive,
     total,
 )
-from orbitproof.verify.poincare import Returns, default_order
+from orbitproof.verify.poincare import Oracle, Returns, default_order
 
 _LEAST_BITS = 96
 _SPARE_BITS = 16
 
 
 def other_point(
-    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Mapping[str, arb], crossings: int = 1
+    oracle: Oracle,
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Mapping[str, arb],
+    crossings: int = 1,
 ) -> dict[str, arb] | None:
     """Enclosures of the coordinates of P(x) for a symmetric orbit through x, or `None` if there are none.
 
     Args:
+        oracle: finds approximations.
         parameters: exact values of the system's fixed parameters.
         point: enclosures of the system's `centre_coordinates` at x, where P(x) is known to lie in Fix(R).
         crossings: m, how often half orbits meet the section; P^m stands for P.
@@ -47,7 +52,7 @@ def other_point(
     with guarded(bits):
         try:
             arithmetic = Arithmetic(Grading((1,), 0), bits, 0, default_order(bits))
-            return _half_return(system, parameters, point, arithmetic, crossings)
+            return _half_return(system, parameters, point, arithmetic, oracle, crossings)
         except (IntegrationFailure, ArithmeticError):
             return None
 
@@ -57,10 +62,11 @@ def _half_return(
     given: Mapping[str, Fraction],
     point: Mapping[str, arb],
     arithmetic: Arithmetic,
+    oracle: Oracle,
     crossings: int,
 ) -> dict[str, arb] | None:
     known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
-    returns = Returns(system, arithmetic, {**parameter_series(arithmetic, system, given), **known})
+    returns = Returns(system, arithmetic, {**parameter_series(arithmetic, system, given), **known}, oracle)
     state = [_ball(element) for element in returns.half_orbit(crossings)[0]]
     if any(excludes_zero(state[index]) for index in system.kernel_coordinates):
         # The orbit through x is not symmetric: what was said of x is wrong.

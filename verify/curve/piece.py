@@ -43,7 +43,7 @@ from orbitproof.verify.evidence import (
     is_inside,
 )
 from orbitproof.verify.newton import is_regular, newton_image
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Oracle
 
 Progress = Callable[[float], None]
 
@@ -90,6 +90,7 @@ def prove_piece(
     parameters: Mapping[str, Fraction],
     piece: Piece,
     interval: Interval,
+    oracle: Oracle,
     limits: PieceLimits | None = None,
     progress: Progress | None = None,
     symmetry: str | None = None,
@@ -100,13 +101,14 @@ def prove_piece(
 
     Args:
         parameters: exact values of the system's fixed parameters.
+        oracle: finds approximations.
         progress: called after every step with the number of steps; what it raises passes through.
         symmetry: name of the symmetry of a symmetric piece.
         slope_bits: significant bits of the derivatives across the curve.
         crossings: of the section in a half orbit, its end included.
     """
     limits = PieceLimits() if limits is None else limits
-    proof = _Proof(system, parameters, piece, interval, limits, symmetry, slope_bits, crossings)
+    proof = _Proof(system, parameters, piece, interval, oracle, limits, symmetry, slope_bits, crossings)
     found = proof.result(progress)
     in_physical = found.computation["coordinates"] == PHYSICAL and system.name in REGULARISATIONS
     mended = isinstance(found.outcome, NotProved) and found.outcome.reason.condition in _MENDED_BY_COORDINATES
@@ -124,6 +126,7 @@ class _Proof:
     parameters: Mapping[str, Fraction]
     piece: Piece
     asked: Interval
+    oracle: Oracle
     limits: PieceLimits
     symmetry: str | None
     slope_bits: int = SLOPE_BITS
@@ -234,7 +237,7 @@ class _Proof:
                 progress(steps)
 
         coordinates = self.piece.coordinates
-        return HalfReturn.of(self.system, point, self.tube, coordinates, begun, after_step, self.crossings)
+        return HalfReturn.of(self.system, point, self.tube, coordinates, self.oracle, begun, after_step, self.crossings)
 
     def _equations(self, half: HalfReturn) -> list[Series]:
         """The kernel coordinates at the first return."""

@@ -9,12 +9,16 @@ from typing import Any
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.certificate import Certificate, recheck
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Examine, Partner, place_bifurcation
+from orbitproof.verify.curve.bifurcations_on_it import (
+    Bifurcation,
+    CertifiedPoint,
+    Partner,
+    no_partner,
+    place_bifurcation,
+)
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.statement import bifurcation_statement, curve_statement
 from orbitproof.verify.evidence import (
     Checklist,
@@ -52,17 +56,15 @@ class ProvedCurve:
 def conclude(
     atlas: Atlas,
     results: Sequence[Mapping[str, Any]],
-    bifurcations: Sequence[Certificate] = (),
-    examine: Examine = recheck,
-    partner: Partner = other_point,
+    bifurcations: Sequence[CertifiedPoint] = (),
+    partner: Partner = no_partner,
 ) -> Conclusion[ProvedCurve]:
     """The theorem that proved pieces give, or the first hypothesis that is not shown.
 
     Args:
         atlas: the claim about a curve; that the results are about its pieces as they are is for the caller.
         results: one JSON object for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
-        bifurcations: certificates that fit their schema, of points that may lie on the curve.
-        examine: shows that a certificate's conclusion follows from what it stores.
+        bifurcations: points that may lie on the curve, of certificates.
         partner: encloses the other point of a symmetric orbit on Fix(R), by integration.
     """
     checklist = Checklist()
@@ -70,11 +72,11 @@ def conclude(
         try:
             chain = check_curve(checklist, atlas, results)
         except NotEstablishedError as error:
-            unplaced = tuple(place_bifurcation(atlas, None, entry, examine, partner) for entry in bifurcations)
+            unplaced = tuple(place_bifurcation(atlas, None, entry, partner) for entry in bifurcations)
             return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)), unplaced)
         placed: tuple[Bifurcation, ...] = ()
         try:
-            placed = tuple(place_bifurcation(atlas, chain, entry, examine, partner) for entry in bifurcations)
+            placed = tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
             curve = ProvedCurve(chain, _ends(atlas, chain, placed))
             texts = (curve_statement(atlas, curve.ends, _half_period(chain)), bifurcation_statement(atlas, placed))
         except (EmptyIntersectionError, NotEstablishedError) as error:

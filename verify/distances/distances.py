@@ -31,7 +31,7 @@ from orbitproof.verify.algebra import (
 )
 from orbitproof.verify.curve import BEYOND
 from orbitproof.verify.evidence import IntegrationFailure, Reason, enclose, is_positive, symmetric
-from orbitproof.verify.flow import advance, dyadic_below, expand
+from orbitproof.verify.flow import advance, dyadic_below
 from orbitproof.verify.functions import error_of, function_to_json, known_part, restricted
 from orbitproof.verify.orbit import distance_rates
 from orbitproof.verify.poincare import InTime, Returns, at_start
@@ -176,7 +176,8 @@ class DistanceAlongCurve:
         delay = self._on_curve(returns.delay)
         longest = max(float(_value(delay, part).upper() / _value(rate, part).lower()) for part in range(PARTS))
         length = dyadic_below(2 * max(longest, _SHORTEST))
-        step = advance(expand(returns.program, self.arithmetic, state, fixed), length)
+        expansion = returns.oracle.expand(returns.program, self.arithmetic, state, fixed)
+        step = advance(returns.program, state, fixed, expansion, length)
         if not all(is_positive(_value(rate.scaled(length) - delay, part)) for part in range(PARTS)):
             raise IntegrationFailure("stability", "the half periods differ too much", "give a narrower piece")
         return step.solution

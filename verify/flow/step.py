@@ -18,6 +18,7 @@ from orbitproof.verify.algebra import (
     inflate,
 )
 from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow.expansion import Expansion
 from orbitproof.verify.flow.field_along import FieldAlong
 from orbitproof.verify.flow.gronwall import (
     LEAST_ERROR,
@@ -28,7 +29,6 @@ from orbitproof.verify.flow.gronwall import (
     exponential_bound,
     norm_arithmetic,
 )
-from orbitproof.verify.flow.solution import Expansion
 
 _ATTEMPTS = 6
 
@@ -49,12 +49,24 @@ class FlowStep:
     end: tuple[Series, ...]
 
 
-def advance(expansion: Expansion, step: Fraction) -> FlowStep:
-    """Enclose the solutions of x' = f(x, parameters), x(0) in the state of the expansion, over time `step` > 0.
+def advance(
+    program: PreparedProgram,
+    state: Sequence[Series],
+    parameters: Sequence[Series],
+    expansion: Expansion,
+    step: Fraction,
+) -> FlowStep:
+    """Enclose the solutions of x' = f(x, parameters), x(0) = state, over time `step` > 0, dyadic.
+
+    Args:
+        program: the vector field.
+        state: initial values, constant in theta.
+        parameters: constants of motion that the program takes after the state.
+        expansion: finds an approximate solution; nothing is believed of it.
 
     Raises `IntegrationFailure` if no tube was found in which the solution provably stays.
     """
-    along = FieldAlong(expansion.program, expansion.arithmetic, expansion.state, expansion.parameters)
+    along = FieldAlong(program, state[0].arithmetic, state, parameters)
     expansion.solve(along, step)
     return enclose_step(along, step)
 
@@ -65,8 +77,8 @@ def enclose_step(along: FieldAlong, step: Fraction) -> FlowStep:
     Args:
         along: the approximate solution, with the vector field on it.
     """
-    if not step > 0:
-        raise ValueError("a step is positive")
+    if not step > 0 or step.denominator & (step.denominator - 1):
+        raise ValueError("a step is positive and dyadic")
     state = along.state
     exact, field = along.enclosed()
     sources = [

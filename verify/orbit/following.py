@@ -12,7 +12,7 @@ from flint import arb
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.algebra import Series, evaluate, prepare
 from orbitproof.verify.evidence import DerivativeTable, enclose, exact_value, guarded
-from orbitproof.verify.flow import FlowStep, advance, expand
+from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.orbit.distance import Approach, DistanceAlong, Step
 from orbitproof.verify.orbit.rates import distance_rates
 from orbitproof.verify.poincare import (
@@ -20,6 +20,7 @@ from orbitproof.verify.poincare import (
     Box,
     IntegratorSettings,
     InTime,
+    Oracle,
     Returns,
     at_start,
     box_of,
@@ -77,7 +78,10 @@ class OrbitEnclosures:
 
 
 def enclose_orbit(
-    candidate: Candidate, settings: IntegratorSettings, progress: Callable[[float], None] | None = None
+    candidate: Candidate,
+    settings: IntegratorSettings,
+    oracle: Oracle,
+    progress: Callable[[float], None] | None = None,
 ) -> OrbitEnclosures:
     """Follow the box of a candidate to the other point on Fix(R) and on to the first one again.
 
@@ -88,22 +92,28 @@ def enclose_orbit(
         order = settings.order if settings.order is not None else default_order(settings.precision)
         box = box_of(candidate, settings.precision, order)
         check_size(box.arithmetic.grading, box.scales)
-        return _HalfOrbits(candidate, box, settings.coordinates, progress).run()
+        return _HalfOrbits(candidate, box, settings.coordinates, oracle, progress).run()
 
 
 class _HalfOrbits:
     def __init__(
-        self, candidate: Candidate, box: Box, coordinates: str, progress: Callable[[float], None] | None
+        self,
+        candidate: Candidate,
+        box: Box,
+        coordinates: str,
+        oracle: Oracle,
+        progress: Callable[[float], None] | None,
     ) -> None:
         self.candidate = candidate
         self.system = candidate.system
         self.box = box
         self.coordinates = coordinates
+        self.oracle = oracle
         self.progress = progress or (lambda _fraction: None)
 
     def run(self) -> OrbitEnclosures:
         box, system = self.box, self.system
-        returns = Returns(system, box.arithmetic, box.point, self.coordinates, box.level)
+        returns = Returns(system, box.arithmetic, box.point, self.oracle, self.coordinates, box.level)
         along = None if system.squared_distance is None else _Distances(returns)
 
         def after_step(_steps: int) -> None:
@@ -168,7 +178,7 @@ class _HalfOrbits:
             middle, radius = exact_value(where.mid()), exact_value(where.rad())
             terms = {(0,) * size: middle, units[row]: scales[row]}
             start[name] = arithmetic.polynomial(terms).widened(radius)
-        returns = Returns(self.system, arithmetic, start, self.coordinates)
+        returns = Returns(self.system, arithmetic, start, self.oracle, self.coordinates)
         state, _ = returns.half_orbit(self.candidate.crossings, lambda _steps: self.progress(0.75))
         tables = [self._table(element) for element in self._on_fixed_set(state)]
         return tuple(tuple(table.centre[unit] for unit in units) for table in tables), returns.steps
@@ -208,6 +218,7 @@ class _Distances:
     def end(self, half_period: arb) -> tuple[int, int]:
         """The kinds of the extrema on Fix(R), one more step being taken beyond the second of them."""
         returns = self.returns
-        expansion = expand(returns.program, returns.arithmetic, returns.state, returns.fixed)
-        self.cover(advance(expansion, _BEYOND), returns.time, _BEYOND)
+        program, state, fixed = returns.program, returns.state, returns.fixed
+        expansion = returns.oracle.expand(program, returns.arithmetic, state, fixed)
+        self.cover(advance(program, state, fixed, expansion, _BEYOND), returns.time, _BEYOND)
         return self.along.start_kind, self.along.end_kind(half_period, self.reached)

@@ -18,7 +18,7 @@ from orbitproof.verify.functions import (
     known_part,
     restricted,
 )
-from orbitproof.verify.poincare import Returns
+from orbitproof.verify.poincare import Oracle, Returns
 
 _VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
 _START = (1, 0, 0, 1)
@@ -54,6 +54,7 @@ def variations_across(
     start: Mapping[str, Series],
     share: Fraction,
     crossings: int,
+    oracle: Oracle,
     progress: Callable[[int], None] | None = None,
 ) -> tuple[Series, ...] | Reason:
     """The entries of V, by rows, as functions of tau, or why they are not known.
@@ -71,7 +72,7 @@ def variations_across(
     }
     begun |= {name: arithmetic.constant(Fraction(value)) for name, value in zip(_VARIATIONS, _START, strict=True)}
     try:
-        returns = Returns(with_variations(system), arithmetic, begun)
+        returns = Returns(with_variations(system), arithmetic, begun, oracle)
         state, _ = returns.half_orbit(crossings, progress)
         first, first_rate, second, second_rate = state[len(system.state) :]
         return tuple(restricted(_flat(element), share) for element in (first, second, first_rate, second_rate))

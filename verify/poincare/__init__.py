@@ -15,8 +15,8 @@ from orbitproof.verify.poincare.iterates import (
     default_order,
     enclose_first_integral,
     enclose_iterates,
-    regularised_steps,
 )
+from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import (
     REGULARISED,
     Returns,
@@ -36,6 +36,7 @@ __all__ = [
     "HalfReturns",
     "InTime",
     "IntegratorSettings",
+    "Oracle",
     "Returns",
     "at_start",
     "box_of",
@@ -48,6 +49,5 @@ __all__ = [
     "first_integral",
     "initial_values",
     "kernel_components",
-    "regularised_steps",
     "table_of",
 ]

@@ -8,22 +8,15 @@ decide how long a proof takes and whether it succeeds, not what it says.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, record
 from orbitproof.verify.algebra import PreparedProgram, prepare
-from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.flow import float_coefficients, step_size
 from orbitproof.verify.poincare.section import build_section_program
 
 PHYSICAL = "physical"
-
-_ROUGH_DEGREE = 24
-_MOST_STEPS = 400
-_COST = 2.0
-"""A step in regularised coordinates was found to take about so many times as long as one in the system's own."""
 
 
 @dataclass(frozen=True)
@@ -87,48 +80,3 @@ def at_rate(field: Program) -> Program:
         return [rate[0] * component for component in velocity]
 
     return record(scaled, field.inputs, ("rate",))
-
-
-def choose(
-    system: ReversibleSystem, state: Sequence[float], parameters: Sequence[float], level: float, bits: int, degree: int
-) -> Coordinates:
-    """The coordinates in which the half return of a point of Fix(R) takes less time, by a float64 estimate."""
-    own = physical(system)
-    other = regularised(system, state, parameters)
-    if other is None or other.embedding is None:
-        return own
-    embedded = [float(value) for value in other.embedding.evaluate([*state, *parameters])]
-    few = steps_to_section(other, embedded, [*parameters, level], bits, degree, _MOST_STEPS)
-    if few is None:
-        return own
-    most = int(_COST * few)
-    quick = steps_to_section(own, state, parameters, bits, degree, most) is not None
-    return own if quick else replace(other, steps=few)
-
-
-def steps_to_section(
-    coordinates: Coordinates, state: Sequence[float], constants: Sequence[float], bits: int, degree: int, most: int
-) -> int | None:
-    """Number of steps to the next crossing of the section, in float64; `None` if above `most` or not found."""
-    section = coordinates.section
-    state = list(state)
-    before = 0.0
-    for count in range(1, most + 1):
-        try:
-            series = float_coefficients(coordinates.program, [*state, *constants], _ROUGH_DEGREE)
-            size = step_size(series, -float(bits), degree)
-        except (IntegrationFailure, TypeError):
-            return None
-        state = [_horner(row, size) for row in series]
-        after = state[section]
-        if before and (after < 0) != (before < 0):
-            return count
-        before = after
-    return None
-
-
-def _horner(coefficients: Sequence[float], at: float) -> float:
-    result = 0.0
-    for c in reversed(coefficients):
-        result = result * at + c
-    return result

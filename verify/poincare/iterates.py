@@ -24,6 +24,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.flow import LEAST_ERROR
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.derivatives import derivative_table
+from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import (
     AUTO,
     REGULARISED,
@@ -127,6 +128,7 @@ def grading_for(kind: str, k: int, dimension: int) -> Grading:
 def enclose_iterates(
     candidate: Candidate,
     settings: IntegratorSettings,
+    oracle: Oracle,
     progress: Callable[[float], None] | None = None,
     decide: Decide | None = None,
 ) -> Enclosures:
@@ -137,7 +139,7 @@ def enclose_iterates(
     Raises `IntegrationFailure` if something could not be enclosed.
     """
     with guarded(settings.precision):
-        return _Integration(candidate, settings, progress, decide).run()
+        return _Integration(candidate, settings, oracle, progress, decide).run()
 
 
 def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
@@ -182,21 +184,12 @@ def box_of(candidate: Candidate, bits: int, order: int) -> Box:
     return Box(arithmetic, scales, point, level)
 
 
-def regularised_steps(candidate: Candidate, precision: int) -> int:
-    """About as many steps as the centre takes to its first return, 0 in the system's own coordinates; a guess."""
-    try:
-        with guarded(precision):
-            box = box_of(candidate, precision, default_order(precision))
-            return Returns(candidate.system, box.arithmetic, box.point, level=box.level).coordinates.steps
-    except (IntegrationFailure, ArithmeticError, ValueError):
-        return 0
-
-
 class _Integration:
     def __init__(
         self,
         candidate: Candidate,
         settings: IntegratorSettings,
+        oracle: Oracle,
         progress: Callable[[float], None] | None,
         decide: Decide | None = None,
     ) -> None:
@@ -211,7 +204,7 @@ class _Integration:
         self.first_integral = None
         if box.level is not None and not candidate.is_family_of_maps:
             self.first_integral = derivative_table(box.level, box.scales, BOX_RATIO)
-        self.returns = Returns(candidate.system, box.arithmetic, box.point, settings.coordinates, box.level)
+        self.returns = Returns(candidate.system, box.arithmetic, box.point, oracle, settings.coordinates, box.level)
         self.accuracy = settings.accuracy
         self.decide = decide if settings.accuracy is not None else None
         self.first_error_bits = (0.0, 0.0)

@@ -18,10 +18,10 @@ from orbitproof.shared.systems import Program, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, WideArithmetic, evaluate, prepare
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, excludes_zero, is_positive
-from orbitproof.verify.flow import FlowStep, advance, dyadic_below, expand, rough
-from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, choose, physical, regularised
+from orbitproof.verify.flow import FlowStep, advance, dyadic_below, rough
+from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, physical, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive, wide_parts
-from orbitproof.verify.poincare.rate import relative_return_times
+from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
 
 AUTO, REGULARISED = "auto", "regularised"
@@ -55,6 +55,7 @@ class Returns:
         system: ReversibleSystem,
         arithmetic: Arithmetic,
         point: Mapping[str, Series],
+        oracle: Oracle,
         coordinates: str = AUTO,
         level: Series | None = None,
     ) -> None:
@@ -62,11 +63,13 @@ class Returns:
 
         Args:
             point: by name, as in `initial_values`.
+            oracle: finds approximations; nothing is believed of it.
             coordinates: "physical", "regularised" or "auto".
             level: the first integral of the points, if it is known already.
         """
         self.system = system
         self.arithmetic = arithmetic
+        self.oracle = oracle
         initial = initial_values(system, arithmetic, point)
         initial, self.parameters = initial[: len(system.state)], initial[len(system.state) :]
         level = first_integral(system, arithmetic, point) if level is None else level
@@ -88,15 +91,17 @@ class Returns:
         self.step_taken: tuple[FlowStep, arb, Fraction] | None = None
 
     def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
-        bits, degree = self.arithmetic.bits, self.arithmetic.degree
+        bits = self.arithmetic.bits
         if wanted == PHYSICAL or level is None:
             return physical(self.system)
         state, parameters, (value,) = (
             rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
         )
-        if wanted == REGULARISED:
-            return regularised(self.system, state, parameters) or physical(self.system)
-        return choose(self.system, state, parameters, value, bits, degree)
+        own, other = physical(self.system), regularised(self.system, state, parameters)
+        if other is None or wanted == REGULARISED:
+            return other or own
+        steps = self.oracle.regularised_steps(own, other, state, parameters, value, self.arithmetic)
+        return replace(other, steps=steps) if steps else own
 
     def _enter(self, initial: list[Series], level: Series | None) -> tuple[list[Series], list[Series]]:
         """The initial state in the coordinates that are integrated, and the constants of motion."""
@@ -117,7 +122,8 @@ class Returns:
         arithmetic, coordinates = self.arithmetic, self.coordinates
         if not isinstance(arithmetic, WideArithmetic):
             return None
-        powers = relative_return_times(arithmetic, coordinates.program, coordinates.section, self.state, self.constants)
+        program, section = coordinates.program, coordinates.section
+        powers = self.oracle.return_times(program, arithmetic, section, self.state, self.constants)
         if powers is None or sum(map(abs, powers[1:])) < _NEGLIGIBLE_CHANGE:
             return None
         rate = arithmetic.polynomial({arithmetic.grading.monomials[0]: powers})
@@ -168,13 +174,13 @@ class Returns:
     def step(self) -> bool:
         """Advance by one step; true if it ends, at the centre, at the next crossing."""
         section = self.coordinates.section
-        expansion = expand(self.program, self.arithmetic, self.state, self.fixed)
+        expansion = self.oracle.expand(self.program, self.arithmetic, self.state, self.fixed)
         while True:
             step = expansion.shortened(self._planned(expansion.step_size))
             root = expansion.crossing(section, step, self.at_section)
             step = step if root is None else step * root
             try:
-                flow = advance(expansion, step)
+                flow = advance(self.program, self.state, self.fixed, expansion, step)
                 break
             except IntegrationFailure:
                 if self.share <= _LEAST_SHARE:
@@ -212,7 +218,7 @@ class Returns:
             )
         coordinates = self.coordinates
         image, elapsed = onto_section(
-            coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants
+            coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants, self.oracle
         )
         self.delay = elapsed
         for counter, arrival in zip(self.counters, arrivals, strict=True):

@@ -15,7 +15,8 @@ from typing import Any
 from orbitproof.shared.systems import Program, record
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, WideArithmetic, prepare
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.flow import advance, dyadic_below, expand
+from orbitproof.verify.flow import advance, dyadic_below
+from orbitproof.verify.poincare.oracle import Oracle
 
 _MOST_STEPS = 16
 
@@ -44,6 +45,7 @@ def onto_section(
     arithmetic: Arithmetic,
     state: Sequence[Series],
     parameters: Sequence[Series],
+    oracle: Oracle,
 ) -> tuple[list[Series], Series]:
     """The state where the orbit meets the section, and the time that this takes (of either sign).
 
@@ -60,10 +62,10 @@ def onto_section(
     constants = [Series(inner, p.coefs, p.errors) for p in parameters] + [current[section]]
     way, share = Fraction(0), 1.0
     for _ in range(_MOST_STEPS):
-        expansion = expand(program, inner, current, constants)
+        expansion = oracle.expand(program, inner, current, constants)
         step = min(dyadic_below(share * expansion.step_size), 1 - way)
         try:
-            current = list(advance(expansion, step).end)
+            current = list(advance(program, current, constants, expansion, step).end)
         except IntegrationFailure:
             if not wide:
                 raise

@@ -48,7 +48,7 @@ from orbitproof.verify.functions import (
     slope,
 )
 from orbitproof.verify.out_of_plane import variations_across, variations_to_json
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Returns, first_integral, initial_values
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Oracle, Returns, first_integral, initial_values
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.units import in_own_units
 
@@ -112,6 +112,7 @@ def stability_to_json(
     interval: Interval,
     limits: PieceLimits,
     coordinates: str,
+    oracle: Oracle,
     symmetry: str | None = None,
     progress: Callable[[float], None] | None = None,
     half: HalfReturn | None = None,
@@ -124,7 +125,7 @@ def stability_to_json(
     followed = PHYSICAL if coordinates == PHYSICAL else REGULARISED
     try:
         return orbit_functions(
-            system, parameters, piece, interval, limits, followed, symmetry, progress, half, crossings
+            system, parameters, piece, interval, limits, followed, oracle, symmetry, progress, half, crossings
         ).to_json()
     except IntegrationFailure as error:
         return {"reason": about_pieces(error.reason).to_json()}
@@ -139,6 +140,7 @@ def orbit_functions(
     interval: Interval,
     limits: PieceLimits,
     coordinates: str,
+    oracle: Oracle,
     symmetry: str | None = None,
     progress: Callable[[float], None] | None = None,
     half: HalfReturn | None = None,
@@ -161,7 +163,7 @@ def orbit_functions(
             "stability", "no list is claimed on a fixed level of a first integral", "no --complete"
         )
     with guarded(limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
-        work = _Integration(system, parameters, piece, interval, limits, coordinates, symmetry, crossings)
+        work = _Integration(system, parameters, piece, interval, limits, coordinates, oracle, symmetry, crossings)
         try:
             return work.functions(work.wider(progress) if half is None else half, progress)
         except IntegrationFailure:
@@ -180,6 +182,7 @@ class _Integration:
     interval: Interval
     limits: PieceLimits
     coordinates: str
+    oracle: Oracle
     symmetry: str | None
     crossings: int
 
@@ -205,7 +208,7 @@ class _Integration:
         flow = WideArithmetic(Grading((1,) * len(widths), 1), limits.precision, bits, limits.order, width=limits.width)
         tube = tube_points(flow, system, self.piece, (self.middle, self.radius), widths)
         start = {**parameter_series(flow, system, self.parameters), **tube}
-        return HalfReturn.of(system, start, widths, self.coordinates, None, progress, self.crossings)
+        return HalfReturn.of(system, start, widths, self.coordinates, self.oracle, None, progress, self.crossings)
 
     @cached_property
     def arithmetic(self) -> WideArithmetic:
@@ -230,7 +233,7 @@ class _Integration:
         around = _as_wide(out, max(widths))
         begun = {**half.start, **other.tube(flow, system.centre_coordinates, around)}
 
-        returns = Returns(system, flow, begun, self.coordinates)
+        returns = Returns(system, flow, begun, self.oracle, self.coordinates)
         along = DistanceAlongCurve(returns, SHARE) if is_distance_of_orbits(system, self.symmetry) else None
 
         def after_step(number: float) -> None:
@@ -257,7 +260,7 @@ class _Integration:
         if self.system.stiffness_across is None:
             return None
         start = {name: curve.value(element) for name, element in half.start.items()}
-        return variations_across(self.system, flow, start, SHARE, self.crossings)
+        return variations_across(self.system, flow, start, SHARE, self.crossings, self.oracle)
 
     def _initial(self, curve: CurveInTube, start: Mapping[str, Series], point: Sequence[Series] = ()) -> list[Series]:
         """State and parameters on Fix(R) as functions of sigma: at x(s), or at a point with these coordinates."""

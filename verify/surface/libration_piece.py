@@ -34,7 +34,7 @@ from orbitproof.verify.evidence import (
     is_inside,
     power,
 )
-from orbitproof.verify.poincare import PHYSICAL, Returns
+from orbitproof.verify.poincare import PHYSICAL, Oracle, Returns
 from orbitproof.verify.surface.half_return import SurfaceLimits
 
 BOX = Fraction(7, 8)
@@ -99,6 +99,7 @@ def read_sizes(piece: LibrationPiece, result: Mapping[str, Any]) -> ProvedSizes 
 def prove_libration_piece(
     piece: LibrationPiece,
     interval: Interval,
+    oracle: Oracle,
     limits: SurfaceLimits | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> PieceResult[ProvedSizes]:
@@ -123,7 +124,7 @@ def prove_libration_piece(
         with checklist.hypothesis(
             "half-return", "17.5", "the orbits of the piece meet the section again and are enclosed", _REMEDY
         ) as evidence:
-            element, time, steps = _half_return(piece, interval, limits, progress)
+            element, time, steps = _half_return(piece, interval, limits, oracle, progress)
             computation.update(steps=steps, coordinates=PHYSICAL)
             evidence.record("half period", time)
             evidence.require(time.is_finite(), "the half periods are not enclosed")
@@ -142,7 +143,11 @@ def prove_libration_piece(
 
 
 def _half_return(
-    piece: LibrationPiece, interval: Interval, limits: SurfaceLimits, progress: Callable[[float], None] | None
+    piece: LibrationPiece,
+    interval: Interval,
+    limits: SurfaceLimits,
+    oracle: Oracle,
+    progress: Callable[[float], None] | None,
 ) -> tuple[Series, arb, int]:
     """q at the first return as an element in (sigma, b, vy), the half periods, and the number of steps."""
     system = OVER_MASSES[piece.point]
@@ -162,7 +167,7 @@ def _half_return(
         "eps": arithmetic.polynomial({(0, 0): recentred(piece.size, middle, half)}),
         "vy": arithmetic.polynomial(speed),
     }
-    returns = Returns(system, arithmetic, point, PHYSICAL)
+    returns = Returns(system, arithmetic, point, oracle, PHYSICAL)
     state, time = returns.next_crossing(progress)
     (kernel,) = system.kernel_coordinates
     return state[kernel], time, returns.steps

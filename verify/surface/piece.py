@@ -25,6 +25,7 @@ from orbitproof.verify.evidence import (
     exact_interval_text,
     guarded,
 )
+from orbitproof.verify.poincare import Oracle
 from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, enclose_surface
 from orbitproof.verify.surface.proved_parts import ProvedPart, ProvedParts
 
@@ -61,6 +62,7 @@ def prove_surface_piece(
     system: ReversibleSystem,
     piece: SurfacePiece,
     interval: Interval,
+    oracle: Oracle,
     limits: SurfaceLimits | None = None,
     progress: Callable[[float], None] | None = None,
     symmetry: str = "S",
@@ -69,6 +71,7 @@ def prove_surface_piece(
     """Prove the claim of a piece for all s in an interval within [-1, 1], or say why it is not proved.
 
     Args:
+        oracle: finds approximations.
         progress: called after every integration step with the number of steps; what it raises passes through.
         symmetry: name of the symmetry that breaks.
         sections: parts that cover the interval, each proved as a whole or in halves; empty: as it suits.
@@ -81,7 +84,7 @@ def prove_surface_piece(
         with checklist.hypothesis(
             "half-return", "17.2", "the orbits of the piece meet the section again and are enclosed", "narrower pieces"
         ) as evidence:
-            returned = enclose_surface(system, piece, interval, limits, progress)
+            returned = enclose_surface(system, piece, interval, limits, oracle, progress)
             computation.update(steps=returned.steps, coordinates=returned.coordinates)
             evidence.record("half period", returned.time)
             evidence.require(returned.time.is_finite(), "the half periods are not enclosed")

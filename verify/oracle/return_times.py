@@ -13,7 +13,8 @@ import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
 from orbitproof.verify.algebra import Floats, Grading, Points, PreparedProgram, Series, WideArithmetic
-from orbitproof.verify.flow import step_size, taylor_at_points
+from orbitproof.verify.oracle.centre import step_size
+from orbitproof.verify.oracle.wide_solution import taylor_at_points
 
 _NODES = 24
 _DEGREE = 20
@@ -25,17 +26,13 @@ _CENTRE = Grading((), 0)
 
 
 def relative_return_times(
-    arithmetic: WideArithmetic,
     program: PreparedProgram,
+    arithmetic: WideArithmetic,
     section: int,
     state: Sequence[Series],
     constants: Sequence[Series],
 ) -> list[Fraction] | None:
-    """Coefficients of 1, s, s^2, .. of the time of the first return divided by that at s = 0; `None` if not found.
-
-    Args:
-        section: index of the section coordinate, which vanishes at the start.
-    """
+    """See `poincare.Oracle.return_times`."""
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
     start = np.array([_at_nodes(arithmetic, x, nodes) for x in state])
     fixed = np.array([_at_nodes(arithmetic, p, nodes) for p in constants])

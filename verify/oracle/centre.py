@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import ceil, floor, inf, isfinite, log2
+from math import ceil, inf, isfinite, log2
 from operator import floordiv, mul, truediv
 from typing import Any, TypeVar
 
@@ -18,8 +18,8 @@ from flint import arb, arb_poly
 
 from orbitproof.verify.algebra import PreparedProgram, Recurrence, integer_part
 from orbitproof.verify.evidence import IntegrationFailure, guarded
+from orbitproof.verify.flow import rough
 
-_STEP_BITS = 12
 _SPARE_BITS = 16
 
 Coefficient = TypeVar("Coefficient")
@@ -176,22 +176,6 @@ def step_size(coefficients: Sequence[Sequence[float]], log2_tolerance: float, de
     decay = (late - early) / (order - half) if early > -inf else 0.0
     last = late + decay * (degree - order)
     return float(2.0 ** min((log2_tolerance - last) / degree, 20.0))
-
-
-def rough(values: Sequence[int], bits: int) -> list[float]:
-    """Fixed-point numbers in float64."""
-    try:
-        return [value / (1 << bits) for value in values]
-    except OverflowError:
-        raise IntegrationFailure(
-            "size", "the orbit leaves the range of floating-point numbers", "give another centre"
-        ) from None
-
-
-def dyadic_below(size: float) -> Fraction:
-    """A dyadic number just below `size` with few bits."""
-    exponent = floor(log2(size)) - _STEP_BITS
-    return Fraction(floor(size / 2.0**exponent)) * Fraction(2) ** exponent
 
 
 def next_crossing(coefficients: Sequence[int], bits: int, starts_on_section: bool) -> Fraction | None:

@@ -27,9 +27,9 @@ from orbitproof.verify.algebra import (
     graded_power,
     to_points,
 )
-from orbitproof.verify.flow.centre import TaylorRecurrence, next_crossing, step_size
-from orbitproof.verify.flow.field_along import FieldAlong
-from orbitproof.verify.flow.solution import CentreExpansion, Expansion
+from orbitproof.verify.flow import Expansion, FieldAlong
+from orbitproof.verify.oracle.centre import TaylorRecurrence, next_crossing, step_size
+from orbitproof.verify.oracle.solution import CentreExpansion
 
 _MINUS_ONE = Fraction(-1)
 _CENTRE_BITS = 60

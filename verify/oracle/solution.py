@@ -12,56 +12,24 @@ from fractions import Fraction
 from functools import cache
 from itertools import starmap
 from operator import mul
-from typing import Protocol
 
 from flint import fmpz, fmpz_poly
 
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, partial_derivatives
-from orbitproof.verify.flow.centre import (
-    dyadic_below,
+from orbitproof.verify.flow import FieldAlong, dyadic_below, rough
+from orbitproof.verify.oracle.centre import (
     fixed_coefficients,
     float_coefficients,
     next_crossing,
     rescaled,
-    rough,
     step_size,
 )
-from orbitproof.verify.flow.field_along import FieldAlong
-from orbitproof.verify.flow.linear_equation import Jacobian, LinearEquation
+from orbitproof.verify.oracle.linear_equation import Jacobian, LinearEquation
 
 _ZERO = fmpz_poly([])
 _ROUGH_DEGREE = 24
 _TOLERATED_BITS = 24
 """The last coefficients of a step may be so many bits long before it is shortened."""
-
-
-class Expansion(Protocol):
-    """The solutions from one state, expanded in time, before a step is chosen. Nothing here carries proof.
-
-    Attributes:
-        program: the vector field.
-        state: initial values, constant in theta.
-        parameters: constants of motion that the program takes after the state.
-        step_size: a step that suits the format.
-    """
-
-    program: PreparedProgram
-    state: Sequence[Series]
-    parameters: Sequence[Series]
-    step_size: float
-
-    @property
-    def arithmetic(self) -> Arithmetic:
-        """The format."""
-
-    def shortened(self, step: Fraction) -> Fraction:
-        """The step, or less of it where its last terms are much larger than the first ones say that they are."""
-
-    def crossing(self, section: int, step: Fraction, starts_on_section: bool) -> Fraction | None:
-        """The first zero of a component of the centre's orbit in (0, step], as a fraction of the step, dyadic."""
-
-    def solve(self, along: FieldAlong, step: Fraction) -> None:
-        """Give all monomials of a solution over a step, which starts at the known parts of the state exactly."""
 
 
 class CentreExpansion:

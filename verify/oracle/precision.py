@@ -12,20 +12,24 @@ from math import ceil, floor, isfinite
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.bifurcation import coordinates_in_box
-from orbitproof.verify.certificate.kinds import Results
+from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
 from orbitproof.verify.evidence import (
+    IntegrationFailure,
     NotProved,
     Outcome,
     Proved,
     Reason,
     count_certain_digits,
     enclose,
+    guarded,
     is_below,
     is_outside,
 )
+from orbitproof.verify.oracle.approximations import ORACLE
+from orbitproof.verify.orbit import OrbitResults
+from orbitproof.verify.poincare import Returns, box_of, default_order
 
-Verdict = Outcome[Results]
+Verdict = Outcome[BifurcationResults | OrbitResults]
 
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
@@ -91,6 +95,16 @@ def first_precision(candidate: Candidate, digits: int, steps: int = 0) -> int:
     growth = max(0, slope - ceil(digits * _BITS_PER_DIGIT)) // 3
     wanted = max(value + reserve, (slope + reserve) * 6 // 5 + growth)
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
+
+
+def steps_of_centre(candidate: Candidate, precision: int) -> int:
+    """About as many steps as the centre takes to its first return, 0 in the system's own coordinates."""
+    try:
+        with guarded(precision):
+            box = box_of(candidate, precision, default_order(precision))
+            return Returns(candidate.system, box.arithmetic, box.point, ORACLE, level=box.level).coordinates.steps
+    except (IntegrationFailure, ArithmeticError, ValueError):
+        return 0
 
 
 def accuracy_bits(candidate: Candidate, digits: int) -> tuple[int, int]:

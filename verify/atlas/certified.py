@@ -1,0 +1,65 @@
+"""Certificates as points that may lie on a curve (section 15.8)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from orbitproof.shared.formats import Atlas, InputError, read_system
+from orbitproof.shared.systems import SYSTEMS
+from orbitproof.verify.certificate import Certificate, Recheck
+from orbitproof.verify.curve import CertifiedPoint, certified_system
+
+Examine = Callable[[Certificate], Recheck]
+"""Shows that a certificate's conclusion follows from what it stores."""
+
+
+def certified_point(atlas: Atlas, certificate: Certificate, examine: Examine) -> CertifiedPoint:
+    """What a certificate that fits its schema proves of a point, for a curve."""
+    name, kind, k = certificate.id, certificate.kind, certificate.k
+    foreign = _other_system(atlas, certificate)
+    if foreign:
+        return CertifiedPoint(name, kind, k, foreign, True)
+    if not certificate.proved:
+        return CertifiedPoint(name, kind, k, f"the certificate says {certificate.verdict!r}")
+    examined = examine(certificate)
+    if not examined.stands_without_place:
+        return CertifiedPoint(name, kind, k, f"the certificate does not stand: {examined.why}")
+    statement, orbit = certificate.statement, certificate.orbit
+    candidate, signs = statement["candidate"], statement.get("symmetry")
+    return CertifiedPoint(
+        name,
+        kind,
+        k,
+        crossings=candidate.get("crossings", 1),
+        symmetry=candidate.get("symmetry"),
+        signs=None if signs is None else tuple(signs),
+        point=certificate.point,
+        parameter_name=str(certificate.parameter_name),
+        parameter=certificate.parameter,
+        stability=() if orbit is None else orbit.stability.parameters,
+        other_point=None if orbit is None else orbit.other_point,
+    )
+
+
+def _other_system(atlas: Atlas, certificate: Certificate) -> str:
+    """Why a certificate is about another system than the atlas; empty if it is not."""
+    statement = certificate.statement
+    wanted = certified_system(atlas.system)
+    try:
+        # The system of the atlas may be one that is not known here, described by its certificate alone.
+        known = {**SYSTEMS, wanted.name: wanted}
+        system, parameters = read_system(statement["candidate"], "statement.candidate", known)
+    except (InputError, KeyError, ValueError) as error:
+        return f"the certificate cannot be read: {error}"
+    if system.name != wanted.name:
+        return f"it is about another system, {system.name}"
+    if system.fixed_level != wanted.fixed_level:
+        return "it is about another level"
+    if (system.section, system.reversing_symmetry) != (wanted.section, wanted.reversing_symmetry):
+        return "it is about another section or another reversing symmetry"
+    for name, value in atlas.parameters.items():
+        if parameters.get(name) != value:
+            return f"it is about another value of {name}"
+    if statement["vector_field"] != wanted.program.text():
+        return f"it is about another vector field than that of {system.name} now"
+    return ""

@@ -1,0 +1,29 @@
+"""Approximations, precisions, attempts (sections 3 and 10.3): whatever comes from this room, nothing false follows."""
+
+from orbitproof.verify.oracle.approximations import ORACLE
+from orbitproof.verify.oracle.precision import (
+    GREATEST_PRECISION,
+    LEAST_PRECISION,
+    LEVELS,
+    Limits,
+    Verdict,
+    accuracy_bits,
+    first_precision,
+    missing_bits,
+    more_precision,
+    steps_of_centre,
+)
+
+__all__ = [
+    "GREATEST_PRECISION",
+    "LEAST_PRECISION",
+    "LEVELS",
+    "ORACLE",
+    "Limits",
+    "Verdict",
+    "accuracy_bits",
+    "first_precision",
+    "missing_bits",
+    "more_precision",
+    "steps_of_centre",
+]

@@ -1,0 +1,49 @@
+"""The oracle that all commands use (section 3.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, WideArithmetic
+from orbitproof.verify.flow import Expansion
+from orbitproof.verify.oracle.return_times import relative_return_times
+from orbitproof.verify.oracle.steps import regularised_steps
+from orbitproof.verify.oracle.wide_solution import expand
+from orbitproof.verify.poincare import Coordinates
+
+
+class Approximations:
+    """See `poincare.Oracle`."""
+
+    def expand(
+        self, program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
+    ) -> Expansion:
+        """See `poincare.Oracle`."""
+        return expand(program, arithmetic, state, parameters)
+
+    def return_times(
+        self,
+        program: PreparedProgram,
+        arithmetic: WideArithmetic,
+        section: int,
+        state: Sequence[Series],
+        constants: Sequence[Series],
+    ) -> list[Fraction] | None:
+        """See `poincare.Oracle`."""
+        return relative_return_times(program, arithmetic, section, state, constants)
+
+    def regularised_steps(
+        self,
+        own: Coordinates,
+        other: Coordinates,
+        point: Sequence[float],
+        parameters: Sequence[float],
+        level: float,
+        arithmetic: Arithmetic,
+    ) -> int:
+        """See `poincare.Oracle`."""
+        return regularised_steps(own, other, point, parameters, level, arithmetic.bits, arithmetic.degree)
+
+
+ORACLE = Approximations()
