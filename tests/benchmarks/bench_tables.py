@@ -26,6 +26,7 @@ from orbitproof.shared.formats.candidates import Candidate, read_candidates
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 from orbitproof.shared.systems.system import CR3BP
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import first_precision
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
@@ -90,7 +91,7 @@ def print_ratio(candidate: Candidate) -> None:
     for coordinates in (PHYSICAL, REGULARISED):
         start = time.process_time()
         settings = IntegratorSettings(first_precision(candidate, 30), coordinates=coordinates)
-        found = enclose_iterates(candidate, settings)
+        found = enclose_iterates(candidate, settings, ORACLE)
         seconds[coordinates] = time.process_time() - start
         third = found.iterates[-1][0].box[0, 3, 0].rad()
         print(

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from support.claims import known
+from support.conclusions import conclude
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases.lyapunov import LyapunovFamily, lyapunov_atlas
@@ -35,11 +36,11 @@ from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_o
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence import Checklist
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
@@ -225,7 +226,7 @@ def test_every_family_has_an_atlas() -> None:
 @pytest.fixture(scope="module")
 def proved(atlas: Atlas) -> PieceResult[ProvedInterval]:
     (piece,) = atlas.curve_pieces()
-    return prove_piece(atlas.system, atlas.parameters, piece, WHOLE, FAST)
+    return prove_piece(atlas.system, atlas.parameters, piece, WHOLE, ORACLE, FAST)
 
 
 @pytest.fixture(scope="module")
@@ -278,7 +279,7 @@ def test_only_the_family_of_that_mass_is_proved(atlas: Atlas, claim: str) -> Non
     elif claim == "another mass":
         mu *= Fraction(1000001, 1000000)
     part = (Fraction(0), Fraction(1, 8))
-    result = prove_piece(atlas.system, {"mu": mu}, piece, part, PieceLimits(48, 20, 8))
+    result = prove_piece(atlas.system, {"mu": mu}, piece, part, ORACLE, PieceLimits(48, 20, 8))
     assert result.is_proved == (claim == "true")
     assert claim == "true" or "of the tube" in result.to_json()["reason"]["message"]
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 from flint import arb, arb_series, ctx, fmpz_poly
-from orbitproof.verify.flow.solution import Expansion
 from support.claims import known
 from support.flow_checks import (
     ball,
@@ -36,7 +35,9 @@ from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import point_on_fixed_set
 from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.verify.flow import Expansion
 from orbitproof.verify.flow.step import FlowStep, advance
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.coordinates import PHYSICAL, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, stays_positive
@@ -65,7 +66,7 @@ BOXES = {
 def enclosures(name: str, coordinates: str) -> tuple[Candidate, Enclosures]:
     """A box with its enclosures."""
     candidate = BOXES[name]()
-    return candidate, enclose_iterates(candidate, IntegratorSettings(110, coordinates=coordinates))
+    return candidate, enclose_iterates(candidate, IntegratorSettings(110, coordinates=coordinates), ORACLE)
 
 
 def power(base: arb, exponent: Fraction) -> arb:
@@ -196,7 +197,7 @@ def test_another_mass_or_orbit_does_not_overlap() -> None:
         replace(candidate, parameters={"mu": MU + Fraction(1, 10**6)}),
         replace(candidate, centre=(candidate.centre[0] + Fraction(1, 10**6), *candidate.centre[1:])),
     ):
-        other = enclose_iterates(wrong, IntegratorSettings(110, coordinates=PHYSICAL))
+        other = enclose_iterates(wrong, IntegratorSettings(110, coordinates=PHYSICAL), ORACLE)
         assert not other.iterates[0][0].box[0, 0, 0].overlaps(found.iterates[0][0].box[0, 0, 0])
 
 
@@ -233,7 +234,7 @@ def collision() -> Candidate:
 def test_an_orbit_that_may_collide_is_refused() -> None:
     candidate = collision()
     with pytest.raises(IntegrationFailure, match="collision"):
-        enclose_iterates(candidate, IntegratorSettings(110, coordinates=REGULARISED))
+        enclose_iterates(candidate, IntegratorSettings(110, coordinates=REGULARISED), ORACLE)
     assert certify(candidate).verdict == "not proved"
 
 
@@ -246,7 +247,7 @@ def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -
         return len(seen) - 1 != refused and stays_positive(series, wide)
 
     monkeypatch.setattr("orbitproof.verify.poincare.returns.stays_positive", check)
-    steps = enclose_iterates(candidate, settings).steps
+    steps = enclose_iterates(candidate, settings, ORACLE).steps
     assert len(seen) == steps
     # What is checked is the distance from the primary.
     x, z = (candidate.centre[candidate.coordinates.index(name)] - start for name, start in (("x", 1 - MU), ("z", 0)))
@@ -256,7 +257,7 @@ def test_each_step_is_checked_for_a_collision(monkeypatch: pytest.MonkeyPatch) -
         seen.clear()
         monkeypatch.setattr("orbitproof.verify.poincare.returns.stays_positive", partial(check, refused=refused))
         with pytest.raises(IntegrationFailure, match="collision"):
-            enclose_iterates(candidate, settings)
+            enclose_iterates(candidate, settings, ORACLE)
 
 
 @pytest.mark.parametrize("level", ["integral", "coordinates"])
@@ -295,15 +296,17 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
 
 def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPatch) -> None:
     """The state and the constants of motion go into every step with their errors."""
-    integration = _Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), None)
+    integration = _Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), ORACLE, None)
     running = integration.returns
     steps: list[Fraction] = []
 
-    def check_step(expansion: Expansion, step: Fraction) -> FlowStep:
-        assert expansion.state is running.state
-        assert expansion.parameters is running.constants
+    def check_step(
+        program: Any, state: Sequence[Series], parameters: Sequence[Series], expansion: Expansion, step: Fraction
+    ) -> FlowStep:
+        assert state is running.state
+        assert parameters is running.constants
         steps.append(step)
-        return advance(expansion, step)
+        return advance(program, state, parameters, expansion, step)
 
     def check_last(*arguments: Any) -> tuple[list[Series], Series]:
         assert arguments[3] is running.state
@@ -332,7 +335,7 @@ def test_the_times_of_the_steps_follow_each_other(coordinates: str, monkeypatch:
                 assert self.clear_time.overlaps(time + step)
 
     monkeypatch.setattr("orbitproof.verify.poincare.returns.CrossingCounter", Counter)
-    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates), ORACLE)
     assert len(covered) == found.steps
     ends = [arb(0), *(time + step for time, step in covered)]
     assert all(time.overlaps(end) for (time, _), end in zip(covered, ends, strict=False))
@@ -352,12 +355,12 @@ def test_a_crossing_at_an_uncertain_time_is_refused(
 
     monkeypatch.setattr("orbitproof.verify.poincare.returns.onto_section", late)
     with pytest.raises(IntegrationFailure, match="not separated from the crossing before it"):
-        enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+        enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates), ORACLE)
 
 
 def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is a coordinate of the image, not of the state from which the section is reached."""
-    usual = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED)).return_times[0]
+    usual = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), ORACLE).return_times[0]
 
     def later(*arguments: Any) -> tuple[list[Series], Series]:
         image, elapsed = onto_section(*arguments)
@@ -366,7 +369,7 @@ def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.Monke
         return image, elapsed
 
     monkeypatch.setattr("orbitproof.verify.poincare.returns.onto_section", later)
-    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED)).return_times[0]
+    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), ORACLE).return_times[0]
     assert found.overlaps(usual + 1)
     assert not found.overlaps(usual)
 
@@ -375,12 +378,12 @@ def test_the_time_of_a_crossing_is_that_on_the_section(monkeypatch: pytest.Monke
 def test_a_crossing_that_does_not_arrive_is_refused(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("orbitproof.verify.poincare.returns.CrossingCounter.arrival", lambda *_: None)
     with pytest.raises(IntegrationFailure, match="not proved to be at crossing 1"):
-        enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+        enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates), ORACLE)
 
 
 @pytest.mark.parametrize("coordinates", [PHYSICAL, REGULARISED])
 def test_shorter_steps_after_a_failed_one_give_the_same_map(coordinates: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+    usual = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates), ORACLE)
     failed: list[Fraction] = []
 
     def sometimes(*arguments: Any) -> FlowStep:
@@ -391,7 +394,7 @@ def test_shorter_steps_after_a_failed_one_give_the_same_map(coordinates: str, mo
         return advance(*arguments)
 
     monkeypatch.setattr("orbitproof.verify.poincare.returns.advance", sometimes)
-    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates))
+    found = enclose_iterates(known("em1"), IntegratorSettings(110, coordinates=coordinates), ORACLE)
     assert failed[1] < Fraction(2, 3) * failed[0]
     assert found.steps > usual.steps
     for one, two in zip(usual.iterates[0], found.iterates[0], strict=True):
@@ -402,7 +405,7 @@ def test_shorter_steps_after_a_failed_one_give_the_same_map(coordinates: str, mo
 @pytest.mark.parametrize("level", ["integral", "coordinates"])
 def test_what_is_proved_in_regularised_coordinates_is_proved_again_in_the_systems_own(level: str) -> None:
     def integrate(candidate: Candidate, settings: IntegratorSettings, progress: Any) -> Enclosures:
-        return enclose_iterates(candidate, replace(settings, coordinates=REGULARISED), progress)
+        return enclose_iterates(candidate, replace(settings, coordinates=REGULARISED), ORACLE, progress)
 
     certificate = certify(known("em1"), Limits(level=level), None, integrate)
     assert certificate.proved
@@ -414,14 +417,14 @@ def test_what_is_proved_in_regularised_coordinates_is_proved_again_in_the_system
 
 def test_an_orbit_near_the_primary_is_followed_in_regularised_coordinates_by_itself() -> None:
     close, far = BOXES["close"](), BOXES["inside"]()
-    assert enclose_iterates(close, IntegratorSettings(110)).coordinates == KUSTAANHEIMO_STIEFEL.name
-    assert enclose_iterates(far, IntegratorSettings(110)).coordinates == PHYSICAL
+    assert enclose_iterates(close, IntegratorSettings(110), ORACLE).coordinates == KUSTAANHEIMO_STIEFEL.name
+    assert enclose_iterates(far, IntegratorSettings(110), ORACLE).coordinates == PHYSICAL
 
 
 def test_systems_without_regularisation_keep_their_own_coordinates() -> None:
     assert regularised(FALKNER_SKAN, [0.0] * 3, [400.0]) is None
     candidate = falkner_skan_box("period_tupling", 1, ("1e-7", "1e-9"))
-    assert enclose_iterates(candidate, IntegratorSettings(64, coordinates=REGULARISED)).coordinates == PHYSICAL
+    assert enclose_iterates(candidate, IntegratorSettings(64, coordinates=REGULARISED), ORACLE).coordinates == PHYSICAL
 
 
 def test_another_system_of_the_same_name_has_no_regularisation(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,6 +19,7 @@ from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.certificate.side_by_side import certify_all
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import enclose_iterates
 
@@ -88,7 +89,7 @@ def test_a_fault_with_more_precision_leaves_the_proof_at_hand(monkeypatch: pytes
         precisions.append(settings.precision)
         if len(precisions) > 1:
             raise MemoryError
-        return enclose_iterates(candidate, settings, report)
+        return enclose_iterates(candidate, settings, ORACLE, report)
 
     certificate = certify(TRUE, Limits(), integrate=broken_at_more)
     assert certificate.proved

@@ -15,6 +15,7 @@ from flint import arb, ctx
 from support import atlas_work, stability_cases
 from support.chain_cases import symmetric_arc
 from support.claims import known
+from support.conclusions import conclude
 from support.forgeries import Document, atlas_certificate, checked, forged, honest
 from test_forged_certificates import fabricated, of_parabola
 
@@ -43,7 +44,6 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.tables import ball_to_text
-from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.evidence import Proved, Stop, ball_from_json, ball_to_json
 

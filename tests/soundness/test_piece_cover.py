@@ -28,6 +28,7 @@ from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Checklist, NotProved, Proved, Reason
+from orbitproof.verify.oracle import ORACLE
 
 END = Fraction(16, 17)
 TUBE = Fraction(1, 64)
@@ -80,7 +81,7 @@ def prove(
     """The verdict on a piece whose half return is known."""
     returning(monkeypatch, lambda proof: equations(proof.arithmetic))
     system, parameters = (TWIST, {"omega": OMEGA}) if len(given.tube) == 1 else (CR3BP, {"mu": MU})
-    return prove_piece(system, parameters, given, interval, LIMITS, None, "S")
+    return prove_piece(system, parameters, given, interval, ORACLE, LIMITS, None, "S")
 
 
 def proved_interval(result: PieceResult[ProvedInterval]) -> ProvedInterval:
@@ -253,7 +254,7 @@ def test_bounds_of_a_curve_that_is_known(monkeypatch: pytest.MonkeyPatch, interv
         return [point["c"] - constant - a.scaled(Fraction(1, 8)) - (a * a).scaled(Fraction(1, 64))]
 
     returning(monkeypatch, equations)
-    result = proved_interval(prove_piece(TWIST, {"omega": OMEGA}, given, interval, LIMITS))
+    result = proved_interval(prove_piece(TWIST, {"omega": OMEGA}, given, interval, ORACLE, LIMITS))
     check(result.deviation[0], max(error * (1 - s / 2) for s in (result.start, result.end)))
     check(result.slope_deviation[0], error / 2)
 

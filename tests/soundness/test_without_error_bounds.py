@@ -25,6 +25,7 @@ from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence.balls_as_text import exact_value
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
 
@@ -101,6 +102,6 @@ def holds_for_the_centre(claim: Candidate, found: Enclosures) -> bool:
 
 def test_containment_catches_an_integrator_without_error_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
     claim = replace(known("fs3"), radii=WIDE)
-    assert holds_for_the_centre(claim, enclose_iterates(claim, IntegratorSettings(64)))
+    assert holds_for_the_centre(claim, enclose_iterates(claim, IntegratorSettings(64), ORACLE))
     monkeypatch.setattr(orbitproof.verify.flow.step, "_tube", without_errors)
-    assert not holds_for_the_centre(claim, enclose_iterates(claim, IntegratorSettings(64)))
+    assert not holds_for_the_centre(claim, enclose_iterates(claim, IntegratorSettings(64), ORACLE))

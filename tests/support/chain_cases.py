@@ -13,6 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from flint import arb
+from support.conclusions import conclude
 
 from orbitproof.shared.formats.atlas import Atlas, Claim, Covers, Piece
 from orbitproof.shared.numbers import format_exact
@@ -20,7 +21,7 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.rechecking import Finding, Recheck
 from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.curve.theorem import ProvedCurve, conclude
+from orbitproof.verify.curve.theorem import ProvedCurve
 from orbitproof.verify.evidence.balls_as_text import ball_to_json
 
 MU = Fraction(1, 80)

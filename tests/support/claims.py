@@ -13,6 +13,7 @@ from orbitproof.shared.systems.system import MASS_PARAMETERS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence.balls_as_text import bounds
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
@@ -43,7 +44,7 @@ def _all() -> dict[str, Candidate]:
 
 def to_the_end(claim: Candidate, settings: IntegratorSettings, progress: Any = None) -> Enclosures:
     """All iterates, also of claims that are seen to be false on the way."""
-    return enclose_iterates(claim, settings, progress)
+    return enclose_iterates(claim, settings, ORACLE, progress)
 
 
 def known(name: str) -> Candidate:

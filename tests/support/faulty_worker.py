@@ -15,6 +15,7 @@ from orbitproof.shared.formats.candidates import Candidate
 from orbitproof.shared.processes import Report
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.side_by_side import certify_task as sound_task
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare.iterates import enclose_iterates
 
 EXCEPTIONS: dict[str, type[Exception]] = {
@@ -33,7 +34,7 @@ def integrate(candidate: Candidate, *arguments: Any) -> Any:
         # FLINT has no exceptions: it ends the process.
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         fmpz(2) ** (2**40)
-    return enclose_iterates(candidate, *arguments)
+    return enclose_iterates(candidate, *arguments, oracle=ORACLE)
 
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:

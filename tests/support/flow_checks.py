@@ -18,8 +18,10 @@ from orbitproof.verify.algebra.programs import PreparedProgram, prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.evidence import DerivativeTable
 from orbitproof.verify.flow.step import FlowStep, advance
-from orbitproof.verify.flow.wide_solution import expand
-from orbitproof.verify.poincare.section import build_section_program, onto_section
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle.wide_solution import expand
+from orbitproof.verify.poincare.section import onto_section
+from orbitproof.verify.poincare.section_field import build_section_program
 
 RECURRENCES = {"cr3bp": three_body, "falkner-skan": falkner_skan}
 
@@ -152,7 +154,8 @@ def follow(program: Program | PreparedProgram, model: Model, step: Fraction) -> 
     """One step of the flow from a box."""
     prepared = prepare(program) if isinstance(program, Program) else program
     arithmetic = model.arithmetic
-    return advance(expand(prepared, arithmetic, model.state, model.parameters), step)
+    expansion = expand(prepared, arithmetic, model.state, model.parameters)
+    return advance(prepared, model.state, model.parameters, expansion, step)
 
 
 def to_section(system: ReversibleSystem, model: Model, time: Fraction, steps: int) -> tuple[Model, Series]:
@@ -167,7 +170,7 @@ def to_section(system: ReversibleSystem, model: Model, time: Fraction, steps: in
         model = Model(model.arithmetic, follow(program, model, step).end, model.parameters)
     section_program = build_section_program(system.program, len(system.state), system.section_index)
     image, elapsed = onto_section(
-        section_program, system.section_index, model.arithmetic, model.state, model.parameters
+        section_program, system.section_index, model.arithmetic, model.state, model.parameters, ORACLE
     )
     image[system.section_index] = model.arithmetic.constant(Fraction(0))
     return Model(model.arithmetic, tuple(image), model.parameters), elapsed

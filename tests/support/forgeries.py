@@ -12,6 +12,7 @@ from typing import Any
 
 from support import atlas_work
 from support.chain_cases import parabola
+from support.conclusions import conclude
 
 from orbitproof.shared.formats.atlas import Atlas, read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
@@ -19,7 +20,6 @@ from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck, rechecking
 from orbitproof.verify.certificate.certificate import make_certificate
-from orbitproof.verify.curve import conclude
 from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.surface import conclude_surface
 

@@ -13,6 +13,7 @@ from orbitproof.shared.systems.system import ReversibleSystem
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import stability_to_json
 from orbitproof.verify.stability.theorem import with_complete_list
 
@@ -44,11 +45,11 @@ class OnePiece:
     def results(self) -> list[dict[str, Any]]:
         """What is proved of the piece, with the stability of its orbits."""
         (piece,) = self.atlas.curve_pieces()
-        found = prove_piece(self.system, {}, piece, (Fraction(-1), Fraction(1)), self.limits)
+        found = prove_piece(self.system, {}, piece, (Fraction(-1), Fraction(1)), ORACLE, self.limits)
         assert isinstance(found.outcome, Proved), found.outcome
         known = found.outcome.results
         stability = stability_to_json(
-            self.system, {}, piece, (known.start, known.end), self.limits, "physical", half=known.half_return
+            self.system, {}, piece, (known.start, known.end), self.limits, "physical", ORACLE, half=known.half_return
         )
         return [{**found.to_json(), "stability": stability}]
 

@@ -24,6 +24,7 @@ from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.oracle import ORACLE
 
 DATA = Path(__file__).parents[1] / "data"
 FAST = PieceLimits(56, 18, 12)
@@ -64,7 +65,7 @@ LINE = Piece(
 def prove(
     piece: Piece, interval: tuple[Fraction, Fraction] = WHOLE, limits: PieceLimits = FAST, symmetry: str | None = "S"
 ) -> PieceResult[ProvedInterval]:
-    return prove_piece(TWIST, TWISTED, piece, interval, limits, None, symmetry)
+    return prove_piece(TWIST, TWISTED, piece, interval, ORACLE, limits, None, symmetry)
 
 
 def proved_interval(result: PieceResult[ProvedInterval]) -> ProvedInterval:

@@ -20,6 +20,7 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.curve.libration_point import parameter_series
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare.returns import Returns
 
 MU = MASS_PARAMETERS["earth-moon"]
@@ -189,7 +190,7 @@ class WideSet:
         state, parameters = self.initial()
         names = (*self.system.state, *self.system.parameters)
         point = dict(zip(names, (*state, *parameters), strict=True))
-        return Returns(self.system, self.arithmetic, point, self.piece.coordinates)
+        return Returns(self.system, self.arithmetic, point, ORACLE, self.piece.coordinates)
 
 
 def value_and_error(series: Series, s: Fraction, w: Sequence[Fraction]) -> tuple[Any, Any]:

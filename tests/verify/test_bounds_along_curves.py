@@ -41,6 +41,7 @@ from orbitproof.verify.functions.functions import (
     restricted,
     slope,
 )
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane.out_of_plane import KnownVariations, variations_across
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.complete_list import Finder
@@ -422,7 +423,7 @@ def test_variations_across_hold_those_of_all_initial_values(side: int) -> None:
         stiffness_across=lambda state, _: (state[0] * state[0],),
     )
     flow = WideArithmetic(Grading((1,), 0), 60, 0, 16, width=4)
-    found = variations_across(system, flow, {"x": element(1, error=Fraction(1, 1024))}, SHARE, 1)
+    found = variations_across(system, flow, {"x": element(1, error=Fraction(1, 1024))}, SHARE, 1, ORACLE)
     assert isinstance(found, tuple)
     start = 1 + side / 1024
     true = solve_ivp(

@@ -8,7 +8,7 @@ import pytest
 
 from orbitproof.shared.systems.system import FALKNER_SKAN
 from orbitproof.verify.algebra.programs import prepare
-from orbitproof.verify.flow.centre import fixed_coefficients, rescaled
+from orbitproof.verify.oracle.centre import fixed_coefficients, rescaled
 
 
 @pytest.mark.parametrize("share", [Fraction(1), Fraction(5, 8), Fraction(0x1234567890ABCDEF, 2**64)])

@@ -31,6 +31,7 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.claim.symmetry import check_symmetries
 from orbitproof.verify.evidence import Checklist
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
 
 DIGITS = 70
@@ -104,7 +105,7 @@ def twist_box(omega: Fraction = OMEGA) -> Candidate:
 @cache
 def returns() -> tuple[Candidate, Enclosures]:
     """The box and its first three returns."""
-    return twist_box(), enclose_iterates(twist_box(), SETTINGS)
+    return twist_box(), enclose_iterates(twist_box(), SETTINGS, ORACLE)
 
 
 def escapes(candidate: Candidate, found: Enclosures, points: int) -> int:
@@ -132,7 +133,7 @@ def test_more_precision_is_not_worse() -> None:
     """A rotation has no singularity to bound the steps, whose Taylor sums grow with the angle of a step."""
     widths = []
     for precision in (100, 180, 260):
-        found = enclose_iterates(twist_box(), IntegratorSettings(precision))
+        found = enclose_iterates(twist_box(), IntegratorSettings(precision), ORACLE)
         widths.append(float(found.iterates[-1][0].centre[0, 0].rad()))
     assert widths[0] > 2**40 * widths[1] > 2**80 * widths[2] > 0
 
@@ -210,11 +211,11 @@ def test_an_integrator_without_its_defect_is_caught(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(
         orbitproof.verify.flow.step, "_defect", lambda solution, field, step: solution.arithmetic.zero_errors()
     )
-    found = enclose_iterates(twist_box(), SETTINGS)
+    found = enclose_iterates(twist_box(), SETTINGS, ORACLE)
     assert escapes(twist_box(), found, 3) > 0
 
 
 def test_a_wrong_field_is_caught() -> None:
     """The closed form belongs to this field only: a field that differs by 1e-20 leads elsewhere."""
     moved = twist_box(OMEGA + Fraction(1, 10**20))
-    assert escapes(moved, enclose_iterates(moved, SETTINGS), 3) > 0
+    assert escapes(moved, enclose_iterates(moved, SETTINGS, ORACLE), 3) > 0

@@ -19,6 +19,7 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import crossing
 from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, range_of, stays_positive, wide_parts
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
@@ -264,7 +265,7 @@ HOPELESS: dict[str, Candidate] = {
 @pytest.mark.parametrize("name", HOPELESS)
 def test_hopeless_boxes_fail_with_a_reason(name: str) -> None:
     with pytest.raises(IntegrationFailure) as failure:
-        enclose_iterates(HOPELESS[name], IntegratorSettings(100))
+        enclose_iterates(HOPELESS[name], IntegratorSettings(100), ORACLE)
     assert failure.value.reason.condition
     assert failure.value.reason.message
     assert failure.value.reason.remedy
@@ -274,7 +275,9 @@ def test_hopeless_boxes_fail_with_a_reason(name: str) -> None:
 def test_tiny_boxes_do_not_underflow(radius: str) -> None:
     """However small the box, the derivatives at its centre stay inside what it encloses."""
     tables = [
-        enclose_iterates(falkner_skan_box("touch_and_go", 1, (size, size)), IntegratorSettings(80)).iterates[0][0]
+        enclose_iterates(falkner_skan_box("touch_and_go", 1, (size, size)), IntegratorSettings(80), ORACLE).iterates[0][
+            0
+        ]
         for size in ("1e-9", radius)
     ]
     for alpha, known in tables[0].centre.items():

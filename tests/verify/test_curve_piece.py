@@ -41,6 +41,7 @@ from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.curve.equation import Equation
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.evidence.outcome import NotProved
+from orbitproof.verify.oracle import ORACLE
 
 BITS = 110
 
@@ -206,7 +207,7 @@ CASES = {
 def check_orbits(name: str, interval: tuple[Fraction, Fraction], limits: PieceLimits, count: int) -> None:
     """The true branch, and its slope, at random s."""
     system, parameters, symmetry, piece = known_piece(name)
-    result = prove_piece(system, parameters, piece, interval, limits, None, symmetry)
+    result = prove_piece(system, parameters, piece, interval, ORACLE, limits, None, symmetry)
     known = proved_interval(result)
     if name == "regularised":
         assert result.computation["coordinates"] != "physical"
@@ -241,7 +242,7 @@ def test_halo_and_lyapunov_orbits_are_not_one_piece() -> None:
     limits, part = PieceLimits(60, 24, 10), (Fraction(-1, 16), Fraction(1, 16))
     for tube in (piece.tube, (Fraction(1, 10**6),) * 2):
         regular = replace(piece, kind="regular", tube=tube)
-        reason = refused(prove_piece(system, parameters, regular, part, limits))
+        reason = refused(prove_piece(system, parameters, regular, part, ORACLE, limits))
         assert "derivative across the curve" in reason or "not well inside" in reason
     # The tangent of the planar orbits at the symmetry breaking, along x.
     for bend in (ZERO, Fraction(1, 1000)):
@@ -249,4 +250,4 @@ def test_halo_and_lyapunov_orbits_are_not_one_piece() -> None:
             "planar", "regular", piece.centre, ((ONE, ZERO, ZERO), (ZERO, ONE, ZERO), (Fraction(-8), ZERO, ONE)),
             Fraction(1, 10**6), ((ZERO, bend), (ZERO,)), (Fraction(1, 10**4),) * 2, "physical",
         )  # fmt: skip
-        refused(prove_piece(system, parameters, planar, WHOLE, limits))
+        refused(prove_piece(system, parameters, planar, WHOLE, ORACLE, limits))

@@ -35,6 +35,7 @@ from support.wide_checks import MU, OMEGA, TWIST
 from orbitproof.shared.formats.pieces import Piece
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.oracle import ORACLE
 
 
 @pytest.fixture(autouse=True)
@@ -103,16 +104,16 @@ def test_a_piece_that_jumps_from_one_branch_to_the_other_is_refused(tube: str) -
 
 
 def test_wrong_parameters_are_refused() -> None:
-    assert "tube" in refused(prove_piece(TWIST, {"omega": OMEGA - Fraction(1, 10**5)}, REGULAR, WHOLE, FAST))
-    near = prove_piece(TWIST, {"omega": OMEGA + Fraction(1, 10**8)}, REGULAR, WHOLE, FAST)
+    assert "tube" in refused(prove_piece(TWIST, {"omega": OMEGA - Fraction(1, 10**5)}, REGULAR, WHOLE, ORACLE, FAST))
+    near = prove_piece(TWIST, {"omega": OMEGA + Fraction(1, 10**8)}, REGULAR, WHOLE, ORACLE, FAST)
     assert proved_interval(near).deviation[0] > Fraction(9, 10**9)
 
 
 def test_pieces_of_another_system_are_refused() -> None:
-    refused(prove_piece(FALKNER_SKAN, {}, REGULAR, WHOLE, FAST))
+    refused(prove_piece(FALKNER_SKAN, {}, REGULAR, WHOLE, ORACLE, FAST))
     for system in SYSTEMS.values():
-        refused(prove_piece(system, TWISTED, REGULAR, WHOLE, FAST, None, "S"))
-    refused(prove_piece(TWIST, {}, REGULAR, WHOLE, FAST))
+        refused(prove_piece(system, TWISTED, REGULAR, WHOLE, ORACLE, FAST, None, "S"))
+    refused(prove_piece(TWIST, {}, REGULAR, WHOLE, ORACLE, FAST))
 
 
 def test_curves_of_second_returns_are_refused() -> None:
@@ -126,7 +127,7 @@ def test_curves_of_second_returns_are_refused() -> None:
     a, c = (number(x) for x in piece.point(Fraction(1, 3)))
     angle = mpmath.pi * (1 + a * a + c * c / 2) / (1 + a * a / 4)
     assert abs(mpmath.sin(2 * angle)) < 1e-10
-    refused(prove_piece(TWIST, {"omega": Fraction(1)}, piece, WHOLE, FAST))
+    refused(prove_piece(TWIST, {"omega": Fraction(1)}, piece, WHOLE, ORACLE, FAST))
 
 
 @pytest.mark.parametrize(
@@ -212,14 +213,14 @@ def test_collisions_in_a_piece_are_refused(coordinates: str) -> None:
         piece = Piece(
             "collision", "regular", centre, identity, Fraction(1, 100), ((ZERO,), (ZERO,)), (TUBE, TUBE), coordinates
         )  # fmt: skip
-        refused(prove_piece(CR3BP, {"mu": MU}, piece, WHOLE, PieceLimits(60, 20, 8)))
+        refused(prove_piece(CR3BP, {"mu": MU}, piece, WHOLE, ORACLE, PieceLimits(60, 20, 8)))
 
 
 def test_wrong_masses_are_refused() -> None:
     system, parameters, symmetry, piece = known_piece("symmetric")
     wrong = {"mu": parameters["mu"] * (1 + Fraction(1, 10**6))}
     part = (Fraction(-1, 16), Fraction(1, 16))
-    assert "tube" in refused(prove_piece(system, wrong, piece, part, PieceLimits(60, 24, 8), None, symmetry))
+    assert "tube" in refused(prove_piece(system, wrong, piece, part, ORACLE, PieceLimits(60, 24, 8), None, symmetry))
 
 
 def test_what_progress_raises_passes_through() -> None:
@@ -231,7 +232,7 @@ def test_what_progress_raises_passes_through() -> None:
         raise Stop
 
     with pytest.raises(Stop):
-        prove_piece(TWIST, TWISTED, REGULAR, WHOLE, FAST, stop)
+        prove_piece(TWIST, TWISTED, REGULAR, WHOLE, ORACLE, FAST, stop)
 
 
 @pytest.mark.parametrize("arguments", [(8, 20, 12), (60, 8, 12), (60, 20, 0)])

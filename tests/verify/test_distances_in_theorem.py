@@ -18,6 +18,7 @@ from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.piece import PieceLimits
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.distances.distances import Where
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.stability.theorem import with_complete_list
 
@@ -39,7 +40,7 @@ def results() -> Results:
     atlas, found = with_a_wall(), stability_cases.results()
     for piece, entry in zip(atlas.curve_pieces(), found, strict=True):
         start, end = (parse_exact(text) for text in entry["interval"])
-        functions = orbit_functions(atlas.system, {}, piece, (start, end), PieceLimits(64, 28, 28), "physical")
+        functions = orbit_functions(atlas.system, {}, piece, (start, end), PieceLimits(64, 28, 28), "physical", ORACLE)
         entry["stability"] = functions.to_json()
     return found
 

@@ -20,6 +20,7 @@ from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult, broken_off
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.evidence.outcome import NotProved, Reason
+from orbitproof.verify.oracle import ORACLE
 
 FOREIGN = ("Error", "solve()", "radii", "radius", "box", "another centre", "a better centre")
 
@@ -42,7 +43,7 @@ def reason_of(result: PieceResult[ProvedInterval]) -> Reason:
 
 
 def in_space(piece: Piece) -> PieceResult[ProvedInterval]:
-    return prove_piece(CR3BP, {"mu": MU}, piece, WHOLE, PieceLimits(56, 18, 8), None, "S")
+    return prove_piece(CR3BP, {"mu": MU}, piece, WHOLE, ORACLE, PieceLimits(56, 18, 8), None, "S")
 
 
 def longer(piece: Piece, factor: int) -> Piece:
@@ -97,6 +98,6 @@ def test_arithmetic_that_has_no_result_is_put_into_words(
         raise fault
 
     monkeypatch.setattr(HalfReturn, "of", broken)
-    found = reason_of(prove_piece(TWIST, TWISTED, REGULAR, WHOLE, FAST))
+    found = reason_of(prove_piece(TWIST, TWISTED, REGULAR, WHOLE, ORACLE, FAST))
     assert str(fault) not in found.message
     assert "may be singular" in broken_off("verification", ZeroDivisionError("singular matrix in solve()")).message

@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from orbitproof.verify.flow.centre import dyadic_below
-from orbitproof.verify.flow.solution import CentreExpansion
 
 from orbitproof.shared.formats.candidates import Candidate, read_candidates
 from orbitproof.shared.systems.program import record
@@ -21,9 +19,11 @@ from orbitproof.verify.algebra.programs import prepare
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.bifurcation.level_forms import level_form
 from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.flow import dyadic_below
+from orbitproof.verify.oracle import steps_of_centre
 from orbitproof.verify.oracle.precision import first_precision
+from orbitproof.verify.oracle.solution import CentreExpansion
 from orbitproof.verify.poincare.coordinates import PHYSICAL
-from orbitproof.verify.poincare.iterates import regularised_steps
 
 ROWS = {row.id: row for row in read_candidates(Path(__file__).parents[1] / "data" / "far-arc-candidates.json")}
 EARTH_MOON, SUN_JUPITER = "earth-moon-L1-halo-k3-5", "sun-jupiter-L1-halo-k3-5"
@@ -73,17 +73,17 @@ def test_more_steps_of_a_regularised_return_ask_for_more_bits() -> None:
 
 
 def test_the_steps_of_a_half_return_are_counted_where_it_is_regularised() -> None:
-    assert regularised_steps(ROWS[EARTH_MOON], BITS) == 0
-    assert 9 <= regularised_steps(ROWS[SUN_JUPITER], BITS) <= 13
+    assert steps_of_centre(ROWS[EARTH_MOON], BITS) == 0
+    assert 9 <= steps_of_centre(ROWS[SUN_JUPITER], BITS) <= 13
 
 
 def test_a_centre_that_cannot_be_followed_counts_no_steps() -> None:
     row = ROWS[SUN_JUPITER]
     mass = row.parameters["mu"]
-    assert regularised_steps(replace(row, centre=(1 - mass, Fraction(0), Fraction(0))), BITS) == 0
+    assert steps_of_centre(replace(row, centre=(1 - mass, Fraction(0), Fraction(0))), BITS) == 0
     form = level_form(row)
     assert form is not None
-    assert regularised_steps(replace(form, centre=(Fraction(10**6), *form.centre[1:])), BITS) == 0
+    assert steps_of_centre(replace(form, centre=(Fraction(10**6), *form.centre[1:])), BITS) == 0
 
 
 @pytest.mark.slow

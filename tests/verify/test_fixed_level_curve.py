@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import arb, ctx
+from support.conclusions import conclude
 from support.curve_cases import refusal
 
 from orbitproof.explore.orbits import ShootingProblem
@@ -34,8 +35,8 @@ from orbitproof.verify.curve.other_point import other_point
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.stability.matrix import orbit_functions
 
@@ -50,7 +51,7 @@ def atlas() -> Atlas:
 
 def prove(system: ReversibleSystem) -> PieceResult[ProvedInterval]:
     (piece,) = atlas().curve_pieces()
-    return prove_piece(system, {}, piece, WHOLE)
+    return prove_piece(system, {}, piece, WHOLE, ORACLE)
 
 
 @cache
@@ -118,7 +119,7 @@ def test_a_symmetry_that_leaves_the_sheet_is_refused() -> None:
     system = replace(atlas().system, symmetries={"T": (-1, -1, -1, -1)})
     assert system.level_coordinate is not None
     symmetric = replace(piece, kind="symmetric", centre=(piece.centre[0], F(0)), frame=((F(0), F(1)), (F(1), F(0))))
-    found = prove_piece(system, {}, symmetric, WHOLE, symmetry="T")
+    found = prove_piece(system, {}, symmetric, WHOLE, ORACLE, symmetry="T")
     assert isinstance(found.outcome, NotProved)
     assert "T does not fix u2" in found.outcome.reason.message
 
@@ -148,12 +149,12 @@ def test_a_certificate_of_another_section_is_not_placed() -> None:
 def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
     """Half a period later u is at its maximum, where u2 < 0: with the level as parameter that is the other point."""
     system, point = atlas().system, certificate().point
-    assert other_point(system, {}, point) is None
+    assert other_point(ORACLE, system, {}, point) is None
     free = replace(system, family_parameter=None, fixed_level=None)
     with ctx.workprec(200):
         u = point["u"]
         start = {"u": u, "u2": (u * u - 2 * u**3 / 3).sqrt() + arb(0, "1e-20")}
-        found = other_point(free, {"P": claimed().centre[0]}, start)
+        found = other_point(ORACLE, free, {"P": claimed().centre[0]}, start)
     assert found is not None
     assert found["u2"] < 0
 
@@ -161,7 +162,7 @@ def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
 def test_no_list_of_resonances_is_claimed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (piece,) = atlas().curve_pieces()
     with pytest.raises(IntegrationFailure, match="fixed level"):
-        orbit_functions(atlas().system, {}, piece, WHOLE, PieceLimits(), "physical")
+        orbit_functions(atlas().system, {}, piece, WHOLE, PieceLimits(), "physical", ORACLE)
     words = ["atlas", str(FILE), "--complete", "4", "-o", str(tmp_path / "certificate.json"), "--quiet"]
     assert main(words) == 2
     assert "--complete: no list is claimed on a fixed level" in capsys.readouterr().err

@@ -26,6 +26,7 @@ from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.statement import curve_statement
 from orbitproof.verify.evidence.outcome import Proved as PieceProved
 from orbitproof.verify.functions.functions import bounded
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.second_proof.proof import Proved, second_proof
 from orbitproof.verify.stability.matrix import orbit_functions
@@ -159,7 +160,7 @@ FEW = PieceLimits(80, 30, 16)
 def test_a_piece_is_proved_with_its_number_of_crossings_and_with_no_other(crossings: int, condition: str) -> None:
     atlas = arc()
     result = prove_piece(
-        atlas.system, atlas.parameters, atlas.curve_pieces()[1], PART, FEW, symmetry=None, crossings=crossings
+        atlas.system, atlas.parameters, atlas.curve_pieces()[1], PART, ORACLE, FEW, symmetry=None, crossings=crossings
     )
     reason = "" if isinstance(result.outcome, PieceProved) else result.outcome.reason.condition
     assert reason == condition
@@ -167,7 +168,7 @@ def test_a_piece_is_proved_with_its_number_of_crossings_and_with_no_other(crossi
 
 def test_the_stability_of_a_piece_is_that_of_its_orbits() -> None:
     atlas, piece = arc(), arc().curve_pieces()[1]
-    found = orbit_functions(atlas.system, {}, piece, PART, FEW, "physical", crossings=2)
+    found = orbit_functions(atlas.system, {}, piece, PART, FEW, "physical", ORACLE, crossings=2)
     with ctx.workprec(120):
         (trace,) = (bounded(entry) for entry in found.characteristic)
         # Stability parameters of the family at the same c, in float64.

@@ -15,7 +15,8 @@ from support.exact_elements import is_enclosed, known_value, random_point
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, PreparedProgram, Series, WideArithmetic, prepare
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.flow import FlowStep, advance, expand
+from orbitproof.verify.flow import FlowStep, advance
+from orbitproof.verify.oracle.wide_solution import expand
 
 STEP = Fraction(1, 8)
 
@@ -78,8 +79,6 @@ class Hostile:
 
     def __init__(self, honest: Any, spoil: Callable[[int, list[fmpz_poly]], Sequence[Any]]) -> None:
         self._honest, self._spoil = honest, spoil
-        self.program, self.arithmetic = honest.program, honest.arithmetic
-        self.state, self.parameters = honest.state, honest.parameters
 
     def solve(self, along: Any, step: Fraction) -> None:
         self._along = along
@@ -93,9 +92,15 @@ class Hostile:
 
 
 def advanced(name: str, spoil: Callable[[int, list[fmpz_poly]], Sequence[Any]], step: Fraction = STEP) -> FlowStep:
+    return followed(name, lambda honest: Hostile(honest, spoil), step)
+
+
+def followed(name: str, hostile: Callable[[Any], Any], step: Fraction = STEP) -> FlowStep:
+    """One step with what is made of the honest expansion."""
     arithmetic = FORMATS[name]
     program: PreparedProgram = prepare(ROTATIONS.program)
-    return advance(Hostile(expand(program, arithmetic, initial(arithmetic), []), spoil), step)  # type: ignore[arg-type]
+    state = initial(arithmetic)
+    return advance(program, state, [], hostile(expand(program, arithmetic, state, [])), step)
 
 
 def holds(name: str, flow: FlowStep, source: random.Random, count: int = 3) -> bool:
@@ -211,9 +216,7 @@ def test_what_was_looked_at_can_be_changed_without_harm() -> None:
                 polynomial[2] = 10**17
             return self._along.forcing()
 
-    arithmetic = FORMATS["narrow"]
-    honest = expand(prepare(ROTATIONS.program), arithmetic, initial(arithmetic), [])
-    flow = advance(Vandal(honest, lambda _, column: column), STEP)  # type: ignore[arg-type]
+    flow = followed("narrow", lambda honest: Vandal(honest, lambda _, column: column))
     assert holds("narrow", flow, random.Random("vandal"), 5)
     assert lost(flow) < 1e-9
 
@@ -250,9 +253,6 @@ def test_powers_of_the_wide_variable_that_are_not_kept_are_refused(row: int) -> 
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_solution_that_is_not_complete_is_refused(name: str) -> None:
-    arithmetic = FORMATS[name]
-    honest = expand(prepare(ROTATIONS.program), arithmetic, initial(arithmetic), [])
-
     class Lazy(Hostile):
         def give(self, coefficients: Sequence[fmpz_poly]) -> None:
             if not self._along.position:
@@ -262,7 +262,7 @@ def test_a_solution_that_is_not_complete_is_refused(name: str) -> None:
             return [fmpz_poly([])] * 4
 
     with pytest.raises(ValueError, match="not complete"):
-        advance(Lazy(honest, lambda _, column: column), STEP)  # type: ignore[arg-type]
+        followed(name, lambda honest: Lazy(honest, lambda _, column: column))
 
 
 @pytest.mark.parametrize("name", FORMATS)

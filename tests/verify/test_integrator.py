@@ -37,8 +37,9 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import prepare
 from orbitproof.verify.algebra.series import Arithmetic
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.flow.solution import CentreExpansion
 from orbitproof.verify.flow.step import advance
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle.solution import CentreExpansion
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates, grading_for
 
 # Boxes by name: candidate and precision in bits. The radii are so different from one box to the next that once the
@@ -57,7 +58,7 @@ def test_radii_below_what_float_bounds_resolve_are_refused_without_asking_for_pr
         return falkner_skan_box("period_tupling", 2, (f"{radius}0", radius), seed=4)
 
     with pytest.raises(IntegrationFailure, match=r"R_1 = 10\^-99") as refusal:
-        enclose_iterates(box("1e-99"), IntegratorSettings(600))
+        enclose_iterates(box("1e-99"), IntegratorSettings(600), ORACLE)
     assert not refusal.value.reason.needs_precision
     assert "larger radii" in refusal.value.reason.remedy
 
@@ -67,7 +68,7 @@ def enclosures(name: str) -> tuple[Candidate, Enclosures]:
     """A box with its enclosures."""
     make, precision = BOXES[name]
     candidate = make()
-    return candidate, enclose_iterates(candidate, IntegratorSettings(precision))
+    return candidate, enclose_iterates(candidate, IntegratorSettings(precision), ORACLE)
 
 
 def escapes(candidate: Candidate, found: Enclosures, points: Sequence[Sequence[Fraction]], bits: int) -> int:
@@ -312,7 +313,7 @@ def test_a_degree_that_is_too_low_widens_the_enclosure(degree: int) -> None:
 
 def test_a_low_order_of_the_time_expansion_still_encloses() -> None:
     candidate = falkner_skan_box("period_tupling", 1, ("1e-6", "1e-9"), seed=6)
-    found = enclose_iterates(candidate, IntegratorSettings(64, 12))
+    found = enclose_iterates(candidate, IntegratorSettings(64, 12), ORACLE)
     source = random.Random(0)
     with ctx.workprec(300):
         assert escapes(candidate, found, [random_point(source, candidate) for _ in range(20)], 130) == 0
@@ -328,7 +329,7 @@ def test_an_integrator_without_its_defect_is_caught(name: str, monkeypatch: pyte
     monkeypatch.setattr(orbitproof.verify.flow.step, "_defect", no_defect)
     make, precision = BOXES[name]
     candidate = make()
-    found = enclose_iterates(candidate, IntegratorSettings(precision))
+    found = enclose_iterates(candidate, IntegratorSettings(precision), ORACLE)
     source = random.Random(name)
     with ctx.workprec(400):
         assert escapes(candidate, found, [random_point(source, candidate) for _ in range(3)], 130) > 0
@@ -342,18 +343,19 @@ def test_an_integrator_without_its_defect_fails_reversibility(monkeypatch: pytes
 
 def test_precision_is_restored() -> None:
     before = ctx.prec, ctx.cap
-    enclose_iterates(falkner_skan_box("touch_and_go", 1, ("1e-9", "1e-12")), IntegratorSettings(80))
+    enclose_iterates(falkner_skan_box("touch_and_go", 1, ("1e-9", "1e-12")), IntegratorSettings(80), ORACLE)
     assert (ctx.prec, ctx.cap) == before
 
 
 def test_initial_values_are_not_trusted(monkeypatch: pytest.MonkeyPatch) -> None:
     """An approximate solution that starts elsewhere is refused, not silently corrected."""
     model = one_orbit(Fraction(0), 20)
-    expansion = CentreExpansion(prepare(FALKNER_SKAN.program), model.arithmetic, model.state, model.parameters)
+    program = prepare(FALKNER_SKAN.program)
+    expansion = CentreExpansion(program, model.arithmetic, model.state, model.parameters)
     wrong = [[int(x.coefs[0][0]) + 1] + [0] * model.arithmetic.degree for x in model.state]
     monkeypatch.setattr(expansion, "_coefficients", lambda step: wrong)
     with pytest.raises(ValueError, match="does not start"):
-        advance(expansion, Fraction(1, 64))
+        advance(program, model.state, model.parameters, expansion, Fraction(1, 64))
 
 
 @pytest.mark.parametrize(

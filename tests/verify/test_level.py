@@ -33,6 +33,7 @@ from orbitproof.verify.claim.level import level_program, point_on_fixed_set, qua
 from orbitproof.verify.evidence import DerivativeTable
 from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits, missing_bits
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_first_integral, enclose_iterates
 
@@ -191,7 +192,7 @@ def _first(table: DerivativeTable, j: int) -> arb:
 def test_derivatives_in_both_forms_obey_the_chain_rule(name: str) -> None:
     candidate, form = known(name), form_of(name)
     settings = IntegratorSettings(200)
-    old, new = enclose_iterates(candidate, settings), enclose_iterates(form, settings)
+    old, new = enclose_iterates(candidate, settings, ORACLE), enclose_iterates(form, settings, ORACLE)
     assert new.first_integral is None
     integral = enclose_first_integral(candidate, 200)
     assert integral is not None

@@ -8,8 +8,8 @@ from fractions import Fraction
 import pytest
 from flint import fmpq_poly, fmpz, fmpz_poly
 
-from orbitproof.verify.flow import linear_equation
-from orbitproof.verify.flow.linear_equation import LinearEquation
+from orbitproof.verify.oracle import linear_equation
+from orbitproof.verify.oracle.linear_equation import LinearEquation
 
 BITS = 200
 UNIT = 2**BITS

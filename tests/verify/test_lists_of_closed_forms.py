@@ -18,6 +18,7 @@ from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import SLOPE_BITS, orbit_functions, stability_to_json
 from orbitproof.verify.stability.theorem import with_complete_list
 
@@ -92,7 +93,7 @@ def test_sigma_of_a_skew_product_contains_the_closed_form(make: Callable[[], Ske
     piece, n = atlas.curve_pieces()[5], system.size
     interval = (Fraction(-1, 4), Fraction(1, 4))
     limits = PieceLimits(56, 16, 8)
-    found = orbit_functions(system.system, {}, piece, interval, limits, "physical").to_json()
+    found = orbit_functions(system.system, {}, piece, interval, limits, "physical", ORACLE).to_json()
     for number in range(-4, 5):
         place = system.places(piece, np.array([float(REACH) * number / 4 / 4]))
         amplitude = system.amplitude(place)[0]
@@ -115,11 +116,20 @@ def test_lists_of_integrated_pieces_are_complete_and_true(name: str) -> None:
     for piece in atlas.curve_pieces():
         interval = (Fraction(0 if piece.kind == "symmetric" else -1), Fraction(1))
         symmetry = atlas.claim.symmetry
-        proof = prove_piece(system.system, {}, piece, interval, LIMITS, None, symmetry, slope_bits=SLOPE_BITS)
+        proof = prove_piece(system.system, {}, piece, interval, ORACLE, LIMITS, None, symmetry, slope_bits=SLOPE_BITS)
         assert isinstance(proof.outcome, Proved)
         known = proof.outcome.results
         stability = stability_to_json(
-            system.system, {}, piece, (known.start, known.end), LIMITS, "physical", symmetry, None, known.half_return
+            system.system,
+            {},
+            piece,
+            (known.start, known.end),
+            LIMITS,
+            "physical",
+            ORACLE,
+            symmetry,
+            None,
+            known.half_return,
         )
         found.append(proof.to_json() | {"stability": stability})
     check(system, atlas, found, 8)

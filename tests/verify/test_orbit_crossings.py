@@ -18,6 +18,7 @@ from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import Certificate, digest, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import bounds, exact_value
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.orbit import OrbitResults, enclose_orbit
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
@@ -104,7 +105,7 @@ def test_the_turning_distance_is_the_same_in_other_coordinates() -> None:
     """Steps of other lengths, in another time."""
     approaches = []
     for coordinates in (PHYSICAL, REGULARISED):
-        found = enclose_orbit(VERTICAL, IntegratorSettings(200, coordinates=coordinates))
+        found = enclose_orbit(VERTICAL, IntegratorSettings(200, coordinates=coordinates), ORACLE)
         assert found.distance is not None
         (approach,) = found.distance.between
         assert approach.kind == 1

@@ -29,6 +29,7 @@ from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES, variations_from_json
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import complete_list
@@ -109,7 +110,7 @@ def test_an_integration_of_a_part_contains_them_too() -> None:
     interval = (Fraction(1, 2), Fraction(3, 4))
     (piece,) = atlas().curve_pieces()
     limits = PieceLimits(72, 28, 16)
-    found = orbit_functions(atlas().system, atlas().parameters, piece, interval, limits, "physical").to_json()
+    found = orbit_functions(atlas().system, atlas().parameters, piece, interval, limits, "physical", ORACLE).to_json()
     check_containment(found, *interval, [0.1, 0.9])
 
 

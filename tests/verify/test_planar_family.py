@@ -25,6 +25,7 @@ from orbitproof.shared.formats.pieces import LibrationPiece, evaluate
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.libration import AROUND, OVER_MASSES, SIDES, mass_of_distance
 from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface.half_return import SurfaceLimits
 from orbitproof.verify.surface.libration_piece import prove_libration_piece
 from orbitproof.verify.surface.theorem import conclude_surface
@@ -339,7 +340,7 @@ def test_the_family_of_l3_is_not_asked_for(tmp_path: Path, capsys: pytest.Captur
 
 @pytest.mark.slow
 def test_a_piece_is_proved_and_contains_the_orbits_of_the_family(piece: LibrationPiece) -> None:
-    found = prove_libration_piece(piece, WHOLE, SurfaceLimits(64, 20, 14, 5))
+    found = prove_libration_piece(piece, WHOLE, ORACLE, SurfaceLimits(64, 20, 14, 5))
     assert isinstance(found.outcome, Proved), found.outcome.reason
     deviation = float(found.outcome.results.deviation)
     for beta in (Fraction(-1), Fraction(1, 3), Fraction(1)):
@@ -357,7 +358,7 @@ def test_a_piece_is_proved_and_contains_the_orbits_of_the_family(piece: Libratio
 def test_a_tube_beside_the_family_is_not_proved(piece: LibrationPiece) -> None:
     (constant, *rest), *others = piece.polynomial
     beside = replace(piece, polynomial=((constant + 2 * piece.tube, *rest), *others))
-    found = prove_libration_piece(beside, (Fraction(0), Fraction(1, 8)), SurfaceLimits(64, 20, 8, 5))
+    found = prove_libration_piece(beside, (Fraction(0), Fraction(1, 8)), ORACLE, SurfaceLimits(64, 20, 8, 5))
     assert isinstance(found.outcome, NotProved)
     assert found.outcome.reason.condition == "newton"
 
@@ -368,7 +369,7 @@ def test_a_piece_that_is_none_is_not_proved(piece: LibrationPiece) -> None:
         (replace(piece, distance=(Fraction(-9, 8), Fraction(1, 4))), WHOLE),
         (replace(piece, polynomial=piece.polynomial + piece.polynomial), WHOLE),
     ):
-        found = prove_libration_piece(other, interval)
+        found = prove_libration_piece(other, interval, ORACLE)
         assert isinstance(found.outcome, NotProved)
         assert found.outcome.reason.condition == "piece"
 

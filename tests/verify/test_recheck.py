@@ -27,6 +27,7 @@ from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.certificate.verdicts import recheck_table
 from orbitproof.verify.evidence.balls_as_text import exact_value
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
 
@@ -316,7 +317,7 @@ def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> 
 
 def test_a_second_integration_that_is_off_is_found(proved: Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
     def moved(candidate: Any, settings: Any, progress: Any) -> Enclosures:
-        found = enclose_iterates(candidate, settings, progress)
+        found = enclose_iterates(candidate, settings, ORACLE, progress)
         table = found.iterates[1][0]
         changed = {**table.centre, (1, 1): table.centre[(1, 1)] * 2}
         iterates = (found.iterates[0], (type(table)(table.box, changed),), *found.iterates[2:])

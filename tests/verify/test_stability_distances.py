@@ -30,6 +30,7 @@ from orbitproof.verify.distances.ranges import (
 )
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions.functions import REACH, BoundedFunction
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.stability.places import Segment
@@ -54,7 +55,7 @@ def case(name: str) -> tuple[Piece, dict[str, Fraction]]:
 def enclosed(name: str, limits: PieceLimits) -> dict[str, Any]:
     piece, parameters = case(name)
     coordinates = "regularised" if name == "regularised" else "physical"
-    return orbit_functions(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, "S").to_json()
+    return orbit_functions(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, ORACLE, "S").to_json()
 
 
 @pytest.fixture(scope="module", params=["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])

@@ -26,6 +26,7 @@ from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, bounded, function, function_from_json, restricted
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, orbit_functions
 from orbitproof.verify.stability.units import scales
 
@@ -92,7 +93,7 @@ def test_sigma_contains_independent_variations_at_random_points() -> None:
 def test_another_interval_and_other_settings_enclose_the_same() -> None:
     piece = atlas().curve_pieces()[1]
     interval = (Fraction(1, 4), Fraction(1, 2))
-    found = orbit_functions(atlas().system, {}, piece, interval, PieceLimits(60, 24, 16), "physical").to_json()
+    found = orbit_functions(atlas().system, {}, piece, interval, PieceLimits(60, 24, 16), "physical", ORACLE).to_json()
     check_falkner_skan(piece, found, interval, 20)
 
 
@@ -102,14 +103,14 @@ def test_the_half_return_of_a_proof_gives_the_same(tube: Fraction | None) -> Non
     piece = atlas().curve_pieces()[1]
     interval = (Fraction(1, 4), Fraction(1, 2))
     limits = PieceLimits(64, 24, 16)
-    proof = prove_piece(atlas().system, {}, piece, interval, limits, slope_bits=64).outcome
+    proof = prove_piece(atlas().system, {}, piece, interval, ORACLE, limits, slope_bits=64).outcome
     assert isinstance(proof, Proved)
     half = proof.results.half_return
     assert half is not None
     if tube is not None:
         # As if the proof had followed a tube about another curve.
         half = replace(half, state=tuple(element.scaled(Fraction(0)) for element in half.state))
-    found = orbit_functions(atlas().system, {}, piece, interval, limits, "physical", half=half).to_json()
+    found = orbit_functions(atlas().system, {}, piece, interval, limits, "physical", ORACLE, half=half).to_json()
     check_falkner_skan(piece, found, interval, 20)
 
 
@@ -121,7 +122,7 @@ def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_bo
     piece = piece_from_json(entry["piece"], system, "piece")
     assert isinstance(piece, Piece)
     interval = (Fraction(1, 2), Fraction(3, 4))
-    found = orbit_functions(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical").to_json()
+    found = orbit_functions(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical", ORACLE).to_json()
     functions = [function_from_json(found[name]) for name in ("half_period", "level")]
     (sigma,) = (function_from_json(part) for part in found["characteristic"])
     taus = [arb(number) / 32 for number in range(-30, 31, 6)]
@@ -154,7 +155,7 @@ def test_a_curve_beside_its_tube_is_refused(tube: Fraction) -> None:
     moved = replace(piece, polynomial=((first + Fraction(2, 10**8), *others),), tube=(tube,))
     interval = (Fraction(1, 4), Fraction(1, 2))
     with pytest.raises(IntegrationFailure, match="in its tube" if tube == Fraction(1, 10**8) else "analytic"):
-        orbit_functions(atlas().system, {}, moved, interval, PieceLimits(60, 24, 16), "physical")
+        orbit_functions(atlas().system, {}, moved, interval, PieceLimits(60, 24, 16), "physical", ORACLE)
 
 
 def other_point(*rows: list[Fraction], error: Fraction = Fraction(0)) -> OtherPoint:
@@ -166,7 +167,7 @@ def other_point(*rows: list[Fraction], error: Fraction = Fraction(0)) -> OtherPo
 @pytest.mark.parametrize("turn", [Fraction(0), Fraction(1, 2), Fraction(-1, 4), Fraction(-51, 50)])
 def test_directions_are_known_across_a_curve_that_turns_back(turn: Fraction) -> None:
     """The curve (sigma/100, (sigma - turn)^2) comes back to almost where it came from, or would beyond its end."""
-    curve = other_point([Fraction(0), Fraction(1, 100)], [turn**2, -2 * turn, Fraction(1)])
+    curve = other_point(ORACLE, [Fraction(0), Fraction(1, 100)], [turn**2, -2 * turn, Fraction(1)])
     algebra = curve.point[0].arithmetic
     assert isinstance(algebra, WideArithmetic)
     along, across = (
@@ -189,9 +190,9 @@ def test_a_curve_that_stops_has_no_directions_across() -> None:
     square = [Fraction(1, 4), Fraction(-1), Fraction(1)]
     for rows in ((square, [Fraction(1, 2), Fraction(-7, 4), Fraction(1), Fraction(1)]), ([Fraction(1)], [Fraction(2)])):
         with pytest.raises(IntegrationFailure, match="may not move"):
-            other_point(*rows)
+            other_point(*rows, oracle=ORACLE)
     with pytest.raises(IntegrationFailure, match="singular"):
-        other_point([Fraction(0), Fraction(1)], [Fraction(0), Fraction(2)], error=Fraction(1)).modulo([])
+        other_point(ORACLE, [Fraction(0), Fraction(1)], [Fraction(0), Fraction(2)], error=Fraction(1)).modulo([])
 
 
 # The CR3BP
@@ -262,7 +263,7 @@ def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: Pie
     assert isinstance(piece, Piece)
     parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
     coordinates = "regularised" if name == "regularised" else "physical"
-    found = orbit_functions(CR3BP, parameters, piece, interval, limits, coordinates, "S").to_json()
+    found = orbit_functions(CR3BP, parameters, piece, interval, limits, coordinates, ORACLE, "S").to_json()
     source = np.random.default_rng(2)
     start, end = interval
     s = source.uniform(float(start), float(end), number)

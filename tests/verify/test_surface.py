@@ -27,6 +27,7 @@ from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.evidence.comparisons import enclose, is_inside
 from orbitproof.verify.evidence.outcome import NotProved, Proved, Reason
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import piece as surface_piece
 from orbitproof.verify.surface.gluing import Sheet, read_sheet
 from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, coordinate_terms, enclose_surface
@@ -81,7 +82,7 @@ def piece(atlas: Atlas) -> SurfacePiece:
 
 @pytest.fixture(scope="module")
 def returned(piece: SurfacePiece) -> SurfaceReturn:
-    return enclose_surface(HILL, piece, WHOLE, FAST)
+    return enclose_surface(HILL, piece, WHOLE, FAST, ORACLE)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +90,7 @@ def proved(piece: SurfacePiece, returned: SurfaceReturn) -> PieceResult[ProvedPa
     """The proof with the integration above, which takes the time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("orbitproof.verify.surface.piece.enclose_surface", lambda *_: returned)
-        return prove_surface_piece(HILL, piece, WHOLE, FAST)
+        return prove_surface_piece(HILL, piece, WHOLE, ORACLE, FAST)
 
 
 def test_the_half_return_is_enclosed_for_all_masses(piece: SurfacePiece, returned: SurfaceReturn) -> None:
@@ -195,20 +196,20 @@ FALSE: dict[str, tuple[Callable[[SurfacePiece], SurfacePiece], str]] = {
 
 
 def test_the_settings_of_the_refusals_prove_what_is_true(piece: SurfacePiece) -> None:
-    assert prove_surface_piece(HILL, piece, PART, NARROW).is_proved
+    assert prove_surface_piece(HILL, piece, PART, ORACLE, NARROW).is_proved
 
 
 @pytest.mark.parametrize("name", FALSE)
 def test_a_false_surface_piece_is_not_proved(name: str, piece: SurfacePiece) -> None:
     change, word = FALSE[name]
-    result = prove_surface_piece(HILL, change(piece), PART, NARROW)
+    result = prove_surface_piece(HILL, change(piece), PART, ORACLE, NARROW)
     assert isinstance(result.outcome, NotProved)
     assert word in result.outcome.reason.message
 
 
 @pytest.mark.parametrize("interval", [(-2 * ONE, ONE), (ONE, ONE), (ONE, -ONE)])
 def test_an_interval_outside_the_piece_is_refused(interval: tuple[Fraction, Fraction], piece: SurfacePiece) -> None:
-    assert "no interval" in prove_surface_piece(HILL, piece, interval, FAST).to_json()["reason"]["message"]
+    assert "no interval" in prove_surface_piece(HILL, piece, interval, ORACLE, FAST).to_json()["reason"]["message"]
 
 
 def test_what_the_box_is_made_of(piece: SurfacePiece) -> None:

@@ -27,6 +27,7 @@ from orbitproof.verify.curve.conclusion import Conclusion
 from orbitproof.verify.evidence.balls_as_text import ball_from_json, ball_to_json
 from orbitproof.verify.evidence.comparisons import enclose, hull
 from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at, prove_surface_piece
 from orbitproof.verify.surface.proved_parts import ProvedPart
@@ -416,7 +417,7 @@ def test_the_theorem_for_l1_and_all_masses(tmp_path: Path) -> None:
     path = tmp_path / "mass.json"
     assert main(["atlas-mass", "--point", "L1", "--quiet", "-o", str(path)]) == 0
     atlas = read_atlas(path)
-    results = [prove_surface_piece(HILL, piece, WHOLE).to_json() for piece in atlas.surface_pieces()]
+    results = [prove_surface_piece(HILL, piece, WHOLE, ORACLE).to_json() for piece in atlas.surface_pieces()]
     conclusion = conclude_surface(atlas, results)
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
     assert "for all mu in (0, 0.500188017]" in conclusion.statement

@@ -8,13 +8,13 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+from support.conclusions import conclude
 
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.certificate import Limits
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.curve.bifurcations_on_it import place_bifurcation
 from orbitproof.verify.curve.piece import prove_piece
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.oracle import ORACLE
 
 ATLAS = Path(__file__).parents[1] / "data" / "atlas-vertical.json"
 WHOLE = (Fraction(-1), Fraction(1))
@@ -25,7 +25,7 @@ def test_an_arc_of_the_vertical_family_is_one_curve_and_none_with_another_number
     atlas = read_atlas(ATLAS)
     (piece,) = atlas.curve_pieces()
     assert atlas.claim.crossings == 2
-    found = prove_piece(atlas.system, atlas.parameters, piece, WHOLE, crossings=2)
+    found = prove_piece(atlas.system, atlas.parameters, piece, WHOLE, ORACLE, crossings=2)
     results = [json.loads(json.dumps(found.to_json()))]
     conclusion = conclude(atlas, results)
     assert conclusion.is_proved
@@ -37,8 +37,9 @@ def test_an_arc_of_the_vertical_family_is_one_curve_and_none_with_another_number
     assert entry.place is not None
     assert entry.place.piece == "p001"
     other = replace(atlas, claim=replace(atlas.claim, crossings=1))
-    assert place_bifurcation(other, None, certificate).reason.startswith("its half orbits meet the section 2 times")
-    once = prove_piece(atlas.system, atlas.parameters, piece, WHOLE)
+    (elsewhere,) = conclude(other, [], [certificate]).bifurcations
+    assert elsewhere.reason.startswith("its half orbits meet the section 2 times")
+    once = prove_piece(atlas.system, atlas.parameters, piece, WHOLE, ORACLE)
     assert not once.is_proved
     beside = replace(piece, centre=(piece.centre[0] + Fraction(1, 10**6), *piece.centre[1:]))
-    assert not prove_piece(atlas.system, atlas.parameters, beside, WHOLE, crossings=2).is_proved
+    assert not prove_piece(atlas.system, atlas.parameters, beside, WHOLE, ORACLE, crossings=2).is_proved

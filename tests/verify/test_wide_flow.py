@@ -25,10 +25,12 @@ from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.flow.step import FlowStep, advance
-from orbitproof.verify.flow.wide_solution import expand
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle.wide_solution import expand
 from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, wide_parts
 from orbitproof.verify.poincare.returns import Returns
-from orbitproof.verify.poincare.section import build_section_program, onto_section
+from orbitproof.verify.poincare.section import onto_section
+from orbitproof.verify.poincare.section_field import build_section_program
 
 
 @pytest.fixture(autouse=True)
@@ -56,7 +58,7 @@ def wide_step(
     with np.errstate(all="ignore"):
         expansion = expand(program, arithmetic, state, constants)
         step = Fraction(int(share * expansion.step_size * 2**20), 2**20)
-        return step, advance(expansion, step)
+        return step, advance(program, state, constants, expansion, step)
 
 
 @pytest.mark.parametrize("name", WIDE_SETS)
@@ -304,7 +306,7 @@ def test_distances_that_are_not_small_are_brought_onto_the_section() -> None:
     constants = [arithmetic.constant(value) for value in wide.parameters.values()]
     program = build_section_program(wide.system.program, 4, 1)
     with np.errstate(all="ignore"):
-        image, elapsed = onto_section(program, 1, arithmetic, state, constants)
+        image, elapsed = onto_section(program, 1, arithmetic, state, constants, ORACLE)
     for s in (Fraction(-1), Fraction(0), Fraction(3, 7), Fraction(1)):
         x, y = (sum(number(c) * number(s) ** n for n, c in enumerate(row)) for row in rows[:2])
         radius = mpmath.hypot(x, y)

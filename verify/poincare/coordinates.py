@@ -14,7 +14,7 @@ from typing import Any
 
 from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, record
 from orbitproof.verify.algebra import PreparedProgram, prepare
-from orbitproof.verify.poincare.section import build_section_program
+from orbitproof.verify.poincare.section_field import build_section_program
 
 PHYSICAL = "physical"
 
@@ -27,7 +27,7 @@ class Coordinates:
         name: `PHYSICAL`, or the name of the regularisation.
         field: the vector field; inputs: state, then constants of motion.
         program: the same, prepared.
-        section_program: see `verify.poincare.section`.
+        section_program: see `verify.poincare.section_field`.
         section: index of the section coordinate.
         regularisation: `None` for the system's own coordinates.
         embedding: the state at a point of Fix(R); `None` for the system's own coordinates.

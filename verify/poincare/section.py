@@ -1,42 +1,17 @@
-"""Onto the section: the section coordinate as the independent variable (section 5.1).
-
-From a state near the section, with section coordinate y_0, the flow is followed with
-y = (1 - lambda) y_0, lambda in [0, 1]: dX/dlambda = -y_0 f(X) / f_y(X). The elapsed time is one more
-component. This is again a straight-line program, so one more step of `verify.flow.step` does it.
-"""
+"""Onto the section: a few steps of `verify.flow.step` with the section coordinate as time (section 5.1)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
 
-from orbitproof.shared.systems import Program, record
-from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, WideArithmetic, prepare
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import advance, dyadic_below
 from orbitproof.verify.poincare.oracle import Oracle
 
 _MOST_STEPS = 16
-
-
-def build_section_program(program: Program, size: int, section: int) -> PreparedProgram:
-    """The field dX/dlambda from the vector field's program, whose first `size` inputs are the state.
-
-    Inputs: state, elapsed time, the program's other inputs, y_0; outputs: state, elapsed time.
-    """
-
-    def field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-        *own, distance = parameters
-        velocity = program.evaluate([*state[:size], *own], lambda value: value, lambda base, exponent: base**exponent)
-        elapsed = -(distance / velocity[section])
-        slopes = [elapsed * component for component in velocity]
-        slopes[section] = -distance
-        return [*slopes, elapsed]
-
-    state = (*program.inputs[:size], "elapsed time")
-    return prepare(record(field, state, (*program.inputs[size:], "distance")))
 
 
 def onto_section(
@@ -50,7 +25,7 @@ def onto_section(
     """The state where the orbit meets the section, and the time that this takes (of either sign).
 
     Arguments:
-        program: from `build_section_program`, with the same `section`.
+        program: from `section_field.build_section_program`, with the same `section`.
 
     Raises `IntegrationFailure` if the velocity across the section is not bounded away from zero.
     """

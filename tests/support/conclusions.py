@@ -1,0 +1,25 @@
+"""The theorem about a curve, with certificates as they come from a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.atlas.certified import Examine, certified_point
+from orbitproof.verify.atlas.conclusion import partner as other_point
+from orbitproof.verify.certificate import Certificate, recheck
+from orbitproof.verify.curve import Conclusion, Partner, ProvedCurve
+from orbitproof.verify.curve import conclude as conclude_of_points
+
+
+def conclude(
+    atlas: Atlas,
+    results: Sequence[Mapping[str, Any]],
+    certificates: Sequence[Certificate] = (),
+    examine: Examine = recheck,
+    partner: Partner = other_point,
+) -> Conclusion[ProvedCurve]:
+    """See `curve.conclude`."""
+    points = [certified_point(atlas, entry, examine) for entry in certificates]
+    return conclude_of_points(atlas, results, points, partner)
