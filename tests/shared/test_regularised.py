@@ -270,7 +270,7 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
         x, z, vy = (float(value) for value in candidate.centre)
         (jacobi,) = CR3BP.first_integral([x, 0.0, z, 0.0, vy, 0.0], [float(MU)])
         candidate = replace(candidate, centre=(Fraction(jacobi), *candidate.centre[:2]), radii=wide, level_sign=1)
-    integration = _Integration(candidate, IntegratorSettings(110, coordinates=REGULARISED), None)
+    integration = _Integration(candidate, IntegratorSettings(110, coordinates=REGULARISED), ORACLE, None)
     entered = integration.returns
     assert entered.coordinates.name == KUSTAANHEIMO_STIEFEL.name
     assert CR3BP.first_integral_program is not None
