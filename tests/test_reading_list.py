@@ -35,7 +35,9 @@ def test_what_a_theorem_rests_on_is_listed() -> None:
     row = reading_list.reading_list("verify.bifurcation.theorem")
     assert {"verify.flow.step", "verify.newton.interval_newton", "shared.systems.program"} <= set(row)
     assert not any(name.startswith(("verify.curve", "verify.stability")) for name in row)
-    assert set(row) < set(reading_list.reading_list("verify.curve.theorem"))
+    curve = reading_list.reading_list("verify.curve.theorem")
+    assert set(curve) < set(reading_list.reading_list("verify.stability.theorem"))
+    assert not any(name.startswith(("verify.oracle", "verify.certificate")) for name in (*row, *curve))
 
 
 def test_relative_imports_are_followed() -> None:
