@@ -23,7 +23,7 @@ EXCEPTIONS: dict[str, type[Exception]] = {
 }
 
 
-def integrate(candidate: Candidate, *arguments: Any) -> Any:
+def integrate(candidate: Candidate, settings: Any, *arguments: Any) -> Any:
     """The integrator, except for candidates named after what goes wrong."""
     fault = candidate.id
     if fault in EXCEPTIONS:
@@ -34,7 +34,7 @@ def integrate(candidate: Candidate, *arguments: Any) -> Any:
         # FLINT has no exceptions: it ends the process.
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         fmpz(2) ** (2**40)
-    return enclose_iterates(candidate, *arguments, oracle=ORACLE)
+    return enclose_iterates(candidate, settings, ORACLE, *arguments)
 
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:

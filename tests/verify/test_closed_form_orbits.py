@@ -15,6 +15,7 @@ from support.springs import BITS, CLAIMS, SMALL, SPRINGS, Y, claim, exactly, hal
 from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import NotProved, Proved, bounds
 from orbitproof.verify.newton import BoxFunction
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import Approach, OrbitEnclosures, OrbitResults, enclose_orbit
 from orbitproof.verify.orbit.theorem import Extremum, _coordinate
 from orbitproof.verify.poincare import IntegratorSettings
@@ -79,7 +80,7 @@ def test_derivatives_are_enclosed_at_all_points_of_a_wide_box() -> None:
     """Those of the second half at all points in which the first one ends."""
     candidate = claim(4, Fraction(7, 4), 1, (Fraction(1, 2**16), Fraction(1, 2**20)), Fraction(0))
     candidate = replace(candidate, system=replace(SPRINGS, squared_distance=None, distance_name=None))
-    enclosures = enclose_orbit(candidate, IntegratorSettings(80))
+    enclosures = enclose_orbit(candidate, IntegratorSettings(80), ORACLE)
     w = mpmath.sqrt(number(candidate.parameters["w"]))
     for signs in ((0, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)):
         p = [sign * radius for sign, radius in zip(signs, candidate.radii, strict=True)]

@@ -25,7 +25,8 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import prepare
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.flow import FlowStep, advance, expand
+from orbitproof.verify.flow import FlowStep, advance
+from orbitproof.verify.oracle import ORACLE
 
 Field = Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]
 Flow = Callable[[Any, Any, Any], Any]
@@ -60,7 +61,8 @@ def constant_element(
 
 def step_of(name: str, state: Series, parameter: Series, step: Fraction) -> FlowStep:
     program = prepare(record(FIELDS[name][0], ("x",), ("a",)))
-    return advance(expand(program, state.arithmetic, [state], [parameter]), step)
+    expansion = ORACLE.expand(program, state.arithmetic, [state], [parameter])
+    return advance(program, [state], [parameter], expansion, step)
 
 
 @pytest.mark.parametrize("name", FIELDS)
