@@ -56,7 +56,7 @@ def advance(
     expansion: Expansion,
     step: Fraction,
 ) -> FlowStep:
-    """Enclose the solutions of x' = f(x, parameters), x(0) = state, over time `step` > 0, dyadic.
+    """Enclose the solutions of x' = f(x, parameters), x(0) = state, over time `step` > 0.
 
     Args:
         program: the vector field.
@@ -77,8 +77,8 @@ def enclose_step(along: FieldAlong, step: Fraction) -> FlowStep:
     Args:
         along: the approximate solution, with the vector field on it.
     """
-    if not step > 0 or step.denominator & (step.denominator - 1):
-        raise ValueError("a step is positive and dyadic")
+    if not step > 0:
+        raise ValueError("a step is positive")
     state = along.state
     exact, field = along.enclosed()
     sources = [
