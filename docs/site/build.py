@@ -24,7 +24,7 @@ from reference import PAGES  # noqa: E402
 
 def documents() -> Iterator[Path]:
     """Everything that is shown or linked to, below the root."""
-    for name in ("README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE"):
+    for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE"):
         yield ROOT / name
     for folder in ("docs", "verify", "shared", "explore", "figures"):
         yield from (path for path in (ROOT / folder).rglob("*.md") if "templates" not in path.parts)

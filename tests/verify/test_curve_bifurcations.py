@@ -34,7 +34,7 @@ from orbitproof.shared.formats.atlas import Atlas, Claim, Piece, read_atlas
 from orbitproof.shared.systems.system import FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.curve.other_point import other_point
+from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import prove_piece
 from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
@@ -232,7 +232,7 @@ def test_a_real_certificate_is_examined_and_placed(doubling: Certificate) -> Non
 
 
 def test_an_orbit_whose_other_point_lies_on_the_curve_is_placed_there(doubling: Certificate) -> None:
-    other = other_point(ORACLE, FALKNER_SKAN, {}, doubling.point)
+    other = enclose_other_point(ORACLE, FALKNER_SKAN, {}, doubling.point)
     assert other is not None
     atlas, results = line(*(sum(bounds(ball)) / 2 for ball in other.values()))
     conclusion = conclude(atlas, results, [doubling])
@@ -251,9 +251,9 @@ def test_the_other_point_of_the_other_point_is_the_first(name: str) -> None:
             key: enclose(value) + arb(0, 2**-130)
             for key, value in zip(system.centre_coordinates, candidate.centre, strict=True)
         }
-        other = other_point(ORACLE, system, candidate.parameters, first)
+        other = enclose_other_point(ORACLE, system, candidate.parameters, first)
         assert other is not None
-        again = other_point(ORACLE, system, candidate.parameters, other)
+        again = enclose_other_point(ORACLE, system, candidate.parameters, other)
         assert again is not None
         assert any(not first[key].overlaps(other[key]) for key in first)
         for key, ball in first.items():
@@ -269,7 +269,7 @@ def test_the_other_point_is_enclosed_for_all_points_of_a_ball() -> None:
             {key: enclose(value) + arb(0, radius) for key, value in zip(names, candidate.centre, strict=True)}
             for radius in (2**-100, 2**-50)
         )
-        small, large = (other_point(ORACLE, candidate.system, {}, point) for point in (near, far))
+        small, large = (enclose_other_point(ORACLE, candidate.system, {}, point) for point in (near, far))
     assert small is not None
     assert large is not None
     assert all(large[key].contains(small[key]) for key in names)
@@ -282,8 +282,10 @@ def test_an_orbit_that_is_not_symmetric_has_no_other_point() -> None:
         key: enclose(value + Fraction(1, 10**6))
         for key, value in zip(candidate.system.centre_coordinates, candidate.centre, strict=True)
     }
-    assert other_point(ORACLE, candidate.system, candidate.parameters, point) is None
-    assert other_point(ORACLE, candidate.system, candidate.parameters, {key: arb("nan") for key in point}) is None
+    assert enclose_other_point(ORACLE, candidate.system, candidate.parameters, point) is None
+    assert (
+        enclose_other_point(ORACLE, candidate.system, candidate.parameters, {key: arb("nan") for key in point}) is None
+    )
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.curve.other_point import other_point
+from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
@@ -149,12 +149,12 @@ def test_a_certificate_of_another_section_is_not_placed() -> None:
 def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
     """Half a period later u is at its maximum, where u2 < 0: with the level as parameter that is the other point."""
     system, point = atlas().system, certificate().point
-    assert other_point(ORACLE, system, {}, point) is None
+    assert enclose_other_point(ORACLE, system, {}, point) is None
     free = replace(system, family_parameter=None, fixed_level=None)
     with ctx.workprec(200):
         u = point["u"]
         start = {"u": u, "u2": (u * u - 2 * u**3 / 3).sqrt() + arb(0, "1e-20")}
-        found = other_point(ORACLE, free, {"P": claimed().centre[0]}, start)
+        found = enclose_other_point(ORACLE, free, {"P": claimed().centre[0]}, start)
     assert found is not None
     assert found["u2"] < 0
 

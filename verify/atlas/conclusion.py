@@ -10,12 +10,12 @@ from typing import Any
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
-from orbitproof.verify.curve import conclude, other_point
+from orbitproof.verify.curve import conclude, enclose_other_point
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import with_complete_list
 from orbitproof.verify.surface import conclude_surface
 
-partner = partial(other_point, ORACLE)
+partner = partial(enclose_other_point, ORACLE)
 """Encloses the other point of a symmetric orbit on Fix(R), by integration."""
 
 Placing = Callable[[Sequence[str]], AbstractContextManager[Callable[[str], None]]]

@@ -7,7 +7,7 @@ from orbitproof.verify.curve.equation import BEYOND, HalfReturn, divided_by_wide
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
 from orbitproof.verify.curve.lyapunov_family import certified_system, jacobi_constant, point_name
-from orbitproof.verify.curve.other_point import other_point
+from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import (
     Account,
@@ -45,9 +45,9 @@ __all__ = [
     "curve_hypotheses",
     "derived_parameter",
     "divided_by_wide",
+    "enclose_other_point",
     "interval_to_json",
     "jacobi_constant",
-    "other_point",
     "parameter_series",
     "point_name",
     "prove_piece",

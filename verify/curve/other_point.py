@@ -30,7 +30,7 @@ _LEAST_BITS = 96
 _SPARE_BITS = 16
 
 
-def other_point(
+def enclose_other_point(
     oracle: Oracle,
     system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
