@@ -10,6 +10,7 @@ import mpmath
 
 from orbitproof.shared.formats import COORDINATE, Candidate, Equation
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitEnclosures, enclose_orbit
 from orbitproof.verify.poincare import IntegratorSettings
 
@@ -81,4 +82,4 @@ def springs(name: str) -> tuple[Candidate, OrbitEnclosures]:
     """A claim, and its enclosures."""
     with mpmath.workprec(BITS):
         candidate = CLAIMS[name]()
-    return candidate, enclose_orbit(candidate, IntegratorSettings(128))
+    return candidate, enclose_orbit(candidate, IntegratorSettings(128), ORACLE)

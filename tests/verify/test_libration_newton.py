@@ -15,6 +15,7 @@ from flint import arb, ctx, fmpq, fmpq_poly
 from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import NotEstablishedError, NotProved, Proved, hull
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import libration_piece as chapter
 from orbitproof.verify.surface.libration_piece import BOX, _Newton, prove_libration_piece
 
@@ -109,11 +110,11 @@ def test_the_deviation_is_that_of_the_point_that_is_farthest_off(
     piece = read_atlas(Path(__file__).parents[1] / "data" / "surface-planar.json").libration_pieces()[0]
     element = peaked(BOX * Fraction(7, 8), *place)
     monkeypatch.setattr(chapter, "_half_return", lambda *_: (element, arb(1), 1))
-    found = prove_libration_piece(piece, WHOLE)
+    found = prove_libration_piece(piece, WHOLE, ORACLE)
     assert isinstance(found.outcome, Proved)
     deviation = found.outcome.results.deviation
     assert Fraction(7, 8) * piece.tube <= deviation < piece.tube
     element = peaked(BOX * Fraction(65, 64), *place)
-    beyond = prove_libration_piece(piece, WHOLE)
+    beyond = prove_libration_piece(piece, WHOLE, ORACLE)
     assert isinstance(beyond.outcome, NotProved)
     assert beyond.outcome.reason.condition == "newton"

@@ -273,14 +273,14 @@ def parts_at_will(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[Fracti
 
 def test_parts_are_halved_until_the_theorem_holds_on_all_of_them(parts_at_will: Any, piece: SurfacePiece) -> None:
     parts_at_will(lambda start, end: end - start <= Fraction(1, 4))
-    found = prove_surface_piece(HILL, piece, WHOLE, FAST)
+    found = prove_surface_piece(HILL, piece, WHOLE, ORACLE, FAST)
     assert isinstance(found.outcome, Proved), found.outcome.reason
     parts = found.outcome.results.parts
     assert (parts[0].start, parts[-1].end) == WHOLE
     assert all(a.end == b.start for a, b in pairwise(parts))
     for place in (Fraction(-99, 100), Fraction(-1, 3), Fraction(1, 3), Fraction(99, 100)):
         parts_at_will(lambda start, end, place=place: not start <= place <= end)
-        outcome = prove_surface_piece(HILL, piece, WHOLE, FAST).outcome
+        outcome = prove_surface_piece(HILL, piece, WHOLE, ORACLE, FAST).outcome
         assert isinstance(outcome, NotProved)
         assert "it may vanish" in outcome.reason.message
 
@@ -292,7 +292,7 @@ def test_parts_that_are_asked_for_cover_the_interval(parts_at_will: Any, piece: 
         ([(-ONE, zero), (zero, ONE)], True), ([(-ONE, zero), (gap, ONE)], False),
         ([(-ONE, zero)], False), ([(gap - ONE, zero), (zero, ONE)], False),
     ):  # fmt: skip
-        outcome = prove_surface_piece(HILL, piece, WHOLE, FAST, sections=sections).outcome
+        outcome = prove_surface_piece(HILL, piece, WHOLE, ORACLE, FAST, sections=sections).outcome
         assert isinstance(outcome, Proved) == proved
         assert isinstance(outcome, Proved) or "leave a gap" in outcome.reason.message
 
@@ -302,6 +302,6 @@ def test_a_centre_out_of_the_plane_is_named_before_anything_is_followed(
 ) -> None:
     parts_at_will(lambda start, end: True)
     changed, word = FALSE["a centre out of the plane"]
-    outcome = prove_surface_piece(HILL, changed(piece), WHOLE, FAST).outcome
+    outcome = prove_surface_piece(HILL, changed(piece), WHOLE, ORACLE, FAST).outcome
     assert isinstance(outcome, NotProved)
     assert word in outcome.reason.message
