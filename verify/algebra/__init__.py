@@ -16,34 +16,3 @@ from orbitproof.verify.algebra.programs import (
 from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
 from orbitproof.verify.algebra.time_powers import integer_part
 from orbitproof.verify.algebra.wide import WideArithmetic
-
-__all__ = [
-    "Arithmetic",
-    "Evaluation",
-    "Factors",
-    "Floats",
-    "GradedNorm",
-    "Grading",
-    "Points",
-    "PreparedProgram",
-    "Recurrence",
-    "Series",
-    "WideArithmetic",
-    "ball_polynomial",
-    "correct_power",
-    "enclose_nodes",
-    "evaluate",
-    "float_above",
-    "fraction_above",
-    "from_points",
-    "graded_power",
-    "inflate",
-    "integer_part",
-    "partial_derivatives",
-    "plus",
-    "prepare",
-    "recentred",
-    "to_points",
-    "total",
-    "values_around",
-]

@@ -11,25 +11,3 @@ from orbitproof.verify.claim.wording import (
     names_in_words,
     system_in_words,
 )
-
-__all__ = [
-    "atlas_in_words",
-    "check_adapted_frames",
-    "check_frames",
-    "check_level",
-    "check_symmetries",
-    "claim_in_words",
-    "determinant",
-    "equations",
-    "inverse",
-    "is_adapted",
-    "keyed_in_words",
-    "level_program",
-    "names_in_words",
-    "parities",
-    "point_on_fixed_set",
-    "quadratic_coefficient",
-    "setting",
-    "signs_on",
-    "system_in_words",
-]

@@ -20,36 +20,3 @@ from orbitproof.verify.curve.piece_result import (
 )
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
 from orbitproof.verify.curve.theorem import ProvedCurve, conclude
-
-__all__ = [
-    "BEYOND",
-    "Account",
-    "Bifurcation",
-    "CertifiedPoint",
-    "Chain",
-    "Conclusion",
-    "Ends",
-    "HalfReturn",
-    "Interval",
-    "Partner",
-    "PieceLimits",
-    "PieceResult",
-    "ProvedCurve",
-    "ProvedInterval",
-    "Stretch",
-    "about_pieces",
-    "attempt",
-    "broken_off",
-    "certified_system",
-    "conclude",
-    "curve_hypotheses",
-    "derived_parameter",
-    "divided_by_wide",
-    "enclose_other_point",
-    "interval_to_json",
-    "jacobi_constant",
-    "parameter_series",
-    "point_name",
-    "prove_piece",
-    "tube_points",
-]

@@ -9,15 +9,3 @@ from orbitproof.verify.distances.ranges import (
     ranges_between,
     together,
 )
-
-__all__ = [
-    "DistanceAlongCurve",
-    "DistanceFunctions",
-    "KnownDistances",
-    "Ranges",
-    "Where",
-    "distances_from_json",
-    "is_distance_of_orbits",
-    "ranges_between",
-    "together",
-]

@@ -13,29 +13,3 @@ from orbitproof.verify.engines.cluster import connected, engine_of
 from orbitproof.verify.engines.options import ArgumentParser, gibibytes, positive_seconds, whole
 from orbitproof.verify.engines.processes import Engine, Processes, Work
 from orbitproof.verify.engines.progress import Display, aligned
-
-__all__ = [
-    "CHECK_SECONDS",
-    "GIBIBYTE",
-    "GRACE_SECONDS",
-    "INTEGRATION_SECONDS",
-    "LONG_CHECK_SECONDS",
-    "Answer",
-    "ArgumentParser",
-    "CheckLimits",
-    "Display",
-    "Engine",
-    "Failure",
-    "Processes",
-    "Progress",
-    "Report",
-    "Task",
-    "Work",
-    "aligned",
-    "apart",
-    "connected",
-    "engine_of",
-    "gibibytes",
-    "positive_seconds",
-    "whole",
-]

@@ -4,5 +4,3 @@ from orbitproof.verify.flow.expansion import Expansion, dyadic_below, rough
 from orbitproof.verify.flow.field_along import FieldAlong
 from orbitproof.verify.flow.gronwall import LEAST_ERROR
 from orbitproof.verify.flow.step import FlowStep, advance
-
-__all__ = ["LEAST_ERROR", "Expansion", "FieldAlong", "FlowStep", "advance", "dyadic_below", "rough"]

@@ -16,20 +16,3 @@ from orbitproof.verify.functions.functions import (
     restricted,
     slope,
 )
-
-__all__ = [
-    "REACH",
-    "BoundedFunction",
-    "bounded",
-    "determinant",
-    "error_of",
-    "finite",
-    "function",
-    "function_from_json",
-    "function_to_json",
-    "inverse",
-    "known_part",
-    "norm_of",
-    "restricted",
-    "slope",
-]

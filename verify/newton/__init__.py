@@ -3,12 +3,3 @@
 from orbitproof.verify.newton.interval_newton import ImplicitGraph, is_regular, newton_image
 from orbitproof.verify.newton.jets import Jet, compose
 from orbitproof.verify.newton.taylor_forms import BoxFunction
-
-__all__ = [
-    "BoxFunction",
-    "ImplicitGraph",
-    "Jet",
-    "compose",
-    "is_regular",
-    "newton_image",
-]

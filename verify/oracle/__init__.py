@@ -13,17 +13,3 @@ from orbitproof.verify.oracle.precision import (
     more_precision,
     steps_of_centre,
 )
-
-__all__ = [
-    "GREATEST_PRECISION",
-    "LEAST_PRECISION",
-    "LEVELS",
-    "ORACLE",
-    "Limits",
-    "Verdict",
-    "accuracy_bits",
-    "first_precision",
-    "missing_bits",
-    "more_precision",
-    "steps_of_centre",
-]

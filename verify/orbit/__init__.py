@@ -6,16 +6,3 @@ from orbitproof.verify.orbit.multipliers import Stability
 from orbitproof.verify.orbit.rates import distance_rates
 from orbitproof.verify.orbit.statement import orbit_in_full, orbit_theorem
 from orbitproof.verify.orbit.theorem import OrbitResults, prove_orbit
-
-__all__ = [
-    "Approach",
-    "Distance",
-    "OrbitEnclosures",
-    "OrbitResults",
-    "Stability",
-    "distance_rates",
-    "enclose_orbit",
-    "orbit_in_full",
-    "orbit_theorem",
-    "prove_orbit",
-]

@@ -6,10 +6,3 @@ from orbitproof.verify.out_of_plane.out_of_plane import (
     variations_from_json,
     variations_to_json,
 )
-
-__all__ = [
-    "KnownVariations",
-    "variations_across",
-    "variations_from_json",
-    "variations_to_json",
-]

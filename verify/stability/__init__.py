@@ -5,12 +5,3 @@ from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.decided import open_on
 from orbitproof.verify.stability.matrix import SLOPE_BITS, stability_to_json
 from orbitproof.verify.stability.theorem import with_complete_list
-
-__all__ = [
-    "REACH",
-    "SLOPE_BITS",
-    "open_on",
-    "stability_to_json",
-    "unconfirmed",
-    "with_complete_list",
-]

@@ -6,12 +6,3 @@ from orbitproof.verify.surface.piece import prove_surface_piece
 from orbitproof.verify.surface.stored_parts import unshown
 from orbitproof.verify.surface.theorem import conclude_surface
 from orbitproof.verify.surface.theorem import hypotheses_of as surface_hypotheses
-
-__all__ = [
-    "SurfaceLimits",
-    "conclude_surface",
-    "prove_libration_piece",
-    "prove_surface_piece",
-    "surface_hypotheses",
-    "unshown",
-]
