@@ -56,7 +56,7 @@ def main() -> None:
     for alpha in ((0, 0, 0), (1, 0, 0), (0, 2, 0), (0, 3, 0)):
         print(f"  derivative {alpha}: {table.box[alpha].str(12)}")
     profile = cProfile.Profile()
-    profile.runcall(enclose_iterates, orbit(), settings)
+    profile.runcall(enclose_iterates, orbit(), settings, ORACLE)
     spent: dict[str, float] = defaultdict(float)
     root = Path(__file__).resolve().parents[2]
     # Built-in functions and FLINT's types have no file of their own; they count for the module that calls them.

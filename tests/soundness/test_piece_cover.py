@@ -219,7 +219,7 @@ def test_initial_values_are_the_points_of_the_tube(interval: Interval, kind: str
     if kind == "regular":
         given = replace(given, polynomial=(*given.polynomial[:1], tuple(Fraction(1, n) for n in range(2, 9))))
     with ctx.workprec(130), mpmath.workprec(200):
-        proof = branch_piece._Proof(CR3BP, {"mu": MU}, given, interval, LIMITS, "S")
+        proof = branch_piece._Proof(CR3BP, {"mu": MU}, given, interval, ORACLE, LIMITS, "S")
         proof.check_claim(Checklist())
         start, end = proof.interval
         assert start <= interval[0] < interval[1] <= end

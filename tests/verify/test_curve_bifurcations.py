@@ -170,7 +170,7 @@ def test_a_bifurcation_that_is_not_shown_to_lie_on_the_curve_is_named_with_the_r
     (found,) = conclusion.bifurcations
     assert found.place is None
     assert words in found.reason
-    assert f"{found.id} (k = {found.k}): {found.reason}" in conclusion.statement
+    assert f'"{found.id}" (k = {found.k}): {found.reason}' in conclusion.statement
 
 
 @pytest.mark.parametrize("beta", [1, 5])

@@ -15,7 +15,6 @@ import pytest
 from flint import arb, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
-from orbitproof.verify.certificate.precision import more_precision
 from support.claims import known, to_the_end
 from support.forgeries import forged
 from support.springs import springs
@@ -36,6 +35,7 @@ from orbitproof.verify.certificate.levels import (
 from orbitproof.verify.certificate.stated_system import systems_with
 from orbitproof.verify.certificate.tables import tables_from_json, tables_to_json
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds
+from orbitproof.verify.oracle import more_precision
 from orbitproof.verify.poincare import Enclosures
 
 
