@@ -22,6 +22,7 @@ from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.algebra import Arithmetic, Grading
 from orbitproof.verify.evidence import Checklist, DerivativeTable, IntegrationFailure, NotEstablishedError
 from orbitproof.verify.flow import FlowStep, advance
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare.crossing import Arrival
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
 from orbitproof.verify.poincare.iterates import (
@@ -69,7 +70,7 @@ def test_times_and_places_of_returns_and_their_derivatives_are_enclosed(
 ) -> None:
     """The coordinate t of the oscillator is the time when it is on the section."""
     candidate = box(k, crossings)
-    found = enclose_iterates(candidate, IntegratorSettings(bits, order))
+    found = enclose_iterates(candidate, IntegratorSettings(bits, order), ORACLE)
     assert len(found.return_times) == len(found.iterates) == k * crossings
     source = random.Random(bits)
     points = [tuple(r * Fraction(source.randint(-64, 64), 64) for r in candidate.radii) for _ in range(20)]
@@ -88,7 +89,7 @@ def test_half_returns_are_told_apart_from_the_crossings_between_them() -> None:
     """With two crossings in a half return, those of numbers 2 and 4 are half returns, and 1 is before the first."""
     seen: list[HalfReturns] = []
     settings = IntegratorSettings(60, 16, accuracy=(0, 0))
-    found = enclose_iterates(box(3, 2), settings, decide=lambda _, half_returns: seen.append(half_returns))
+    found = enclose_iterates(box(3, 2), settings, ORACLE, decide=lambda _, half_returns: seen.append(half_returns))
     rows = found.iterates
     assert [half.before for half in seen] == [rows[:1]] * 2
     assert [half.kernels for half in seen] == [(rows[1],), (rows[1], rows[3])]
@@ -101,7 +102,7 @@ def on_the_section() -> Returns:
     """The oscillators with nu = 1 + xi/64, near their first crossing."""
     arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 16)
     point = {"nu": arithmetic.polynomial({(0,): Fraction(1), (1,): Fraction(1, 64)})}
-    returns = Returns(OSCILLATOR, arithmetic, {**point, "a": arithmetic.constant(Fraction(1))})
+    returns = Returns(OSCILLATOR, arithmetic, {**point, "a": arithmetic.constant(Fraction(1))}, ORACLE)
     while not returns.step():
         assert returns.steps < 40
     return returns
@@ -150,7 +151,7 @@ def test_the_crossings_of_a_half_orbit_before_its_end_are_off_the_fixed_set(c: s
     """In the plane c = d = 0 the orbits are in Fix(R) at every crossing."""
     arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 24)
     values = {"omega": Fraction(3, 2), "a": Fraction(1, 2), "c": Fraction(c)}
-    returns = Returns(TWIST, arithmetic, {name: arithmetic.constant(value) for name, value in values.items()})
+    returns = Returns(TWIST, arithmetic, {name: arithmetic.constant(value) for name, value in values.items()}, ORACLE)
     if meets:
         with pytest.raises(IntegrationFailure, match=r"in Fix\(R\) at crossing 1 already"):
             returns.half_orbit(2)
@@ -166,13 +167,13 @@ def test_the_clock_of_regularised_coordinates_runs_forwards_on_every_step(
     """Of all components of the field it is that of the time which has to be positive."""
     candidate = halo("earth-moon", "touch_and_go", ("1e-9",) * 3)
     made = box_of(candidate, 60, 16)
-    returns = Returns(CR3BP, made.arithmetic, made.point, REGULARISED)
+    returns = Returns(CR3BP, made.arithmetic, made.point, ORACLE, REGULARISED)
     regularisation = returns.coordinates.regularisation
     assert regularisation is not None
     place = {"time": regularisation.time_index, "u1": 0}[wrong]
 
-    def backwards(expansion: Any, step: Fraction) -> FlowStep:
-        flow = advance(expansion, step)
+    def backwards(*arguments: Any) -> FlowStep:
+        flow = advance(*arguments)
         slopes = [flow.slopes[0].arithmetic.constant(Fraction(-1 if i == place else 1)) for i in range(len(flow.end))]
         return replace(flow, slopes=tuple(slopes))
 
