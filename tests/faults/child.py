@@ -17,18 +17,21 @@ class QuickFirst:
     """A plugin of pytest that puts tests in order by the seconds that they took before.
 
     Attributes:
+        first: beginnings of the names of those that run before all others.
         seconds: what they take now.
         failed: those that fail, in order; files that cannot be collected among them.
     """
 
-    def __init__(self, before: Mapping[str, float]) -> None:
-        self.before = before
+    def __init__(self, before: Mapping[str, float], first: Sequence[str]) -> None:
+        self.before, self.first = before, tuple(first)
         self.seconds: dict[str, float] = {}
         self.failed: list[str] = []
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Quick tests keep their order, so that what they share is made once."""
-        items.sort(key=lambda item: max(_QUICK, self.before.get(item.nodeid, 0.0)))
+        items.sort(
+            key=lambda item: (not item.nodeid.startswith(self.first), max(_QUICK, self.before.get(item.nodeid, 0.0)))
+        )
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         if report.failed:
@@ -40,7 +43,7 @@ class QuickFirst:
             self.failed.append(report.nodeid)
 
 
-def run_tests(folder: Path, arguments: Sequence[str], before: Mapping[str, float]) -> None:
+def run_tests(folder: Path, arguments: Sequence[str], before: Mapping[str, float], first: Sequence[str]) -> None:
     """Run pytest in a folder whose ``src`` holds the package; leaves ``told.json`` and ``output.txt`` there."""
     # A session of its own, which ends with all processes that a fault may leave waiting.
     os.setsid()
@@ -52,7 +55,7 @@ def run_tests(folder: Path, arguments: Sequence[str], before: Mapping[str, float
     sys.path.insert(0, package)
     sys.dont_write_bytecode = True
     os.environ |= {"PYTHONPATH": package, "PYTHONDONTWRITEBYTECODE": "1", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    plugin = QuickFirst(before)
+    plugin = QuickFirst(before, first)
     code = int(pytest.main([*arguments, "-p", "_hypothesis_pytestplugin"], plugins=[plugin]))
     told = {"code": code, "failed": plugin.failed, "seconds": plugin.seconds}
     Path("told.json").write_text(json.dumps(told), encoding="utf-8")

@@ -116,13 +116,20 @@ def copied(folder: Path) -> None:
         (folder / name).symlink_to(ROOT / name)
 
 
-def tested(folder: Path, tests: Iterable[str], slow: bool, times: Mapping[str, float], all_of_them: bool) -> Result:
-    """Run tests on a copy, those that took little of the `times` first; until one fails, or all of them."""
+def tested(
+    folder: Path,
+    tests: Iterable[str],
+    slow: bool,
+    times: Mapping[str, float],
+    all_of_them: bool,
+    first: Sequence[str],
+) -> Result:
+    """Run tests on a copy, `first` and those that took little of the `times` first; until one fails, or all of them."""
     arguments = ["--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", "-m", "slow" if slow else "not slow"]
     arguments += [*([] if all_of_them else ["-x"]), *dict.fromkeys(tests)]
     begin = time.monotonic()
     # The server has imported what is not under test once, and each process is a fork of it.
-    process = _SERVER.Process(target=child.run_tests, args=(folder, arguments, dict(times)))
+    process = _SERVER.Process(target=child.run_tests, args=(folder, arguments, dict(times), first))
     process.start()
     _running.add(process)
     process.join(10 * _LIMIT if slow else _LIMIT)
@@ -163,8 +170,10 @@ def tried(fault: Fault, times: Mapping[str, float], slow: bool) -> Result:
         module = folder / fault.file
         module.write_text(fault.applied(module.read_text(encoding="utf-8")), encoding="utf-8")
         tests = (*fault.first, *fault.tests)
-        result = tested(folder, tests, False, times, False)
-        return tested(folder, tests, True, times, False) if slow and result["verdict"] == "survives" else result
+        result = tested(folder, tests, False, times, False, fault.first)
+        if slow and result["verdict"] == "survives":
+            return tested(folder, tests, True, times, False, fault.first)
+        return result
 
 
 def failing_anyway(tests: Iterable[str]) -> set[str]:
@@ -174,7 +183,7 @@ def failing_anyway(tests: Iterable[str]) -> set[str]:
         for room in TRUSTED:
             with (Path(name) / room / "__init__.py").open("a", encoding="utf-8") as module:
                 module.write("# Another source.\n")
-        return {failed for slow in (False, True) for failed in tested(Path(name), tests, slow, {}, True)["failed"]}
+        return {failed for slow in (False, True) for failed in tested(Path(name), tests, slow, {}, True, ())["failed"]}
 
 
 def run(faults: Sequence[Fault], output: Path, jobs: int, slow: bool, tell: Callable[[str], None]) -> list[Result]:
