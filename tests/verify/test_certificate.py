@@ -165,6 +165,17 @@ def test_certificates_are_read_back_as_written(proved: Certificate, tmp_path: Pa
     assert is_proof_of(read_certificates(path)[proved.id], candidate())
 
 
+def test_a_file_has_one_certificate_of_an_id(tmp_path: Path) -> None:
+    path = tmp_path / "certificates.json"
+    outcome = NotProved(Reason("C3", "what", "try"))
+    entries = [make_certificate(candidate(id=name), outcome, COMPUTATION) for name in ("a", "b", "a")]
+    write_certificates(path, entries[:2])
+    assert [*read_certificates(path)] == ["a", "b"]
+    write_certificates(path, entries)
+    with pytest.raises(InputError, match="id 'a' appears twice"):
+        read_certificates(path)
+
+
 @pytest.mark.parametrize(
     "changes",
     [

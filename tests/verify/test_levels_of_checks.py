@@ -29,6 +29,7 @@ from orbitproof.verify.certificate.levels import (
     NothingToCheckError,
     climb,
     confirmed,
+    decimals,
     differences,
     overlap,
 )
@@ -115,6 +116,24 @@ def test_a_ball_is_one_value() -> None:
     ball = {"mid": "0x1", "rad": "0x0", "decimal": "[1, 1]"}
     (finding,) = differences({"a": [ball]}, {"a": [{**ball, "decimal": "[1, 2]"}]}, "")
     assert finding.place == "a[0]"
+
+
+def test_decimals_are_looked_at_wherever_a_ball_stands() -> None:
+    ball = ball_to_json(arb(1, 0.25))
+    value = {"a": [ball, {"b": ball}], "c": "text", "d": 1}
+    assert not list(decimals(value, "here"))
+    for place, wrong in (
+        ("here, a[0]", {"a": [{**ball, "decimal": "[0.8, 1.2]"}]}),
+        ("here, a[0], b", {"a": [{"b": {**ball, "decimal": "[0.70, 1.3]"}}]}),
+    ):
+        assert [finding.place for finding in decimals(wrong, "here")] == [place]
+
+
+def test_what_was_changed_without_its_digest_is_found(point: Certificate) -> None:
+    entry = point.to_json()
+    assert not list(chapter.digest_findings(entry))
+    for changed in ({**entry, "id": "x"}, {**entry, "digest": "sha256:" + 64 * "0"}, {**entry, "more": 1}):
+        assert [finding.place for finding in chapter.digest_findings(changed)] == ["digest"]
 
 
 def ball(low: Fraction, high: Fraction) -> arb:
