@@ -90,6 +90,17 @@ def test_what_a_product_lacks_and_what_runs_into_wrong_powers_is_counted(seed: i
     assert Fraction(lost) - missing < 40 * elsewhere
 
 
+def test_what_runs_into_a_wrong_power_is_missing_in_one_place_and_too_much_in_another() -> None:
+    """The square of a single term, as large as its bound: s^28 is found at theta s^5 instead."""
+    arithmetic = WideArithmetic(Grading((1,), 1), 8, 0, 1, width=14)
+    assert arithmetic.stride == 23
+    largest = 2**40 - 1
+    factor = [fmpz_poly([0] * 14 + [largest]), fmpz_poly([])]
+    value, lost = arithmetic.product_slice(factor, factor, 0)
+    assert [index for index, c in enumerate(value.coeffs()) if c] == [28]
+    assert Fraction(lost) >= Fraction(2 * largest**2, 2**16) - Fraction(1, 2**8)
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_a_product_is_enclosed_where_the_highest_powers_matter(seed: int) -> None:
     source = random.Random(seed)
