@@ -3,32 +3,27 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property
 from itertools import pairwise
-from math import cos, pi
+from math import pi
 from typing import Any
 
 import numpy as np
 from flint import arb
 from numpy.polynomial import chebyshev
-from scipy.optimize import brentq
+from support.list_truths import KnownCurve
 from support.skew_products import SkewProduct, energy, half_period, interpolated, powers
 
 from orbitproof.shared.formats.atlas import Atlas, Piece
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.evidence.balls_as_text import ball_from_json, ball_to_json
+from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.evidence.balls_as_text import ball_to_json
 from orbitproof.verify.functions.functions import REACH
-from orbitproof.verify.stability.complete_list import orders
 
-_GRID = 2401
 _DEGREE = 24
+_ENTRIES = ("11", "12", "21", "22")
 _STEEP = 40.0
 """Stability parameters of curves that are made here are at most of this size."""
-
-Value = Callable[[Any], Any]
 
 
 def _integers(source: random.Random, low: float, high: float) -> Fraction:
@@ -65,7 +60,7 @@ def ellipse(seed: int, n: int, kind: str) -> SkewProduct:
     """A random system with an ellipse of symmetric orbits.
 
     Args:
-        kind: "folds", an arc with a fold; "loop", all of it; "breaks", n = 1, the half that y -> -y maps to the other.
+        kind: "folds", an arc with a fold; "loop", all of it; "breaks", the half that y_1 -> -y_1 maps to the other.
     """
     source = random.Random(f"{seed} {n} {kind}")
     breaks = kind == "breaks"
@@ -93,6 +88,13 @@ def ellipse(seed: int, n: int, kind: str) -> SkewProduct:
             and np.abs(meets).min() > 0.02
         ):
             return system
+
+
+def in_plane(seed: int, system: SkewProduct) -> SkewProduct:
+    """The same as motion in a plane, with random variations out of it."""
+    source = random.Random(f"{seed} across")
+    across = (_integers(source, 2.0, 9.0), _integers(source, -4.0, 4.0), _integers(source, 8.0, 24.0))
+    return replace(system, name=f"{system.name}-in-plane", across=across)
 
 
 # Results, as a prover of pieces would give them
@@ -126,6 +128,7 @@ def result(system: SkewProduct, piece: Piece, interval: tuple[Fraction, Fraction
         energy(amplitudes),
         half_period(amplitudes),
         np.linalg.det(system.first_block(places)),
+        *(() if system.across is None else system.variations(places)),
     ]
     rows = powers(interpolated(np.array(functions))) / beyond ** np.arange(_DEGREE + 1)[:, None]
     if piece.kind == "symmetric" and not middle:
@@ -146,7 +149,8 @@ def result(system: SkewProduct, piece: Piece, interval: tuple[Fraction, Fraction
         "time": ball_to_json(arb(float(times.max() + times.min()) / 2, float(np.ptp(times)))),
         "stability": {
             "characteristic": stored[:n],
-            **dict(zip(("level", "half_period", "first_factor"), stored[n:], strict=True)),
+            **dict(zip(("level", "half_period", "first_factor"), stored[n : n + 3], strict=True)),
+            **({} if system.across is None else {"out_of_plane": dict(zip(_ENTRIES, stored[n + 3 :], strict=True))}),
         },
     }
 
@@ -164,204 +168,30 @@ def minors(sigma: Any) -> list[Any]:
 # What is true
 
 
-@dataclass(frozen=True)
-class Expected:
-    """A point of the curve: `k`, `j`, `kind` as in the list, and where it is."""
+def curve_of(system: SkewProduct, atlas: Atlas) -> KnownCurve:
+    """The curve that an atlas claims, from the closed forms."""
+    pieces = {piece.id: piece for piece in atlas.curve_pieces()}
 
-    k: int
-    j: int
-    kind: str
-    place: float
+    def place(piece: str, s: float) -> float:
+        return float(system.places(pieces[piece], np.array([s]))[0])
 
-
-@dataclass(frozen=True)
-class Truth:
-    """All that a list up to an order has to say of a curve, found on a fine grid."""
-
-    system: SkewProduct
-    atlas: Atlas
-    order: int
-
-    def place(self, piece: str, s: float) -> float:
-        """Where on the curve s of a piece is."""
-        (found,) = [entry for entry in self.atlas.curve_pieces() if entry.id == piece]
-        return float(self.system.places(found, np.array([s]))[0])
-
-    @cached_property
-    def grid(self) -> Any:
-        """Places along the curve; the pieces of an arc lead beyond its ends."""
-        pieces, begin, end = self.atlas.curve_pieces(), self.system.begin, self.system.end
-        if self.atlas.claim.kind == "arc":
-            begin, end = self.place(pieces[0].id, -1.0), self.place(pieces[-1].id, 1.0)
-        return np.linspace(begin, end, _GRID)
-
-    def points(self) -> Iterator[Expected]:
-        """Resonances, folds, losses of R, doublings and Krein collisions."""
-        for k, j in orders(self.order):
-            yield from (
-                Expected(k, j, self._kind(k, place), place)
-                for place in self._zeros(self._chi(cos(2 * pi * j / k)), k == 1)
-            )
-        if self.system.size == 2:
-            yield from (Expected(0, 0, "Krein collision", place) for place in self._zeros(self._discriminant, False))
-        if self.system.breaks:
-            yield from (Expected(1, 0, "symmetric point", place) for place in (self.system.begin, self.system.end))
-
-    def _kind(self, k: int, place: float) -> str:
-        if k == 1:
-            return (
-                "fold"
-                if self._is_zero(lambda p: np.gradient(energy(self.system.amplitude(p)), p), place)
-                else "loss of R"
-            )
-        if k == 2:
-            here = self._is_zero(lambda p: np.linalg.det(self.system.first_block(p)), place)
-            return "singular at this point" if here else "singular at the other point"
-        return "resonance"
-
-    @staticmethod
-    def _is_zero(function: Value, place: float) -> bool:
-        values = function(place + np.linspace(-1e-4, 1e-4, 9))
-        return bool(values[1] * values[-2] < 0)
-
-    def _chi(self, c: float) -> Value:
-        return lambda place: np.linalg.det(c * np.eye(self.system.size) - self.system.sigma(place))
-
-    def _discriminant(self, place: Any) -> Any:
-        trace, determinant = minors(self.system.sigma(place))
-        return trace * trace - 4 * determinant
-
-    def _zeros(self, function: Value, double: bool) -> list[float]:
-        """`double`: whether zeros at the symmetric points are left out."""
-        grid = self.grid[1:-1] if self.system.breaks and double else self.grid
-        values = function(grid)
-        changes = np.flatnonzero(np.sign(values[1:]) * np.sign(values[:-1]) < 0)
-        return [float(brentq(lambda p: float(function(p)), grid[i], grid[i + 1], xtol=1e-13)) for i in changes]
-
-    def extrema(self, band: float) -> list[tuple[float, float]]:
-        """Places and values of stationary real stability parameters, symmetric points excepted, for n = 1 and n = 2."""
-        grid = self.grid[1:-1]
-        found = []
-        for branch in range(self.system.size):
-
-            def slope(place: Any, branch: int = branch) -> Any:
-                here, before, after = (self.parameters(place + shift)[branch] for shift in (0, -1e-5, 1e-5))
-                return (after - before) / 2e-5 + 0 * here
-
-            values = slope(grid)
-            with np.errstate(invalid="ignore"):
-                changes = np.flatnonzero(values[1:] * values[:-1] < 0)
-            for i in changes:
-                place = float(brentq(lambda p: float(slope(p)), grid[i], grid[i + 1], xtol=1e-9))
-                value = float(self.parameters(place)[branch])
-                if abs(value) < band:
-                    found.append((place, value))
-        return sorted(found)
-
-    def parameters(self, place: Any) -> list[Any]:
-        """The stability parameters in order, NaN where they are complex; n = 1 and n = 2."""
-        found = minors(self.system.sigma(place))
-        if len(found) == 1:
-            return found
-        trace, determinant = found
-        with np.errstate(invalid="ignore"):
-            root = np.sqrt(trace * trace - 4 * determinant)
-        return [(trace - root) / 2, (trace + root) / 2]
-
-    def is_stable(self, place: Any) -> Any:
-        """Whether all stability parameters are real, distinct and in (-1, 1)."""
-        with np.errstate(invalid="ignore"):
-            values = self.parameters(place)
-            inside = np.all([np.abs(value) < 1 for value in values], axis=0)
-            return inside & (values[0] != values[-1]) if len(values) > 1 else inside
-
-
-# What a list says
-
-
-def misses(truth: Truth, found: Mapping[str, Any]) -> list[str]:
-    """What is missing in the JSON object of a list, or false, in words."""
-    return [*_wrong_points(truth, found), *_wrong_extrema(truth, found), *_wrong_stability(truth, found)]
-
-
-_SAME = 1e-6
-"""Places along a curve that are closer are the same."""
-
-
-def _interval(truth: Truth, entry: Mapping[str, Any]) -> tuple[float, float]:
-    """The places of a gap, or of an end of an interval of stability."""
-    ends = sorted(truth.place(entry["piece"], float(parse_exact(text))) for text in entry["interval"])
-    return ends[0] - _SAME, ends[1] + _SAME
-
-
-def _within(truth: Truth, interval: tuple[float, float], place: float) -> bool:
-    """Whether a place is in an interval, on an ellipse up to whole turns."""
-    turns = (0, -1, 1) if truth.system.ellipse is not None else (0,)
-    return any(interval[0] <= place + 2 * pi * turn <= interval[1] for turn in turns)
-
-
-def _around(truth: Truth, entry: Mapping[str, Any]) -> tuple[float, float]:
-    """The places of a point that is listed."""
-    s = ball_from_json(entry["s"])
-    ends = sorted(truth.place(entry["piece"], float(end)) for end in (s.lower(), s.upper()))
-    return ends[0] - _SAME, ends[1] + _SAME
-
-
-def _encloses(entry: Mapping[str, str], value: float) -> bool:
-    return bool((ball_from_json(entry) + arb(0, _SAME)).contains(arb(value)))
-
-
-def _wrong_points(truth: Truth, found: Mapping[str, Any]) -> Iterator[str]:
-    gaps = [(entry["about"], _interval(truth, entry)) for entry in found["gaps"]]
-    left = list(truth.points())
-    for point in found["points"]:
-        what, around = (point["k"], point["j"], point["kind"]), _around(truth, point)
-        here = [e for e in left if (e.k, e.j, e.kind) == what and _within(truth, around, e.place)]
-        if len(here) != 1:
-            yield f"false: k, j, kind = {what} in {around}"
-            continue
-        left.remove(here[0])
-        amplitude = truth.system.amplitude(here[0].place)
-        for name, value in (("level", energy(amplitude)), ("half_period", half_period(amplitude))):
-            if not _encloses(point[name], value):
-                yield f"false: {name} of {what} in {around}"
-    for entry in left:
-        subjects = ({"k": entry.k, "j": entry.j} if entry.k else entry.kind, "everything")
-        if not any(_within(truth, around, entry.place) for about, around in gaps if about in subjects):
-            yield f"missing: {entry}"
-
-
-def _wrong_extrema(truth: Truth, found: Mapping[str, Any]) -> Iterator[str]:
-    if truth.system.size > 2:
-        return
-    gaps = [_interval(truth, entry) for entry in (*found["open_extrema"], *found["gaps"])]
-    left = truth.extrema(1.2)
-    for entry in found["extrema"]:
-        around = _around(truth, entry)
-        here = [e for e in left if _within(truth, around, e[0]) and _encloses(entry["value"], e[1])]
-        if len(here) != 1:
-            yield f"false: extremum in {around}"
-        left = [e for e in left if e not in here]
-    for place, value in left:
-        if abs(value) < 1.1 - _SAME and not any(_within(truth, around, place) for around in gaps):
-            yield f"missing: extremum {value:.9f} at {place:.9f}"
-
-
-def _wrong_stability(truth: Truth, found: Mapping[str, Any]) -> Iterator[str]:
-    if truth.system.size > 2:
-        return
-    grid = truth.grid[5:-5:7]
-    said, open_ = np.zeros(len(grid), dtype=bool), np.zeros(len(grid), dtype=bool)
-    for key, marks in (("stable", said), ("undecided", open_)):
-        for entry in found[key]:
-            begin, end = (_interval(truth, entry[name]) for name in ("from", "to"))
-            marks |= _between(grid, begin[0], end[1])
-            # Which side of a point an orbit within its enclosure is on is not known.
-            open_ |= _between(grid, *begin) | _between(grid, *end)
-    for place in grid[(truth.is_stable(grid) != said) & ~open_]:
-        yield f"false: stability at {place:.6f} of {truth.system.name}"
-
-
-def _between(grid: Any, low: float, high: float) -> Any:
-    """Around the beginning of a loop if `low` is greater."""
-    return (grid > low) & (grid < high) if low < high else (grid > low) | (grid < high)
+    begin, end = system.begin, system.end
+    if atlas.claim.kind == "arc":
+        # The pieces of an arc lead beyond its ends.
+        first, *_, last = pieces
+        begin, end = place(first, -1.0), place(last, 1.0)
+    return KnownCurve(
+        system.size,
+        begin,
+        end,
+        place,
+        system.point,
+        lambda places: minors(system.sigma(places)),
+        lambda places: np.linalg.det(system.first_block(places)),
+        lambda places: energy(system.amplitude(places)),
+        lambda places: half_period(system.amplitude(places)),
+        (begin, end) if system.breaks else (),
+        0.0 if system.ellipse is None else 2 * pi,
+        None if system.across is None else system.variations,
+        None if system.body is None else system.distances,
+    )

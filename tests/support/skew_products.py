@@ -6,7 +6,8 @@ x' = 0, y rests, and the points (A, y) are a curve of symmetric orbits that is k
 E obey a linear equation over the base, integrated here by a method that shares nothing with the code under test.
 
 Two curves: the line y = 0 (F = y; n = 1, 2, 3, the matrices K_i symmetric or not), and an ellipse
-y_1^2 + (E - E_0)^2/a^2 = r^2 with folds of E at y_1 = 0; multiplied by y_1 it breaks the symmetry y -> -y there.
+y_1^2 + (E - E_0)^2/a^2 = r^2 with folds of E at y_1 = 0; multiplied by y_1 it breaks the symmetry y_1 -> -y_1 there.
+So that this is one for n = 2 and n = 3 too, what couples y_1 to the others is multiplied by y_1 once more.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
 from orbitproof.shared.formats.atlas import Atlas, Claim, Piece
-from orbitproof.shared.systems.system import ReversibleSystem
+from orbitproof.shared.systems.system import ReversibleSystem, VectorField
 
 _NODES = 160
 _POINTS = chebyshev.chebpts1(_NODES)
@@ -64,6 +65,8 @@ class SkewProduct:
         ellipse: E_0, a, r; `None` for the line y = 0.
         breaks: whether the ellipse meets the line y = 0, which y -> -y fixes.
         begin, end: of the parameter of the curve: A on the line; on the ellipse the angle.
+        across: g_0, g_1, g_2 of z'' = - (g_0 + g_1 x + g_2 x^2) z, variations out of a plane that all this is in.
+        body: c and kappa of the distance whose square is (x - c)^2 + kappa x'^2 + y_1^2 + .. + y_n^2.
     """
 
     name: str
@@ -72,6 +75,8 @@ class SkewProduct:
     end: float
     ellipse: tuple[Fraction, Fraction, Fraction] | None = None
     breaks: bool = False
+    across: tuple[Fraction, Fraction, Fraction] | None = None
+    body: tuple[Fraction, Fraction] | None = None
 
     @property
     def size(self) -> int:
@@ -94,9 +99,11 @@ class SkewProduct:
                 if self.breaks:
                     y[0] = y[0] * first
             forces = []
-            for rows in zip(*self.stiffness, strict=True):
+            for i, rows in enumerate(zip(*self.stiffness, strict=True)):
                 pulls = [
-                    (zero + one * x + two * square) * value for zero, one, two, value in zip(*rows, y, strict=True)
+                    (zero + one * x + two * square)
+                    * (value * state[2] if self.breaks and (i == 0) != (j == 0) else value)
+                    for j, (zero, one, two, value) in enumerate(zip(*rows, y, strict=True))
                 ]
                 forces.append(-sum(pulls[1:], pulls[0]))
             return (v, -x - square * x, *w, *forces)
@@ -108,11 +115,39 @@ class SkewProduct:
             parameters={},
             vector_field=field,
             reversing_symmetry=(1, -1, *[1] * n, *[-1] * n),
-            symmetries={"S": (1, 1, *[-1] * n, *[-1] * n)} if self.breaks or self.ellipse is None else {},
+            symmetries=self._symmetries,
             section="v",
             first_integral=lambda s, _: (s[1] * s[1] / 2 + s[0] * s[0] / 2 + s[0] * s[0] * s[0] * s[0] / 4,),
             first_integral_name="energy",
+            stiffness_across=self._stiffness_across,
+            squared_distance=self._squared_distance,
+            distance_name="the body" if self.body else None,
         )
+
+    @property
+    def _stiffness_across(self) -> VectorField | None:
+        if self.across is None:
+            return None
+        zero, one, two = self.across
+        return lambda state, _: (zero + one * state[0] + two * (state[0] * state[0]),)
+
+    @property
+    def _squared_distance(self) -> VectorField | None:
+        if self.body is None:
+            return None
+        centre, share = self.body
+
+        def square(state: Sequence[Any], _: Sequence[Any]) -> Sequence[Any]:
+            along, v, y = state[0] - centre, state[1], state[2 : 2 + self.size]
+            return (sum((value * value for value in y), along * along + share * (v * v)),)
+
+        return square
+
+    @property
+    def _symmetries(self) -> dict[str, tuple[int, ...]]:
+        if self.breaks:
+            return {"S": (1, 1, *[-1, *[1] * (self.size - 1)] * 2)}
+        return {"S": (1, 1, *[-1] * 2 * self.size)} if self.ellipse is None else {}
 
     # The curve
 
@@ -152,11 +187,14 @@ class SkewProduct:
     # The stability, independently
 
     def _factors(self, place: Any) -> Any:
-        """dF_i/dy_i at places of the curve."""
-        factors = np.ones((self.size, *np.shape(place)))
+        """What K is multiplied by for the derivatives of the forces at places of the curve; shape (n, n, ..)."""
+        factors = np.ones((self.size, self.size, *np.shape(place)))
         if self.ellipse is not None:
             y = float(self.ellipse[2]) * np.sin(place)
-            factors[0] = 2 * y * y if self.breaks else 2 * y
+            factors[:, 0] = 2 * y * y if self.breaks else 2 * y
+            if self.breaks:
+                factors[0, 1:] *= y
+                factors[1:, 0] *= y
         return factors
 
     @cached_property
@@ -171,15 +209,48 @@ class SkewProduct:
             y, w = flat.reshape(2, n, n, _NODES)
             x = position(amplitudes, time * times)
             matrix = zero[:, :, None] + one[:, :, None] * x + two[:, :, None] * x * x
-            return np.array([w, -np.einsum("ijm,jkm->ikm", matrix * factors[None], y)]).ravel() * np.tile(
-                times, 2 * n * n
-            )
+            return np.array([w, -np.einsum("ijm,jkm->ikm", matrix * factors, y)]).ravel() * np.tile(times, 2 * n * n)
 
         start = np.zeros((2, n, n, _NODES))
         start[0, range(n), range(n)] = 1
         found = solve_ivp(field, (0, 2), start.ravel(), "DOP853", (1.0, 2.0), rtol=1e-13, atol=1e-14)
         half, whole = np.moveaxis(found.y.reshape(2, n, n, _NODES, 2), -1, 0)
         return interpolated(half), interpolated(whole[0])
+
+    @cached_property
+    def _variations(self) -> Any:
+        """Chebyshev coefficients of V_11, V_12, V_21, V_22 of variations out of the plane."""
+        assert self.across is not None
+        amplitudes = self.amplitude(self._middle + self._reach * _POINTS)
+        zero, one, two = map(float, self.across)
+        times = half_period(amplitudes)
+
+        def field(time: float, flat: Any) -> Any:
+            z, w = flat.reshape(2, 2, _NODES)
+            x = position(amplitudes, time * times)
+            return (np.array([w, -(zero + one * x + two * x * x) * z]) * times).ravel()
+
+        start = np.repeat(np.eye(2).ravel(), _NODES)
+        found = solve_ivp(field, (0, 1), start, "DOP853", (1.0,), rtol=1e-13, atol=1e-14)
+        return interpolated(found.y.reshape(4, _NODES))
+
+    def variations(self, places: Any) -> Any:
+        """V_11, V_12, V_21, V_22 at places of the curve; shape (4, ..)."""
+        return chebyshev.chebval((np.asarray(places) - self._middle) / self._reach, self._variations)
+
+    def distances(self, places: Any) -> Any:
+        """Of the body, least and greatest, at rest with x = A and with x = -A, on the line; shape (4, ..).
+
+        With E the square is a polynomial in x from -A to A.
+        """
+        assert self.body is not None
+        centre, share = map(float, self.body)
+        amplitudes = np.asarray(self.amplitude(places), dtype=float)
+        turns = np.roots([-2 * share, 0, 2 - 2 * share, -2 * centre] if share else [2, -2 * centre])
+        turns = turns.real[np.abs(turns.imag) < 1e-12]
+        candidates = np.stack([amplitudes, -amplitudes, *(np.clip(turn, -amplitudes, amplitudes) for turn in turns)])
+        squares = (candidates - centre) ** 2 + share * 2 * (energy(amplitudes) - energy(candidates))
+        return np.sqrt(np.abs([squares.min(axis=0), squares.max(axis=0), squares[0], squares[1]]))
 
     def _values(self, coefficients: Any, places: Any) -> Any:
         scaled = (np.asarray(places) - self._middle) / self._reach

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import arb, ctx
-from support.closed_form_lists import Truth, ellipse, line, minors, misses, results
+from support.closed_form_lists import curve_of, ellipse, in_plane, line, minors, results
+from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.skew_products import SkewProduct, energy, half_period
 
 from orbitproof.shared.formats.atlas import Atlas
+from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.evidence.outcome import Proved
@@ -34,8 +38,17 @@ SYSTEMS: dict[str, Make] = {
     "folds of two": lambda seed: ellipse(seed, 2, "folds"),
     "loop": lambda seed: ellipse(seed, 1, "loop"),
     "symmetric loop": lambda seed: ellipse(seed, 1, "breaks"),
+    "symmetric loop of two": lambda seed: ellipse(seed, 2, "breaks"),
+    "symmetric loop of three": lambda seed: ellipse(seed, 3, "breaks"),
+    "in a plane": lambda seed: in_plane(seed, line(seed, 1, True)),
+    "two, in a plane": lambda seed: in_plane(seed, line(seed, 2, False)),
+    "loop in a plane": lambda seed: in_plane(seed, ellipse(seed, 1, "loop")),
+    "symmetric loop in a plane": lambda seed: in_plane(seed, ellipse(seed, 1, "breaks")),
 }
-_FAST = [("one", 1), ("two", 2), ("three", 0), ("folds", 1), ("loop", 0), ("symmetric loop", 1), ("symmetric loop", 2)]
+_FAST = [
+    *(("one", 1), ("two", 2), ("three", 0), ("folds", 1), ("loop", 0), ("symmetric loop", 1), ("symmetric loop", 2)),
+    *(("symmetric loop of two", 0), ("symmetric loop of two", 4), ("in a plane", 3), ("loop in a plane", 1)),
+]
 _SLOW = [(name, seed) for name in SYSTEMS for seed in range(5) if (name, seed) not in _FAST]
 LIMITS = PieceLimits(72, 22, 20)
 
@@ -50,7 +63,7 @@ def check(system: SkewProduct, atlas: Atlas, found: Sequence[dict[str, Any]], or
     document = with_complete_list(atlas, found, conclude(atlas, found), order)
     assert document["verdict"] == "proved"
     said = document["complete"]
-    assert misses(Truth(system, atlas, order), said) == []
+    assert misses(Truth(curve_of(system, atlas), order), said) == []
     assert len(said["gaps"]) <= undecided
     assert len(said["points"]) > 3
 
@@ -70,7 +83,76 @@ def test_what_wide_bounds_leave_open_is_named() -> None:
     found = results(system, atlas, error=3e-3)
     document = with_complete_list(atlas, found, conclude(atlas, found), 5)["complete"]
     assert document["gaps"]
-    assert misses(Truth(system, atlas, 5), document) == []
+    assert misses(Truth(curve_of(system, atlas), 5), document) == []
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_out_of_a_plane_nothing_is_said_without_the_symmetry_of_the_curve(power: int) -> None:
+    """Functions that are known on one side of a symmetric point would not be those on the other side."""
+    system = in_plane(0, ellipse(0, 1, "breaks"))
+    atlas = claimed(system)
+    stiffness = atlas.system.stiffness_across
+    assert stiffness is not None
+    other = replace(atlas.system, stiffness_across=lambda state, _: (stiffness(state, _)[0] + state[2] ** power,))
+    found = results(system, atlas, split=True)
+    complete = with_complete_list(replace(atlas, system=other), found, conclude(atlas, found), 2)["complete"]
+    assert ("out_of_plane" in complete) == (power == 2)
+
+
+Change = Callable[[dict[str, Any]], None]
+
+
+def moved(entry: dict[str, Any], name: str, by: Fraction = Fraction(1, 2**10)) -> None:
+    entry[name]["mid"] = format_exact(parse_exact(entry[name]["mid"]) + by)
+
+
+def other_kind(point: dict[str, Any]) -> None:
+    point["kind"] = {"resonance": "fold", "singular at this point": "singular at the other point"}.get(
+        point["kind"], "resonance"
+    )
+
+
+def later(entry: dict[str, Any]) -> None:
+    entry["from"]["interval"] = [format_exact(parse_exact(end) + Fraction(1, 8)) for end in entry["from"]["interval"]]
+
+
+CHANGES: dict[str, Sequence[Change]] = {
+    "points": [
+        other_kind,
+        lambda point: moved(point, "s"),
+        lambda point: moved(point, "level"),
+        lambda point: moved(point, "half_period"),
+        lambda point: moved(point["point"], "x"),
+        lambda point: point.update(k=point["k"] + 1),
+    ],
+    "extrema": [lambda entry: moved(entry, "s"), lambda entry: moved(entry, "value")],
+    "stable": [later, lambda entry: moved(entry["between"], "half_period", Fraction(1, 2))],
+}
+
+
+def test_any_change_of_a_list_is_noticed() -> None:
+    """Every entry is left out, and changed in one way or another: what is asked of lists here is not true of others."""
+    system = in_plane(4, ellipse(4, 2, "breaks"))
+    atlas = claimed(system)
+    found = results(system, atlas)
+    said, truth = (
+        with_complete_list(atlas, found, conclude(atlas, found), 5)["complete"],
+        Truth(curve_of(system, atlas), 5),
+    )
+    assert misses(truth, said) == []
+    for path in ((), ("out_of_plane",)):
+        for name, changes in CHANGES.items():
+            part = said[path[0]] if path else said
+            assert part.get(name) or (path and name == "extrema")
+            for number in range(len(part.get(name, ()))):
+                for change in (None, changes[number % len(changes)]):
+                    other = copy.deepcopy(said)
+                    entries = (other[path[0]] if path else other)[name]
+                    if change is None:
+                        del entries[number]
+                    else:
+                        change(entries[number])
+                    assert misses(truth, other), (path, name, number, change)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +190,7 @@ def test_sigma_of_a_skew_product_contains_the_closed_form(make: Callable[[], Ske
     assert len(found["characteristic"]) == n
 
 
-@pytest.mark.parametrize("name", slow("one", "two", "folds", "symmetric loop"))
+@pytest.mark.parametrize("name", slow("one", "two", "folds", "symmetric loop", "symmetric loop of two", "in a plane"))
 def test_lists_of_integrated_pieces_are_complete_and_true(name: str) -> None:
     system = SYSTEMS[name](0)
     atlas = claimed(system, 2 if name == "folds" else 1)

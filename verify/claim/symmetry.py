@@ -50,6 +50,12 @@ def parities(program: Program, signs: Sequence[int]) -> list[int]:
     return [value.sign for value in program.evaluate(arguments, lambda _: even, _Parity.power)]
 
 
+def is_left_alone(program: Program | None, system: ReversibleSystem, symmetry: str | None) -> bool:
+    """Whether a program has one output, which R and the symmetry, if one is named, leave alone, by its parities."""
+    involutions = [system.reversing_symmetry, *([] if symmetry is None else [system.symmetries[symmetry]])]
+    return program is not None and all(parities(program, signs) == [1] for signs in involutions)
+
+
 def signs_on(system: ReversibleSystem, symmetry: str, coordinates: Sequence[str]) -> tuple[int, ...]:
     """The signs of a symmetry on coordinates of Fix(R); parameters and levels among them are left alone."""
     signs = dict(zip(system.state, system.symmetries[symmetry], strict=True))

@@ -12,7 +12,7 @@ from flint import arb
 
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.claim import parities
+from orbitproof.verify.claim import is_left_alone
 from orbitproof.verify.distances.distances import PARTS, SLACK, Where
 from orbitproof.verify.evidence import ball_to_json, enclose, hull, is_positive, up_to
 from orbitproof.verify.functions import REACH, BoundedFunction, function_from_json
@@ -108,10 +108,8 @@ def joined(extremes: Sequence[Extreme]) -> Extreme:
 
 
 def is_distance_of_orbits(system: ReversibleSystem, symmetry: str | None) -> bool:
-    """Whether the system names a distance that R and S, if one is named, leave alone, from its program's parities."""
-    program = system.squared_distance_program
-    involutions = [system.reversing_symmetry, *([] if symmetry is None else [system.symmetries[symmetry]])]
-    return program is not None and all(parities(program, signs) == [1] for signs in involutions)
+    """Whether the system names a distance that R and S, if one is named, leave alone."""
+    return is_left_alone(system.squared_distance_program, system, symmetry)
 
 
 def distances_from_json(entry: Mapping[str, Any] | None) -> KnownDistances | None:

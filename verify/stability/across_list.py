@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.verify.claim import parities
+from orbitproof.verify.claim import is_left_alone
 from orbitproof.verify.curve import Bifurcation, Chain, jacobi_constant
 from orbitproof.verify.evidence import ball_to_json, excludes_zero
 from orbitproof.verify.stability.complete_list import Finder, orders, resonant_value
@@ -64,10 +64,11 @@ def list_across(
 ) -> ListAcross | None:
     """The list for the values of that of the orbits in the plane; `None` if the system is no motion in a plane.
 
+    Nor is there one if a symmetry of the claim is not shown to be one of the variations (section 21.1).
+
     Raises `EmptyIntersectionError` if a certified symmetry breaking on the curve is not in it.
     """
-    program = atlas.system.stiffness_across_program
-    if program is None or parities(program, atlas.system.reversing_symmetry) != [1]:
+    if not is_left_alone(atlas.system.stiffness_across_program, atlas.system, atlas.claim.symmetry):
         return None
     points: list[Point] = []
     gaps = [gap for gap in plane.gaps if gap.subject is Matter.EVERYTHING]
