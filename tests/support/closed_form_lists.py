@@ -178,8 +178,8 @@ def curve_of(system: SkewProduct, atlas: Atlas) -> KnownCurve:
     begin, end = system.begin, system.end
     if atlas.claim.kind == "arc":
         # The pieces of an arc lead beyond its ends.
-        first, *_, last = pieces
-        begin, end = place(first, -1.0), place(last, 1.0)
+        names = list(pieces)
+        begin, end = place(names[0], -1.0), place(names[-1], 1.0)
     return KnownCurve(
         system.size,
         begin,

@@ -193,10 +193,13 @@ class Problem:
         columns[_X, 0], columns[_VY, 0], columns[_VY, 1] = 1, speed, size
         return state, columns
 
-    def length(self, points: Any) -> Any:
-        """In s, of the half orbits from points to the next crossing of y = 0; five of them are followed."""
+    def lengths(self, points: Any, along: Any) -> Any:
+        """Of the half orbits to the next crossing of y = 0, about; seven of them are followed.
+
+        `along`: increasing numbers, of which lengths are taken to be functions.
+        """
         start, _ = self.start(points)
-        chosen = np.unique(np.linspace(0, points.shape[1] - 1, 5).round().astype(int))
+        chosen = np.unique(np.linspace(0, len(along) - 1, 7).round().astype(int))
         found = []
         for number in chosen:
             begun = start[:, number]
@@ -211,14 +214,13 @@ class Problem:
 
             run = solve_ivp(field, (0, 1000), begun, "DOP853", events=crossing, rtol=1e-10, atol=1e-12)
             found.append(run.t_events[0][0])
-        degree = len(chosen) - 1
-        return np.polyval(np.polyfit(chosen, found, degree), np.arange(points.shape[1]))
+        return np.polynomial.Polynomial.fit(along[chosen], found, len(chosen) - 1, [-1, 1])(along)
 
     def on_curve(self, piece: Piece, s: Any) -> Orbits:
         """The orbits of a piece, by Newton's method from its polynomial; s increasing, of shape (N,)."""
         frame = np.array(piece.frame, dtype=float)
         points = np.array([[float(value) for value in piece.point(Fraction(x))] for x in s]).T
-        lengths = self.length(points)
+        lengths = self.lengths(points, s)
         for _ in range(6):
             start, columns = self.start(points)
             # All of the derivatives, as those of the start differ from orbit to orbit.
