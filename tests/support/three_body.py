@@ -1,8 +1,8 @@
 """Symmetric orbits of the three-body problem, all that a list says of them, by an integrator of its own.
 
 The equations and their variations are written out here and followed by DOP853 in float64, in time s with dt = r ds, r
-the distance from the smaller primary. Of the code under test nothing is used; of the common statement the points of a
-piece.
+the distance from the smaller primary, which is the origin here. Of the code under test nothing is used; of the common
+statement the points of a piece.
 
 Monodromy matrices are those of the whole orbit, 6 x 6: that the second half is an image of the first is not used.
 """
@@ -42,13 +42,13 @@ def rates(state: Any, mu: float, variations: Any) -> tuple[Any, Any]:
     """Derivatives by s.
 
     Args:
-        state: x, y, z, their velocities, t; shape (7, N).
+        state: x, y, z about the smaller primary, their velocities, t; shape (7, N).
         variations: of the first six; shape (6, k, N).
     """
     x, y, z, vx, vy, vz, _ = state
-    forces = np.array([x + 2 * vy, y - 2 * vx, 0 * z])
+    forces = np.array([x + 1 - mu + 2 * vy, y - 2 * vx, 0 * z])
     turns = np.array([variations[_X] + 2 * variations[_VY], variations[_Y] - 2 * variations[_VX], 0 * variations[_Z]])
-    for mass, centre in ((1 - mu, -mu), (mu, 1 - mu)):
+    for mass, centre in ((1 - mu, -1), (mu, 0)):
         along = np.array([x - centre, y, z])
         distance = np.sqrt((along**2).sum(axis=0))
         inner = np.einsum("iN,ikN->kN", along, variations[:3])
@@ -83,8 +83,8 @@ def jacobi_constant(state: Any, mu: float) -> Any:
     """That of the shared statement, without mu (1 - mu)."""
     x, y, z, vx, vy, vz = state[:6]
     across = y**2 + z**2
-    potential = (1 - mu) / np.sqrt((x + mu) ** 2 + across) + mu / np.sqrt((x + mu - 1) ** 2 + across)
-    return x**2 + y**2 + 2 * potential - vx**2 - vy**2 - vz**2
+    potential = (1 - mu) / np.sqrt((x + 1) ** 2 + across) + mu / np.sqrt(x**2 + across)
+    return (x + 1 - mu) ** 2 + y**2 + 2 * potential - vx**2 - vy**2 - vz**2
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Orbits:
     """Orbits through points of Fix(R).
 
     Attributes:
-        points: coordinates of the system, shape (1 + n, N).
+        points: coordinates of the piece less those of `Problem.origin`, shape (1 + n, N).
         start: shape (7, N).
         lengths: of half orbits, in s.
     """
@@ -103,24 +103,34 @@ class Orbits:
     mu: float
 
     @cached_property
-    def _followed(self) -> tuple[Any, Any]:
-        return follow(self.start, self.lengths, self.mu, (1.0, 2.0), np.eye(6))
+    def _half(self) -> tuple[Any, Any]:
+        """State and variations at the other point of Fix(R)."""
+        states, changes = follow(self.start, self.lengths, self.mu, (1.0,), np.eye(6))
+        return states[..., 0], changes[..., 0]
+
+    @cached_property
+    def _whole(self) -> tuple[Any, Any]:
+        """The same after a whole orbit, less the state where it begins: beside the body variations are of all sizes."""
+        there = self._half[0]
+        nearer = np.linalg.norm(there[:3], axis=0).mean() < np.linalg.norm(self.start[:3], axis=0).mean()
+        begun = self.start if nearer else there
+        states, changes = follow(begun, self.lengths, self.mu, (2.0,), np.eye(6))
+        return states[..., 0] - begun, changes[..., 0]
 
     @property
     def half_period(self) -> Any:
         """Time to the other point of Fix(R)."""
-        return self._followed[0][_TIME, :, 0]
+        return self._half[0][_TIME]
 
     @property
     def gap(self) -> float:
         """By how much the orbits do not close, and do not meet Fix(R) halfway."""
-        states = self._followed[0]
-        return float(max(np.abs(states[:6, :, 1] - self.start[:6]).max(), np.abs(states[[_Y, _VX, _VZ], :, 0]).max()))
+        return float(max(np.abs(self._whole[0][:6]).max(), np.abs(self._half[0][[_Y, _VX, _VZ]]).max()))
 
     def minors(self, coordinates: Sequence[int]) -> Any:
         """a_1, .., a_n: the multipliers are 1, 1 and lambda_i, 1/lambda_i with lambda_i + 1/lambda_i = 2 c_i."""
         rows = [_X, _Y, _VX, _VY] if coordinates == PLANAR else range(6)
-        matrix = np.moveaxis(self._followed[1][..., 1], -1, 0)[:, rows][:, :, rows]
+        matrix = np.moveaxis(self._whole[1], -1, 0)[:, rows][:, :, rows]
         trace = (np.trace(matrix, axis1=1, axis2=2) - 2) / 2
         if coordinates == PLANAR:
             return np.array([trace])
@@ -129,7 +139,7 @@ class Orbits:
 
     def first_factor(self, coordinates: Sequence[int]) -> Any:
         """The determinant of the derivative of the half return within Fix(R)."""
-        state, changes = self._followed[0][:, :, 0], self._followed[1][:, :, :, 0]
+        state, changes = self._half
         velocity = rates(state, self.mu, np.zeros((6, 0, state.shape[1])))[0][:6]
         on_section = changes - velocity[:, None] * (changes[_Y] / velocity[_Y])
         return np.linalg.det(np.moveaxis(on_section[np.ix_(coordinates, coordinates)], -1, 0))
@@ -137,14 +147,14 @@ class Orbits:
     @property
     def across(self) -> Any:
         """V_11, V_12, V_21, V_22 of (z, vz) after half an orbit."""
-        return self._followed[1][np.ix_((_Z, _VZ), (_Z, _VZ))][..., 0].reshape(4, -1)
+        return self._half[1][np.ix_((_Z, _VZ), (_Z, _VZ))].reshape(4, -1)
 
     @cached_property
     def distances(self) -> Any:
         """From the smaller primary: least and greatest, at this and at the other point; shape (4, N)."""
         shares = (1 - np.cos(np.pi * np.arange(_ALONG) / (_ALONG - 1))) / 2
         states, _ = follow(self.start, self.lengths, self.mu, shares, np.zeros((6, 0)))
-        squares = (states[_X] + self.mu - 1) ** 2 + states[_Y] ** 2 + states[_Z] ** 2
+        squares = states[_X] ** 2 + states[_Y] ** 2 + states[_Z] ** 2
         rows = [[_extreme(shares, row), -_extreme(shares, -row), row[0], row[-1]] for row in squares]
         return np.sqrt(np.array(rows).T)
 
@@ -164,11 +174,23 @@ class Problem:
     """How coordinates of a piece are coordinates of Fix(R).
 
     Attributes:
-        libration_point: x_l for planar orbits in units of their size; `None` for orbits in space.
+        mass: mu.
+        libration_point: its distance from the smaller primary, for planar orbits in units of their size; `None` for
+            orbits in space.
     """
 
-    mu: float
+    mass: Fraction
     libration_point: float | None = None
+
+    @property
+    def mu(self) -> float:
+        """The same, rounded."""
+        return float(self.mass)
+
+    @property
+    def origin(self) -> tuple[Fraction, ...]:
+        """Coordinates of a piece that are 0 here: digits of the distance from the smaller primary are not lost."""
+        return (1 - self.mass, Fraction(0), Fraction(0)) if self.libration_point is None else (Fraction(0),) * 2
 
     @property
     def coordinates(self) -> tuple[int, ...]:
@@ -214,12 +236,13 @@ class Problem:
 
             run = solve_ivp(field, (0, 1000), begun, "DOP853", events=crossing, rtol=1e-10, atol=1e-12)
             found.append(run.t_events[0][0])
-        return np.polynomial.Polynomial.fit(along[chosen], found, len(chosen) - 1, [-1, 1])(along)
+        return np.polynomial.Polynomial.fit(along[chosen], found, len(chosen) - 1)(along)
 
     def on_curve(self, piece: Piece, s: Any) -> Orbits:
         """The orbits of a piece, by Newton's method from its polynomial; s increasing, of shape (N,)."""
         frame = np.array(piece.frame, dtype=float)
-        points = np.array([[float(value) for value in piece.point(Fraction(x))] for x in s]).T
+        exact = (zip(piece.point(Fraction(x)), self.origin, strict=True) for x in s)
+        points = np.array([[float(value - origin) for value, origin in point] for point in exact]).T
         lengths = self.lengths(points, s)
         for _ in range(6):
             start, columns = self.start(points)
@@ -240,15 +263,16 @@ class Problem:
 
 def problem_of(atlas: Atlas) -> Problem:
     """That of an atlas of orbits in space, or of planar ones around L1."""
-    mu = float(atlas.parameters["mu"])
+    mass = atlas.parameters["mu"]
+    mu = float(mass)
     if atlas.system.name == "cr3bp":
-        return Problem(mu)
+        return Problem(mass)
     assert atlas.system.name == "cr3bp-l1"
 
     def force(x: float) -> float:
-        return x - (1 - mu) / (x + mu) ** 2 + mu / (x + mu - 1) ** 2
+        return x + 1 - mu - (1 - mu) / (x + 1) ** 2 + mu / x**2
 
-    return Problem(mu, brentq(force, 0.5, 1 - mu - 1e-6, xtol=1e-16, rtol=1e-15))
+    return Problem(mass, brentq(force, -0.5, -1e-6, xtol=1e-16, rtol=1e-15))
 
 
 @dataclass(frozen=True)
@@ -280,15 +304,16 @@ class Numbers:
 
     @cached_property
     def _coefficients(self) -> list[Any]:
-        return [interpolated(self._functions(orbits)) for orbits in self._nodes]
+        return [interpolated(self.functions(orbits)) for orbits in self._nodes]
 
-    def _functions(self, orbits: Orbits) -> Any:
+    def functions(self, orbits: Orbits) -> Any:
         """Coordinates, a_1, .., a_n, first factor, level, half period, V; shape (.., N)."""
         is_planar = self.problem.libration_point is not None
         level = orbits.points[0] if is_planar else jacobi_constant(orbits.start, self.problem.mu)
         chosen = self.problem.coordinates
         single = [orbits.first_factor(chosen), level, orbits.half_period]
-        return np.concatenate([orbits.points, orbits.minors(chosen), single, orbits.across])
+        origin = np.array(self.problem.origin, dtype=float)[:, None]
+        return np.concatenate([orbits.points + origin, orbits.minors(chosen), single, orbits.across])
 
     def _on_stretches(self, places: Any, function: Callable[[int, Any], Any]) -> Any:
         """A function of stretch and increasing s at places of any shape."""
@@ -310,7 +335,7 @@ class Numbers:
 
     def values_of_orbits(self, places: Any) -> Any:
         """The same of the orbits themselves."""
-        return self._on_stretches(places, lambda n, s: self._functions(self._orbits(n, s)))
+        return self._on_stretches(places, lambda n, s: self.functions(self._orbits(n, s)))
 
     def distances(self, places: Any) -> Any:
         """As in `Orbits`."""
@@ -346,16 +371,17 @@ class Numbers:
 
 def numbers(atlas: Atlas, stretches: Sequence[Mapping[str, str]]) -> Numbers:
     """Along the stretches of a conclusion: the pieces that the curve runs through, and where it leaves them."""
-    pieces = {piece.id: piece for piece in atlas.curve_pieces()}
+    pieces, problem = {piece.id: piece for piece in atlas.curve_pieces()}, problem_of(atlas)
     found: list[Stretch] = []
     for entry in stretches:
         piece, leaves = pieces[entry["piece"]], float(parse_exact(entry["leaves"]))
         enters, first = float(parse_exact(entry["enters"])), 0.0
         if found:
             before = found[-1]
-            orbit = problem_of(atlas).on_curve(before.piece, np.array([before.last - before.shift]))
+            orbit = problem.on_curve(before.piece, np.array([before.last - before.shift]))
             along = np.linalg.inv(np.array(piece.frame, dtype=float))[0]
-            moved = orbit.points[:, 0] - np.array(piece.centre, dtype=float)
+            away = [float(c - origin) for c, origin in zip(piece.centre, problem.origin, strict=True)]
+            moved = orbit.points[:, 0] - np.array(away)
             enters, first = float(along @ moved) / float(piece.half_width), before.last
         found.append(Stretch(piece, first, first + leaves - enters, first - enters))
-    return Numbers(problem_of(atlas), tuple(found))
+    return Numbers(problem, tuple(found))

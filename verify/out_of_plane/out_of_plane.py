@@ -27,7 +27,10 @@ ENTRIES = ("11", "12", "21", "22")
 
 
 def with_variations(system: ReversibleSystem) -> ReversibleSystem:
-    """The system with two solutions of w'' = -g w along its orbits: 4 more coordinates w_1, w_1', w_2, w_2'."""
+    """The system with two solutions of w'' = -g w along its orbits: 4 more coordinates w_1, w_1', w_2, w_2'.
+
+    Without its symmetries, of which nothing is said there.
+    """
     size, field, stiffness = len(system.state), system.vector_field, system.stiffness_across
     if stiffness is None:
         raise ValueError(f"{system.name} is not the motion in a plane")
@@ -44,6 +47,8 @@ def with_variations(system: ReversibleSystem) -> ReversibleSystem:
         state=(*system.state, *_VARIATIONS),
         vector_field=extended,
         reversing_symmetry=(*system.reversing_symmetry, 1, -1, 1, -1),
+        symmetries={},
+        reversors={},
         stiffness_across=None,
     )
 

@@ -1,0 +1,252 @@
+"""Complete lists of orbits of the three-body problem, followed to the Moon and out of the plane: against numbers of
+an integrator that shares nothing with the code under test."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, ctx
+from support.list_truths import Truth, misses
+from support.piece_cases import slow
+from support.three_body import Numbers, numbers
+
+from orbitproof.shared.formats.atlas import Atlas, atlas_from_json, read_atlas
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.distances.distances import Where
+from orbitproof.verify.distances.ranges import distances_from_json
+from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
+from orbitproof.verify.stability.confirmation import unconfirmed
+from orbitproof.verify.stability.matrix import SLOPE_BITS, stability_to_json
+from orbitproof.verify.stability.theorem import with_complete_list
+
+DATA = Path(__file__).parents[1] / "data"
+ARCS: dict[str, Any] = json.loads((DATA / "regularised-arcs.json").read_text())
+LOOP, NEAR, CLOSE, PLANAR = "fold-and-doublings", "near-the-moon", "close-to-the-moon", "lyapunov"
+ORDER = 12
+_RANDOM = 160
+"""Parameters on a piece at which all functions are compared."""
+
+Results = list[dict[str, Any]]
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Any:
+    with ctx.workprec(192):
+        yield
+
+
+@cache
+def case(name: str) -> tuple[Atlas, Results]:
+    """An arc, and what is proved of its pieces."""
+    if name == PLANAR:
+        return read_atlas(DATA / "atlas-lyapunov.json"), json.loads((DATA / "stability-lyapunov.json").read_text())
+    return atlas_from_json(ARCS[name]["atlas"], name), ARCS[name]["results"]
+
+
+@cache
+def listed(name: str) -> dict[str, Any]:
+    """The conclusion."""
+    atlas, results = case(name)
+    document = with_complete_list(atlas, results, conclude(atlas, results), ORDER)
+    assert document["verdict"] == "proved"
+    return document
+
+
+@cache
+def truth(name: str) -> tuple[Numbers, Truth]:
+    """The same by the other integrator."""
+    found = numbers(case(name)[0], listed(name)["stretches"])
+    return found, Truth(found.curve(), ORDER)
+
+
+def contains(known: dict[str, Any], tau: float, value: float, near: float) -> bool:
+    """Whether a stored function encloses a value that is known to an error relative to its size, and closely."""
+    enclosure, size = function_from_json(known).value(arb(tau)), max(1.0, abs(value))
+    return bool((enclosure + arb(0, near * size)).contains(arb(value))) and float(enclosure.rad()) < 1e-2 * size
+
+
+def check_functions(name: str, result: dict[str, Any], number: int = _RANDOM, near: float = 1e-9) -> None:
+    """All functions of a result, and its bounds of distances, at random parameters."""
+    atlas, _ = case(name)
+    found, _ = truth(name)
+    (piece,) = [piece for piece in atlas.curve_pieces() if piece.id == result["piece"]]
+    low, high = (float(parse_exact(end)) for end in result["interval"])
+    s = np.sort(np.random.default_rng(11).uniform(low, high, number))
+    taus = (2 * s - low - high) / (high - low) / float(REACH)
+    orbits = found.problem.on_curve(piece, s)
+    n = len(piece.tube)
+    _, minors, factor, level, half_period, across = np.split(found.functions(orbits), np.cumsum([n + 1, n, 1, 1, 1]))
+    known = result["stability"]
+    stored = [*known["characteristic"], known["level"], known["half_period"]]
+    values = [*minors, *level, *half_period]
+    if name == PLANAR:
+        stored += [known["out_of_plane"][entry] for entry in ENTRIES]
+        values += list(across)
+    else:
+        # det (dy/dsigma, A b_1, A b_2) = det A det (dx/dsigma, b_1, b_2), and ds/dsigma = 17/16 (high - low)/2.
+        frame = np.linalg.det(np.array(piece.frame, dtype=float))
+        stored.append(known["first_factor"])
+        values.append(factor[0] * frame * float(piece.half_width) * (high - low) / 2 * 17 / 16)
+        check_distances(known["distance"], taus, orbits.distances)
+    for function, row in zip(stored, values, strict=True):
+        assert all(contains(function, tau, value, near) for tau, value in zip(taus, row, strict=True))
+
+
+def check_distances(known: dict[str, Any], taus: Any, values: Any) -> None:
+    """Bounds of the least and the greatest, and at which point of Fix(R) they are."""
+    stored = distances_from_json(known)
+    assert stored is not None
+    ends = {Where.HERE: values[2], Where.THERE: values[3]}
+    for function, row in ((stored.here, values[2]), (stored.there, values[3])):
+        for tau, value in zip(taus, row, strict=True):
+            assert abs(float(function.value(arb(tau)).mid()) / value**2 - 1) < 1e-9
+            assert float(function.value(arb(tau)).rad()) < 1e-6 * value**2
+    for part in stored.parts:
+        here = (taus >= float(part.lower)) & (taus <= float(part.upper))
+        for extreme, row in zip((part.least, part.greatest), values, strict=False):
+            low, high = (float(end) ** 0.5 for end in (extreme.square.lower(), extreme.square.upper()))
+            assert np.all((low <= row[here]) & (row[here] <= high))
+            assert high - low < 1.5 * np.ptp(row) + 0.01 * row.max()
+            if extreme.where is not Where.ALONG:
+                assert np.abs(row[here] / ends[extreme.where][here] - 1).max(initial=0) < 1e-9
+            else:
+                # Not named only where it changes, or is in between.
+                assert all(np.abs(row[here] / end[here] - 1).max(initial=0) > 1e-9 for end in ends.values())
+
+
+NAMES = [LOOP, NEAR, CLOSE, PLANAR]
+FEATURES = {
+    LOOP: {"resonance": 28, "singular at this point": 1, "singular at the other point": 2, "fold": 1},
+    NEAR: {"resonance": 22, "loss of R": 1, "singular at the other point": 1, "Krein collision": 1},
+    CLOSE: {"resonance": 3},
+    PLANAR: {},
+}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_list_of_an_arc_is_complete_and_true(name: str) -> None:
+    """Each zero and extremum on a fine grid is in one listed interval, each interval has one, of its kind."""
+    found, expected = truth(name)
+    said = listed(name)["complete"]
+    assert found.gap < 1e-9
+    assert misses(expected, said) == []
+    assert said["gaps"] == []
+    kinds = [point.kind for point in expected.points]
+    assert {kind: kinds.count(kind) for kind in kinds} == FEATURES[name]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_functions_and_distances_contain_those_of_orbits_at_random_parameters(name: str) -> None:
+    for result in case(name)[1]:
+        check_functions(name, result)
+
+
+def shifted(entry: dict[str, Any]) -> None:
+    """A function, by more than its bound."""
+    by = max(parse_exact(entry["error"]) * 4, abs(parse_exact(entry["coefficients"][0])) / 2**20)
+    entry["coefficients"][0] = format_exact(parse_exact(entry["coefficients"][0]) + by)
+
+
+def narrowed(distance: dict[str, Any]) -> None:
+    for part in distance["parts"]:
+        part["greatest"] = [part["greatest"][0]] * 2
+
+
+def at_the_other_point(distance: dict[str, Any]) -> None:
+    for part in distance["parts"]:
+        part["least_at"], part["greatest_at"] = part["greatest_at"], part["least_at"]
+
+
+def along_the_orbit(distance: dict[str, Any]) -> None:
+    distance["parts"][7]["greatest_at"] = "along the orbit"
+
+
+FORGERIES: dict[str, tuple[str, Callable[[dict[str, Any]], None]]] = {
+    "a_1": (NEAR, lambda known: shifted(known["characteristic"][0])),
+    "a_2": (LOOP, lambda known: shifted(known["characteristic"][1])),
+    "level": (NEAR, lambda known: shifted(known["level"])),
+    "half period": (NEAR, lambda known: shifted(known["half_period"])),
+    "first factor": (LOOP, lambda known: shifted(known["first_factor"])),
+    "distance here": (CLOSE, lambda known: shifted(known["distance"]["here"])),
+    "distance there": (CLOSE, lambda known: shifted(known["distance"]["there"])),
+    "bounds": (NEAR, lambda known: narrowed(known["distance"])),
+    "points of Fix(R)": (NEAR, lambda known: at_the_other_point(known["distance"])),
+    "no point of Fix(R)": (NEAR, lambda known: along_the_orbit(known["distance"])),
+    **{f"V_{entry}": (PLANAR, lambda known, e=entry: shifted(known["out_of_plane"][e])) for entry in ENTRIES},
+}
+
+
+@pytest.mark.parametrize("what", FORGERIES)
+def test_other_functions_and_distances_are_noticed(what: str) -> None:
+    name, change = FORGERIES[what]
+    result = copy.deepcopy(case(name)[1][0])
+    change(result["stability"])
+    check_functions(name, case(name)[1][0], 40 if "Fix" in what else 4)
+    with pytest.raises(AssertionError):
+        check_functions(name, result, 40 if "Fix" in what else 4)
+
+
+def left_out(entries: list[Any], number: int) -> None:
+    del entries[number]
+
+
+def moved(entries: list[Any], number: int) -> None:
+    place = entries[number]["s"]
+    place["mid"] = format_exact(parse_exact(place["mid"]) + Fraction(1, 2**8))
+
+
+@pytest.mark.parametrize("name", [LOOP, PLANAR])
+def test_other_lists_are_noticed(name: str) -> None:
+    """Each point left out, or moved, and stable orbits left out."""
+    said = listed(name)["complete"]
+    # Distances of orbits take time.
+    expected = Truth(replace(truth(name)[1].curve, distances=None), ORDER)
+    assert misses(expected, said) == []
+
+    def changed(key: str, number: int, change: Callable[[list[Any], int], None]) -> bool:
+        other = copy.deepcopy(said)
+        change((other["out_of_plane"] if name == PLANAR else other)[key], number)
+        return bool(misses(expected, other))
+
+    part = said["out_of_plane"] if name == PLANAR else said
+    assert all(
+        changed("points", number, change) for number in range(len(part["points"])) for change in (left_out, moved)
+    )
+    assert all(changed("stable", number, left_out) for number in range(len(part["stable"])))
+    assert part["points"]
+    assert part["stable"]
+
+
+@pytest.mark.parametrize("name", slow(NEAR))
+def test_a_new_proof_of_a_piece_contains_the_numbers_too(name: str) -> None:
+    """And confirms what is stored of it."""
+    atlas, (stored,) = case(name)
+    (piece,) = atlas.curve_pieces()
+    limits = PieceLimits(*(stored["computation"][key] for key in ("precision", "order", "width")))
+    proof = prove_piece(
+        atlas.system, atlas.parameters, piece, (Fraction(-1), Fraction(1)), limits, None, None, slope_bits=SLOPE_BITS
+    )
+    assert isinstance(proof.outcome, Proved)
+    known = proof.outcome.results
+    interval = known.start, known.end
+    stability = stability_to_json(
+        atlas.system, atlas.parameters, piece, interval, limits, "regularised", None, None, known.half_return
+    )
+    result = proof.to_json() | {"stability": stability}
+    check_functions(name, result)
+    said = with_complete_list(atlas, [result], conclude(atlas, [result]), ORDER)["complete"]
+    assert misses(truth(name)[1], said) == []
+    assert list(unconfirmed(stored["stability"], stability)) == []
