@@ -430,10 +430,9 @@ def integrated_once(point: Certificate, monkeypatch: pytest.MonkeyPatch) -> None
 def test_every_changed_field_of_a_certificate_is_found_but_for_names(point: Certificate, each: int) -> None:
     found = survey(point.to_json(), lambda document: recheck(Certificate.from_json(document), True), each)
     missed = {(field, how) for field, how in by("nothing", found) if not says_how_it_was_made(field)}
+    assert not missed - {(field, how) for field, how in missed if field.startswith("enclosures.")}
     # Under another name it is a system that is not known here, and true of the program that it has.
-    assert missed - {(field, how) for field, how in missed if field.startswith("enclosures.")} == {
-        ("statement.candidate.system", "other words")
-    }
+    assert ("statement.candidate.system", "other words") in by("words", found)
     assert ("statement.theorem", "other words") in by("words", found)
     assert ("results.parameter.mid", "larger") in by("conclusion", found)
     assert ("hypotheses.*.name", "other words") in by("form", found)
