@@ -17,6 +17,10 @@ from decimal import Decimal
 from fractions import Fraction
 from math import ceil, log2
 
+NUMBER = r"-?0x[0-9a-f]{1,4000}(p[+-]?[0-9]{1,6})?|-?[0-9]{1,4000}(\.[0-9]{1,4000})?(e[+-]?[0-9]{1,5})?"
+RATIONAL = NUMBER + r"|-?[0-9]{1,4000}/0*[1-9][0-9]{0,3999}"
+"""How long numbers of claims may be, as the schemas say too: exact numbers, and for parameters any fractions."""
+
 _HEX = re.compile(r"(-?)0x([0-9a-f]+)(?:p([+-]?[0-9]{1,6}))?\Z")
 _FRACTION = re.compile(r"-?[0-9]{1,4000}/0*[1-9][0-9]{0,3999}\Z")
 _DECIMAL = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:e[+-]?[0-9]{1,5})?\Z")

@@ -140,7 +140,7 @@ def read(path: str | Path) -> list[Certificate]:
     >>> from orbitproof import verify
     >>> verify.read("no-such-file.json")
     Traceback (most recent call last):
-    orbitproof.shared.formats.documents.InputError: no-such-file.json: cannot be read (No such file or directory); \
+    orbitproof.shared.errors.InputError: no-such-file.json: cannot be read (No such file or directory); \
 give the path of a certificates file
     """
     return list(read_certificates(Path(path)).values())

@@ -18,6 +18,7 @@ from orbitproof.shared.formats import (
     Candidate,
     InputError,
     candidate_from_json,
+    candidate_to_json,
     read_candidates,
     validate_document,
 )
@@ -222,7 +223,7 @@ def _family_of(claim: Candidate) -> str:
 
 
 def _place(row: CertifiedRow, claim: Candidate, path: Path, candidate: Candidate) -> CertifiedRow:
-    if candidate.to_json(provenance=False) != claim.to_json(provenance=False):
+    if candidate_to_json(candidate, provenance=False) != candidate_to_json(claim, provenance=False):
         raise InputError(f"{path}: candidate {row.id!r} differs from the one that was certified; verify again")
     family, arclength = candidate.provenance.get("family"), candidate.provenance.get("arclength")
     known = isinstance(arclength, (int, float)) and math.isfinite(arclength)

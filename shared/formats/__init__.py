@@ -1,7 +1,6 @@
-"""JSON formats: candidates and atlases, read, checked against their schema, and written."""
+"""JSON formats: claims and other documents, read, checked against their schema, and written."""
 
-from orbitproof.shared.formats.atlas import SURFACE, Atlas, Claim, Covers, atlas_from_json, read_atlas, write_atlas
-from orbitproof.shared.formats.candidates import (
+from orbitproof.shared.claims import (
     COORDINATE,
     FOLD,
     HALF_PERIOD,
@@ -10,15 +9,29 @@ from orbitproof.shared.formats.candidates import (
     ONCE,
     ORBIT,
     QUANTITIES,
+    SURFACE,
+    AnyPiece,
+    Atlas,
     Candidate,
+    Claim,
+    Covers,
     Equation,
+    LibrationPiece,
+    Piece,
+    SurfacePiece,
+    evaluate,
+    is_regular,
+)
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats.atlas import atlas_from_json, atlas_to_json, read_atlas, write_atlas
+from orbitproof.shared.formats.candidates import (
     candidate_from_json,
+    candidate_to_json,
     read_candidates,
     read_system,
     write_candidates,
 )
 from orbitproof.shared.formats.documents import (
-    InputError,
     check_writable,
     read_document,
     stated_format,
@@ -26,14 +39,6 @@ from orbitproof.shared.formats.documents import (
     write_bytes,
     write_text,
 )
-from orbitproof.shared.formats.pieces import (
-    AnyPiece,
-    LibrationPiece,
-    Piece,
-    SurfacePiece,
-    evaluate,
-    is_regular,
-    piece_from_json,
-)
+from orbitproof.shared.formats.pieces import piece_from_json
 from orbitproof.shared.formats.selection import select_ids
 from orbitproof.shared.formats.systems import load_system

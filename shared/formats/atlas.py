@@ -1,4 +1,4 @@
-"""Atlases: a curve of symmetric periodic orbits in pieces, or a surface of them over the mass parameter.
+"""Atlases as JSON, read and written.
 
 The format is in docs/formats.md, the schema in ``schemas/atlas.schema.json``; bad input raises `InputError`, one
 line with file, field and remedy.
@@ -8,126 +8,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
+from orbitproof.shared.claims import SURFACE, AnyPiece, Atlas, Claim, Covers, LibrationPiece, SurfacePiece
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.candidates import find_system, read_system
-from orbitproof.shared.formats.documents import ID_IN_WORDS, InputError, read_document, validate_document, write_text
-from orbitproof.shared.formats.pieces import (
-    AnyPiece,
-    LibrationPiece,
-    Piece,
-    SurfacePiece,
-    check_length,
-    piece_from_json,
-)
-from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, LINE, ReversibleSystem, describe, fits
-
-SURFACE = "symmetry-breaking-surface"
-CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
-
-
-@dataclass(frozen=True)
-class Covers:
-    """The claim that a coordinate goes from a value <= `start` to one >= `end`."""
-
-    coordinate: str
-    start: Fraction
-    end: Fraction
-
-    def to_json(self) -> dict[str, str]:
-        """The JSON object."""
-        return {"coordinate": self.coordinate, "from": format_exact(self.start), "to": format_exact(self.end)}
-
-
-@dataclass(frozen=True)
-class Claim:
-    """What the pieces are claimed to be together.
-
-    Attributes:
-        kind: one of `CLAIMS`.
-        symmetry: name of the symmetry of the curve (for a surface, of the one that breaks), or `None`.
-        increasing: coordinates that increase along the curve, on a symmetric arc away from its symmetric point.
-        covers: the range that a coordinate takes, or `None`.
-        crossings: m, how often half orbits meet the section after their start; P^m then stands for P.
-    """
-
-    kind: str
-    symmetry: str | None = None
-    increasing: tuple[str, ...] = ()
-    covers: Covers | None = None
-    crossings: int = 1
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        result: dict[str, Any] = {"kind": self.kind, "symmetry": self.symmetry}
-        if self.increasing:
-            result["increasing"] = list(self.increasing)
-        if self.covers is not None:
-            result["covers"] = self.covers.to_json()
-        if self.crossings != 1:
-            result["crossings"] = self.crossings
-        return result
-
-
-@dataclass(frozen=True)
-class Atlas:
-    """A claim about a curve or a surface, and its pieces in order along it.
-
-    Attributes:
-        id: short name.
-        title: what people read.
-        system: the reversible system.
-        parameters: exact values of the system's fixed parameters, by name; empty for a surface.
-        claim: what the pieces are together.
-        pieces: all of them `Piece`, or for a surface `SurfacePiece`, and `LibrationPiece` in Hill's units.
-        provenance: free-form, ignored by the verifier.
-    """
-
-    id: str
-    title: str
-    system: ReversibleSystem
-    parameters: Mapping[str, Fraction]
-    claim: Claim
-    pieces: tuple[AnyPiece, ...]
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def is_surface(self) -> bool:
-        """Whether the claim is about a surface over the parameters."""
-        return self.claim.kind == SURFACE
-
-    def curve_pieces(self) -> tuple[Piece, ...]:
-        """The pieces of a curve; none for a surface."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, Piece))
-
-    def surface_pieces(self) -> tuple[SurfacePiece, ...]:
-        """The pieces of a surface; none for a curve."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, SurfacePiece))
-
-    def libration_pieces(self) -> tuple[LibrationPiece, ...]:
-        """The pieces of the planar families over which a surface lives; none for a curve."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, LibrationPiece))
-
-    def to_json(self, provenance: bool = True) -> dict[str, Any]:
-        """The JSON object of the atlas, a whole document. All numbers must be dyadic or decimal fractions."""
-        result: dict[str, Any] = {
-            "format": "orbitproof-atlas",
-            "version": 1,
-            "id": self.id,
-            "title": self.title,
-            "system": describe(self.system),
-        }
-        if not self.is_surface:
-            result["parameters"] = {name: format_rational(value) for name, value in self.parameters.items()}
-        result["claim"] = self.claim.to_json()
-        result["pieces"] = [piece.to_json() for piece in self.pieces]
-        if provenance:
-            result["provenance"] = dict(self.provenance)
-        return result
+from orbitproof.shared.formats.documents import read_document, validate_document, write_text
+from orbitproof.shared.formats.pieces import check_length, piece_from_json
+from orbitproof.shared.numbers import format_rational, parse_exact
+from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LINE, ReversibleSystem, describe, fits
 
 
 def read_atlas(path: Path) -> Atlas:
@@ -137,7 +28,7 @@ def read_atlas(path: Path) -> Atlas:
 
 def write_atlas(path: Path, atlas: Atlas) -> None:
     """Write an atlas file, whole or not at all. Raises `InputError` if it cannot be written."""
-    document = atlas.to_json()
+    document = atlas_to_json(atlas)
     validate_document(document, "atlas", "atlas to be written")
     rest = json.dumps({**document, "pieces": []}, indent=1, allow_nan=False)
     # One piece a line: a list of numbers with one number a line is long and says nothing.
@@ -231,3 +122,21 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
     if not start < end:
         refuse("covers.to", "not greater than covers.from", "give a range that is not empty")
     return Claim(kind, symmetry, increasing, Covers(name, start, end), crossings)
+
+
+def atlas_to_json(atlas: Atlas, provenance: bool = True) -> dict[str, Any]:
+    """The JSON object of an atlas, a whole document, with or without what the verifier ignores."""
+    result: dict[str, Any] = {
+        "format": "orbitproof-atlas",
+        "version": 1,
+        "id": atlas.id,
+        "title": atlas.title,
+        "system": describe(atlas.system),
+    }
+    if not atlas.is_surface:
+        result["parameters"] = {name: format_rational(value) for name, value in atlas.parameters.items()}
+    result["claim"] = atlas.claim.to_json()
+    result["pieces"] = [piece.to_json() for piece in atlas.pieces]
+    if provenance:
+        result["provenance"] = dict(atlas.provenance)
+    return result

@@ -19,16 +19,23 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from orbitproof.shared.errors import LONGEST_QUOTED, InputError, short
 from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems import ID, IDENTIFIER, LINE, MASS_PARAMETERS, PIECE, SYSTEM, TITLE
+from orbitproof.shared.systems import (
+    ID,
+    ID_IN_WORDS,
+    IDENTIFIER,
+    LINE,
+    MASS_PARAMETERS,
+    PIECE,
+    PIECE_IN_WORDS,
+    SYSTEM,
+    TITLE,
+)
 
 if TYPE_CHECKING:
     from jsonschema import Draft202012Validator
     from jsonschema.exceptions import ValidationError
-
-
-class InputError(Exception):
-    """Bad input, in one line: what (file and field), why, and what to do about it."""
 
 
 @cache
@@ -208,18 +215,6 @@ def validate_document(document: object, name: str, source: str) -> None:
         raise InputError(f"{source}: field {where}: {_broken_rule(error)}; see shared/schemas/{name}.schema.json")
 
 
-ID_IN_WORDS = "use letters, digits and . _ + = / ( ) ' -, at most five words and 100 characters"
-PIECE_IN_WORDS = "use one word of letters, digits and . _ + = / ( ) ' -"
-_FORMS = {
-    ID: f"is no id; {ID_IN_WORDS}",
-    IDENTIFIER: "is no name; use letters, digits and _, a letter first",
-    LINE: "is not one line of printable text",
-    PIECE: f"is no id of a piece; {PIECE_IN_WORDS}",
-    SYSTEM: "is no name of a system; use letters, digits, - and _, a letter first",
-    TITLE: "is no title; give letters, digits and signs such as . , ' ( ) + - * / ^ =, and no sentences",
-}
-"""What texts of these patterns have to be, in words."""
-
 _SIZES = {
     "minItems": "needs at least {} entries",
     "maxItems": "has room for {} entries",
@@ -229,6 +224,17 @@ _SIZES = {
     "maximum": "must be at most {}",
     "exclusiveMinimum": "must be greater than {}",
 }
+
+
+_FORMS = {
+    ID: f"is no id; {ID_IN_WORDS}",
+    IDENTIFIER: "is no name; use letters, digits and _, a letter first",
+    LINE: "is not one line of printable text",
+    PIECE: f"is no id of a piece; {PIECE_IN_WORDS}",
+    SYSTEM: "is no name of a system; use letters, digits, - and _, a letter first",
+    TITLE: "is no title; give letters, digits and signs such as . , ' ( ) + - * / ^ =, and no sentences",
+}
+"""What texts of these patterns have to be, in words."""
 
 
 def _broken_rule(error: ValidationError) -> str:
@@ -255,16 +261,7 @@ def _broken_rule(error: ValidationError) -> str:
     else:
         text = _SIZES.get(rule, f"breaks the rule {rule!r}").format(wanted)
     scalar = not isinstance(value, (dict, list))
-    return f"{json.dumps(value)} {text}" if scalar and len(str(value)) <= _LONGEST_QUOTED else text
-
-
-_LONGEST_QUOTED = 100
-
-
-def short(text: str) -> str:
-    """A text of one line and readable length."""
-    text = " ".join(text.split())
-    return text if len(text) <= _LONGEST_QUOTED else text[:_LONGEST_QUOTED] + " ..."
+    return f"{json.dumps(value)} {text}" if scalar and len(str(value)) <= LONGEST_QUOTED else text
 
 
 def write_document(path: Path, document: Mapping[str, Any], name: str) -> None:

@@ -10,7 +10,19 @@ from orbitproof.shared.systems.description import (
 from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
-from orbitproof.shared.systems.names import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE, fits, is_title, shown
+from orbitproof.shared.systems.names import (
+    ID,
+    ID_IN_WORDS,
+    IDENTIFIER,
+    LINE,
+    PIECE,
+    PIECE_IN_WORDS,
+    SYSTEM,
+    TITLE,
+    fits,
+    is_title,
+    shown,
+)
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
 from orbitproof.shared.systems.system import (

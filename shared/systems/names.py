@@ -19,8 +19,12 @@ SYSTEM = r"^[A-Za-z][A-Za-z0-9_-]{0,59}" + _END
 ID = r"^(?=[^\n]{1,100}" + _END + r")(?![^\n]*\. )[A-Za-z0-9][A-Za-z0-9._+=/()'-]*( [A-Za-z0-9._+=/()'-]+){0,4}" + _END
 """Of a claim, an atlas: at most five words; `shown` says where it ends."""
 
+ID_IN_WORDS = "use letters, digits and . _ + = / ( ) ' -, at most five words and 100 characters"
+
 PIECE = r"^[A-Za-z0-9][A-Za-z0-9._+=/()'-]{0,99}" + _END
 """Of a piece of an atlas: one word."""
+
+PIECE_IN_WORDS = "use one word of letters, digits and . _ + = / ( ) ' -"
 
 TITLE = (
     r"^(?=[^\n]{1,200}" + _END + r")(?![^\n]*[.,] +[A-Z])"

@@ -14,7 +14,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.verify.certificate.certify import certify
 
 ROOT = Path(__file__).resolve().parents[2]

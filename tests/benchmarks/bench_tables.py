@@ -22,7 +22,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 from orbitproof.shared.systems.system import CR3BP

@@ -21,7 +21,8 @@ from orbitproof.explore.families.tracing import TracedFamily
 from orbitproof.explore.records.family_file import read_families, write_families
 from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
 from orbitproof.explore.search.request import check
-from orbitproof.shared.formats.candidates import InputError, read_candidates
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems.system import FALKNER_SKAN, MASS_PARAMETERS
 

@@ -24,7 +24,8 @@ from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import trace_family
 from orbitproof.explore.families.tracing import TracedFamily
 from orbitproof.explore.records.family_file import write_families
-from orbitproof.shared.formats.atlas import Atlas, Covers, read_atlas, write_atlas
+from orbitproof.shared.claims import Atlas, Covers
+from orbitproof.shared.formats.atlas import read_atlas, write_atlas
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}

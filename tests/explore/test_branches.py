@@ -27,7 +27,9 @@ from orbitproof.figures.pictures.branches import write as write_pictures
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.pictures.certified_boxes import write as write_certified
 from orbitproof.figures.style.style import close, use_style
-from orbitproof.shared.formats.candidates import Candidate, InputError, read_candidates
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.systems.system import FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate, write_certificates
 from orbitproof.verify.certificate.certify import certify

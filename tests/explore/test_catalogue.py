@@ -27,7 +27,7 @@ from orbitproof.explore.families.named import continue_both_ways, trace_family
 from orbitproof.explore.flow.flow import flow_of
 from orbitproof.explore.orbits.stability import stability_index
 from orbitproof.explore.records.family_file import read_families
-from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
 
 HERE = Path(__file__).resolve().parents[1]

@@ -22,7 +22,7 @@ from orbitproof.explore.invariants.manifold import NoManifold, Plane, manifold_o
 from orbitproof.explore.invariants.torus_family import TorusFamily, first_curve, trace_tori
 from orbitproof.explore.trajectories.source import SourceOrbit
 from orbitproof.explore.trajectories.trajectory import Trajectory, trajectory_of
-from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems.system import CR3BP
 

@@ -44,7 +44,7 @@ from orbitproof.explore.seeds.libration_points import LIBRATION_POINTS
 from orbitproof.figures.pictures.mass_curve import draw_mass_curves, read_mass_curves
 from orbitproof.figures.style.style import close, use_style
 from orbitproof.figures.tables.published import default_published, read_published
-from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]

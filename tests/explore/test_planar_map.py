@@ -22,7 +22,7 @@ from orbitproof.explore.portraits.planar_map import (
     symmetric_periodic_orbits,
     unstable_manifold,
 )
-from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.errors import InputError
 
 MAPS = [ReversibleMap(0.3, 0.7, -0.4), QUADRUPLING.at(0.02), TOUCH_AND_GO.at(-0.02)]
 RESONANCES = [QUADRUPLING, TOUCH_AND_GO]

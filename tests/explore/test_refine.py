@@ -15,6 +15,7 @@ from support.independent_flow import CONSTANTS, EARTH_MOON, LINEAR, crossings, e
 from orbitproof.explore.refinement.half_return import half_return, linear_iterates
 from orbitproof.explore.refinement.newton import RefinedPoint, RefinementFailure, refine
 from orbitproof.explore.refinement.resonance import working_context
+from orbitproof.shared.formats import candidate_to_json
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 
@@ -225,7 +226,7 @@ def test_iterates_by_reversibility_agree_with_integration() -> None:
 
 def test_candidate_survives_a_round_trip() -> None:
     candidate = halo_point(2).to_candidate("L1-2", {"family": "L1-halo"})
-    entry = json.loads(json.dumps(candidate.to_json()))
+    entry = json.loads(json.dumps(candidate_to_json(candidate)))
     again = candidate_from_json(entry, "test")
     assert again == candidate
     assert entry["provenance"]["family"] == "L1-halo"

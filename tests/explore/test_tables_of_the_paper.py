@@ -32,7 +32,9 @@ from orbitproof.explore.records.family_file import read_families, write_families
 from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
 from orbitproof.explore.search.targets import is_refined, merged, targets_of
 from orbitproof.figures.__main__ import main as figures_main
-from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.formats import candidate_to_json
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
@@ -325,7 +327,7 @@ def test_an_interrupted_refinement_goes_on_and_repeats_nothing(
     assert [candidate.k for candidate in read_candidates(output)] == [2, 3]
     assert "340.18753498914353" in table
     assert "453.44258682138" in table
-    assert read_candidates(output)[0].to_json() == json.loads(before)["candidates"][0]
+    assert candidate_to_json(read_candidates(output)[0]) == json.loads(before)["candidates"][0]
     assert main([*arguments, "--from-family", str(family)]) == 0
     assert len(asked) == 2 or asked[2] == []
 

@@ -26,7 +26,7 @@ from orbitproof.figures.pictures import interactive
 from orbitproof.figures.pictures.certified_branches import draw_curves, draw_pieces
 from orbitproof.figures.pictures.certified_surfaces import draw_surface, surface_of
 from orbitproof.figures.style.style import close, use_style
-from orbitproof.shared.formats.atlas import Atlas, Claim, SurfacePiece
+from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Certificate

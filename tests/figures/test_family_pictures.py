@@ -25,7 +25,8 @@ from orbitproof.figures.pictures.family import draw_family, draw_marks
 from orbitproof.figures.pictures.marks import resonances
 from orbitproof.figures.pictures.space import set_box
 from orbitproof.figures.style.style import close, marker_of, use_style
-from orbitproof.shared.formats.candidates import InputError, read_candidates
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 DATA = Path(__file__).parents[1] / "data"

@@ -13,9 +13,25 @@ from hypothesis import strategies as st
 from support.flow_checks import falkner_skan_box, halo
 from support.wide_checks import TWIST, piece
 
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates, write_candidates
+from orbitproof.shared.formats import (
+    Candidate,
+    InputError,
+    candidate_from_json,
+    candidate_to_json,
+    read_candidates,
+    write_candidates,
+)
+from orbitproof.shared.formats.documents import validator
 from orbitproof.shared.formats.pieces import piece_from_json
-from orbitproof.shared.numbers import format_dyadic, format_exact, format_rational, parse_exact, round_dyadic
+from orbitproof.shared.numbers import (
+    NUMBER,
+    RATIONAL,
+    format_dyadic,
+    format_exact,
+    format_rational,
+    parse_exact,
+    round_dyadic,
+)
 from orbitproof.shared.systems import CR3BP, DescriptionError, Program, described, evaluate_formula, record
 
 # Numbers
@@ -182,7 +198,7 @@ def test_no_system_has_the_name_of_a_known_one() -> None:
 
 
 def claim() -> dict[str, Any]:
-    return halo("earth-moon", "period_tupling", ("1e-9",) * 3).to_json()
+    return candidate_to_json(halo("earth-moon", "period_tupling", ("1e-9",) * 3))
 
 
 @pytest.mark.parametrize(
@@ -244,3 +260,8 @@ def test_a_piece_that_is_no_tube_about_a_curve_is_refused(change: dict[str, Any]
 def test_a_frame_that_only_looks_singular_is_regular() -> None:
     for rows in ([["3", "2"], ["2", "2"]], [["0", "1"], ["1", "0"]], [["2", "4"], ["1", "1"]]):
         piece_from_json({**TUBE.to_json(), "frame": rows}, TWIST, "here")
+
+
+@pytest.mark.parametrize(("kind", "pattern"), [("number", NUMBER), ("rational", RATIONAL)])
+def test_numbers_of_claims_are_as_long_as_the_schemas_say(kind: str, pattern: str) -> None:
+    assert validator("candidates").schema["$defs"][kind]["pattern"] == f"^({pattern})$"

@@ -26,7 +26,7 @@ from support.flow_checks import (
     taylor_enclosure,
 )
 
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from orbitproof.verify.algebra.grading import Grading

@@ -23,7 +23,10 @@ from support.claims import (
 
 import orbitproof.verify.certificate.certify
 import orbitproof.verify.flow.step
-from orbitproof.shared.formats.candidates import Candidate, InputError, candidate_from_json
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import candidate_to_json
+from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.certificate.certify import Integrator, certify
 from orbitproof.verify.certificate.kinds import enclose
@@ -314,8 +317,8 @@ def test_a_first_integral_without_the_symmetry_is_not_proved() -> None:
 
 
 def test_numbers_of_one_system_given_for_another_are_bad_input() -> None:
-    entry = known("fs2").to_json()
-    entry.update(system="cr3bp", parameters=known("em1").to_json()["parameters"])
+    entry = candidate_to_json(known("fs2"))
+    entry.update(system="cr3bp", parameters=candidate_to_json(known("em1"))["parameters"])
     with pytest.raises(InputError, match="centre"):
         candidate_from_json(entry, "candidates.json")
 

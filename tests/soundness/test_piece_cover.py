@@ -18,7 +18,7 @@ import pytest
 from flint import arb, ctx
 from support.wide_checks import OMEGA, TWIST, piece, value_and_error
 
-from orbitproof.shared.formats.pieces import Piece
+from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
 from orbitproof.verify.algebra.series import Arithmetic, Series
 from orbitproof.verify.curve import piece as branch_piece

@@ -32,7 +32,7 @@ from support.flow_checks import initial_state, kernel_values, orbits
 from support.new_orbits import side_of
 
 from orbitproof.explore.refinement.newton import refine
-from orbitproof.shared.formats.candidates import KINDS, ONCE, Candidate
+from orbitproof.shared.claims import KINDS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify

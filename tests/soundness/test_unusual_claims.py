@@ -9,14 +9,16 @@ from typing import Any
 import pytest
 from support.claims import known
 
-from orbitproof.shared.formats.candidates import InputError, candidate_from_json, read_candidates, write_candidates
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import candidate_to_json
+from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates, write_candidates
 from orbitproof.verify.__main__ import main
 
 MANY = "7" * 4000
 
 
 def entry(name: str, **changes: Any) -> dict[str, Any]:
-    return {**known(name).to_json(), **changes}
+    return {**candidate_to_json(known(name)), **changes}
 
 
 def run(tmp_path: Path, claim: dict[str, Any]) -> tuple[int, Path]:

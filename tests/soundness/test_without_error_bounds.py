@@ -20,7 +20,7 @@ from support.flow_checks import contains, initial_state, kernel_values, orbits
 
 import orbitproof.verify.certificate.certify
 import orbitproof.verify.flow.step
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify

@@ -10,7 +10,8 @@ from typing import Any
 from support import atlas_work
 from support.chain_cases import parabola
 
-from orbitproof.shared.formats.atlas import Atlas, write_atlas
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats.atlas import write_atlas
 from orbitproof.shared.processes import Answer, Progress, Source
 from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.run import AtlasRun

@@ -15,7 +15,7 @@ from typing import Any
 from flint import arb
 from support.conclusions import conclude
 
-from orbitproof.shared.formats.atlas import Atlas, Claim, Covers, Piece
+from orbitproof.shared.claims import Atlas, Claim, Covers, Piece
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate

@@ -8,7 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.systems.system import MASS_PARAMETERS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify

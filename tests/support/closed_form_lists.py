@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev
 from support.list_truths import KnownCurve
 from support.skew_products import SkewProduct, energy, half_period, interpolated, powers
 
-from orbitproof.shared.formats.atlas import Atlas, Piece
+from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.evidence.balls_as_text import ball_to_json
 from orbitproof.verify.functions.functions import REACH

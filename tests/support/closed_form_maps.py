@@ -15,7 +15,7 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
 from orbitproof.verify.bifurcation.theorem import BifurcationResults, prepare, prove
 from orbitproof.verify.evidence import DerivativeTable, indices_up_to

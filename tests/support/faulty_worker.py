@@ -11,7 +11,7 @@ from typing import Any
 from flint import fmpz
 
 import orbitproof.verify.certificate.side_by_side
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.processes import Report
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.side_by_side import certify_task as sound_task

@@ -11,7 +11,7 @@ from math import factorial, prod
 from flint import arb, fmpq
 from support.reference import Orbits, falkner_skan, three_body
 
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems.program import Program
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.algebra.programs import PreparedProgram, prepare

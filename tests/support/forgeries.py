@@ -14,7 +14,8 @@ from support import atlas_work
 from support.chain_cases import parabola
 from support.conclusions import conclude
 
-from orbitproof.shared.formats.atlas import Atlas, read_atlas
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas

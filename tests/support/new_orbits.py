@@ -8,7 +8,7 @@ from fractions import Fraction
 from flint import arb, arb_mat, ctx
 from support.flow_checks import initial_state, kernel_values, orbits
 
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.evidence.balls_as_text import exact_value
 from orbitproof.verify.evidence.comparisons import enclose

@@ -7,8 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from orbitproof.shared.formats.atlas import Atlas, Claim
-from orbitproof.shared.formats.pieces import Piece
+from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.systems.system import ReversibleSystem
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.theorem import conclude

@@ -16,7 +16,8 @@ import pytest
 from support.exact_elements import number
 from support.wide_checks import OMEGA, TWIST
 
-from orbitproof.shared.formats.pieces import Piece, piece_from_json
+from orbitproof.shared.claims import Piece
+from orbitproof.shared.formats.pieces import piece_from_json
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.system import ReversibleSystem

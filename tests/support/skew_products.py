@@ -23,7 +23,7 @@ from numpy.polynomial import chebyshev
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
-from orbitproof.shared.formats.atlas import Atlas, Claim, Piece
+from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.systems.system import ReversibleSystem, VectorField
 
 _NODES = 160

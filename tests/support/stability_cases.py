@@ -7,7 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats.atlas import Atlas, read_atlas
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.verify.curve.theorem import conclude
 from orbitproof.verify.stability.theorem import with_complete_list
 

@@ -9,7 +9,7 @@ from typing import Any
 import mpmath
 from flint import arb
 
-from orbitproof.shared.formats.pieces import SurfacePiece, evaluate
+from orbitproof.shared.claims import SurfacePiece, evaluate
 
 WHOLE = (Fraction(-1), Fraction(1))
 ONE = Fraction(1)

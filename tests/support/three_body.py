@@ -22,8 +22,8 @@ from scipy.optimize import brentq
 from support.list_truths import KnownCurve
 from support.skew_products import interpolated
 
-from orbitproof.shared.formats.atlas import Atlas
-from orbitproof.shared.formats.pieces import Piece
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.claims import Piece
 from orbitproof.shared.numbers import parse_exact
 
 _RELATIVE, _ABSOLUTE = 3e-14, 1e-15

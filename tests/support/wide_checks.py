@@ -13,7 +13,7 @@ import mpmath
 from support.exact_elements import known_value, number
 from support.reference import Orbits, falkner_skan, three_body
 
-from orbitproof.shared.formats.pieces import Piece
+from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems.libration import AROUND
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ParameterRange, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading

@@ -18,8 +18,8 @@ from support import atlas_work
 from support.atlas_runs import CURVE, ROOT, go, refused, write
 from support.runs import started, wait_until
 
-from orbitproof.shared.formats.atlas import Atlas
-from orbitproof.shared.formats.candidates import InputError
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.atlas.__main__ import _parser, main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from support import atlas_work
 
-from orbitproof.shared.formats.atlas import Atlas, Piece, read_atlas, write_atlas
+from orbitproof.shared.claims import Atlas, Piece
+from orbitproof.shared.formats.atlas import read_atlas, write_atlas
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import read_atlas_certificate

@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from support.closed_form_lists import ellipse, line, result, results
 from support.flow_checks import ball
 
-from orbitproof.shared.formats.atlas import Atlas
+from orbitproof.shared.claims import Atlas
 from orbitproof.shared.systems.system import ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Series

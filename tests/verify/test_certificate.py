@@ -12,7 +12,9 @@ from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from orbitproof.shared.formats.candidates import Candidate, InputError, candidate_from_json
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.verify.certificate.certificate import (
     Certificate,
     digest,

@@ -25,7 +25,7 @@ from support.flow_checks import (
 )
 
 import orbitproof.verify.flow.step
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Arithmetic

@@ -12,7 +12,7 @@ from flint import arb, fmpz_poly
 from support.exact_elements import packed_from
 from support.flow_checks import box, falkner_skan_box, halo
 
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems import record
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from orbitproof.verify.algebra.grading import Grading

@@ -30,7 +30,8 @@ from support.claims import known
 from support.conclusions import conclude
 from support.curve_cases import proof, refusal
 
-from orbitproof.shared.formats.atlas import Atlas, Claim, Piece, read_atlas
+from orbitproof.shared.claims import Atlas, Claim, Piece
+from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.systems.system import FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify

@@ -34,7 +34,7 @@ from support.piece_cases import (
 from support.reference import Orbits, falkner_skan, three_body
 from support.wide_checks import MU, libration_point
 
-from orbitproof.shared.formats.pieces import Piece
+from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.wide import WideArithmetic

@@ -23,7 +23,7 @@ from support.chain_cases import (
 )
 from support.curve_cases import refusal
 
-from orbitproof.shared.formats.atlas import Claim, Covers
+from orbitproof.shared.claims import Claim, Covers
 from orbitproof.verify.curve.conditions import check_two_points
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError

@@ -33,7 +33,7 @@ from support.chain_cases import (
 )
 from support.curve_cases import proof, refusal
 
-from orbitproof.shared.formats.atlas import Claim, Piece
+from orbitproof.shared.claims import Claim, Piece
 from orbitproof.shared.systems.system import CR3BP
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.curve.tube import read_tube

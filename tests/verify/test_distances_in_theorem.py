@@ -12,7 +12,7 @@ import pytest
 from support import stability_cases
 from support.forgeries import checked, forged, honest, noticed
 
-from orbitproof.shared.formats.atlas import Atlas
+from orbitproof.shared.claims import Atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.piece import PieceLimits

@@ -12,7 +12,7 @@ from flint import arb_mat
 from support.piece_cases import FAST, LINE, REGULAR, TWISTED, WHOLE, prove
 from support.wide_checks import MU, TWIST
 
-from orbitproof.shared.formats.pieces import Piece
+from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems.system import CR3BP
 from orbitproof.verify.curve import piece as curve_piece
 from orbitproof.verify.curve.equation import HalfReturn

@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from orbitproof.shared.formats.candidates import Candidate, read_candidates
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.systems.program import record
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import prepare

@@ -22,6 +22,7 @@ from orbitproof.shared.formats import (
     Candidate,
     InputError,
     candidate_from_json,
+    candidate_to_json,
     load_system,
     read_candidates,
 )
@@ -158,7 +159,7 @@ def test_a_description_with_a_level_comes_back_and_a_wrong_one_is_named() -> Non
 
 
 def test_no_level_form_is_claimed_on_a_fixed_level() -> None:
-    entry = {**claimed().to_json(), "parameter": "first integral", "level_sign": 1}
+    entry = {**candidate_to_json(claimed()), "parameter": "first integral", "level_sign": 1}
     with pytest.raises(InputError, match="parameter"):
         candidate_from_json(entry, "claim")
 

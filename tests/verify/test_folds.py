@@ -16,7 +16,7 @@ from support.closed_form_maps import claim, description, table, verdict
 from support.forgeries import noticed
 from support.map_cases import failed, proof
 
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_candidates
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, read_candidates
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate import Certificate, Limits, recheck
@@ -193,7 +193,7 @@ def test_a_symmetry_breaking_and_a_resonance_are_no_folds() -> None:
 
 
 def test_a_fold_with_another_multiplicity_is_no_claim() -> None:
-    entry = folds()["earth-moon-L1-halo-fold-1"].to_json() | {"k": 2}
+    entry = candidate_to_json(folds()["earth-moon-L1-halo-fold-1"]) | {"k": 2}
     with pytest.raises(InputError, match="k: fold with k = 2"):
         candidate_from_json(entry, "claim")
 

@@ -31,7 +31,7 @@ from support.flow_checks import (
 from support.reference import finite_differences
 
 import orbitproof.verify.flow.step
-from orbitproof.shared.formats.candidates import Candidate
+from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.programs import prepare

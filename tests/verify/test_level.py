@@ -15,13 +15,10 @@ import pytest
 from flint import arb, ctx
 from support.claims import known, moved
 
-from orbitproof.shared.formats.candidates import (
-    Candidate,
-    InputError,
-    candidate_from_json,
-    read_candidates,
-    write_candidates,
-)
+from orbitproof.shared.claims import Candidate
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import candidate_to_json
+from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates, write_candidates
 from orbitproof.shared.formats.systems import load_system
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.__main__ import main
@@ -309,7 +306,7 @@ def test_a_candidate_without_a_level_form_is_taken_as_it_is() -> None:
 
 def test_a_level_form_is_a_candidate_of_its_own(tmp_path: Path) -> None:
     form = form_of("em1")
-    entry = form.to_json()
+    entry = candidate_to_json(form)
     assert entry["parameter"] == "first integral"
     assert candidate_from_json(entry, "test") == form
     path = tmp_path / "candidates.json"
@@ -319,7 +316,7 @@ def test_a_level_form_is_a_candidate_of_its_own(tmp_path: Path) -> None:
         broken = {key: value for key, value in entry.items() if key not in change}
         with pytest.raises(InputError, match="belong together"):
             candidate_from_json(broken, "test")
-    fs = known("fs2").to_json() | {"parameter": "first integral", "level_sign": 1}
+    fs = candidate_to_json(known("fs2")) | {"parameter": "first integral", "level_sign": 1}
     with pytest.raises(InputError, match="falkner-skan"):
         candidate_from_json(fs, "test")
 

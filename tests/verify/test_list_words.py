@@ -15,7 +15,7 @@ from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
 from support.stability_cases import atlas, listed, results
 
-from orbitproof.shared.formats.atlas import Claim
+from orbitproof.shared.claims import Claim
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
 from orbitproof.verify.curve.gluing import Chain

@@ -16,7 +16,7 @@ from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.skew_products import SkewProduct, energy, half_period
 
-from orbitproof.shared.formats.atlas import Atlas
+from orbitproof.shared.claims import Atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.theorem import conclude

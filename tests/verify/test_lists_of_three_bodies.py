@@ -19,7 +19,8 @@ from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.three_body import Numbers, numbers
 
-from orbitproof.shared.formats.atlas import Atlas, atlas_from_json, read_atlas
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats.atlas import atlas_from_json, read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.theorem import conclude

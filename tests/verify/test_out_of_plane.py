@@ -17,7 +17,8 @@ from scipy.integrate import solve_ivp
 from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
 
-from orbitproof.shared.formats.atlas import Atlas, read_atlas
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems.libration import AROUND
 from orbitproof.shared.systems.system import CR3BP

@@ -20,8 +20,8 @@ from support.forgeries import atlas_certificate, checked, forged, honest, notice
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases.lyapunov import LyapunovFamily
 from orbitproof.explore.seeds.libration_points import libration_point
-from orbitproof.shared.formats.atlas import Atlas, read_atlas
-from orbitproof.shared.formats.pieces import LibrationPiece, evaluate
+from orbitproof.shared.claims import Atlas, LibrationPiece, evaluate
+from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.libration import AROUND, OVER_MASSES, SIDES, mass_of_distance
 from orbitproof.verify.evidence.outcome import NotProved, Proved

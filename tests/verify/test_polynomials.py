@@ -9,7 +9,7 @@ import pytest
 from flint import arb, arb_poly
 from support.flow_checks import ball
 
-from orbitproof.shared.formats.pieces import evaluate
+from orbitproof.shared.claims import evaluate
 from orbitproof.verify.algebra.polynomials import ball_polynomial, plus, recentred, values_around
 
 

@@ -16,7 +16,14 @@ from flint import arb, ctx
 from support.claims import known
 
 from orbitproof.explore.names import system_named
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, load_system, read_candidates
+from orbitproof.shared.formats import (
+    Candidate,
+    InputError,
+    candidate_from_json,
+    candidate_to_json,
+    load_system,
+    read_candidates,
+)
 from orbitproof.shared.systems import CR3BP, SYSTEMS, ReversibleSystem, describe, described
 from orbitproof.verify.certificate.certificate import Certificate, digest
 from orbitproof.verify.certificate.certify import certify
@@ -132,7 +139,7 @@ def test_a_system_of_ones_own_names_its_reversors_and_a_claim_says_which(two: Re
     }  # fmt: skip
     candidate = candidate_from_json(claim, "claim")
     assert candidate.system.reversing_symmetry == (-1, -1, 1, 1)
-    assert candidate.to_json()["system"] == entry
+    assert candidate_to_json(candidate)["system"] == entry
 
 
 def test_the_command_line_takes_a_reversor_by_name(tmp_path: Path) -> None:

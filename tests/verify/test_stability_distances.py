@@ -16,7 +16,8 @@ from flint import arb, arb_poly, ctx, fmpz_poly
 from scipy.integrate import solve_ivp
 from support.flow_checks import ball
 
-from orbitproof.shared.formats.pieces import Piece, piece_from_json
+from orbitproof.shared.claims import Piece
+from orbitproof.shared.formats.pieces import piece_from_json
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems.system import CR3BP
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic

@@ -15,7 +15,8 @@ from flint import arb, ctx
 from scipy.integrate import solve_ivp
 from support.stability_cases import atlas, results
 
-from orbitproof.shared.formats.pieces import Piece, piece_from_json
+from orbitproof.shared.claims import Piece
+from orbitproof.shared.formats.pieces import piece_from_json
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems.libration import AROUND
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN

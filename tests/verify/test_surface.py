@@ -19,8 +19,8 @@ from support.claims import known
 from support.surface_cases import ONE, WHOLE, exactly, number, point_of
 
 from orbitproof.explore.flow.flow import flow_of
-from orbitproof.shared.formats.atlas import Atlas, read_atlas
-from orbitproof.shared.formats.pieces import SurfacePiece, evaluate
+from orbitproof.shared.claims import Atlas, SurfacePiece, evaluate
+from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.systems.hill import hill_field, hill_integral
 from orbitproof.shared.systems.system import CR3BP, HILL, MASS_PARAMETERS
 from orbitproof.verify.algebra import Grading, WideArithmetic

@@ -19,8 +19,8 @@ from support.surface_cases import ONE, WHOLE, exactly, point_of
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases.surface import intervals
-from orbitproof.shared.formats.atlas import SURFACE, Atlas, Claim, Covers, read_atlas
-from orbitproof.shared.formats.pieces import SurfacePiece, evaluate
+from orbitproof.shared.claims import SURFACE, Atlas, Claim, Covers, SurfacePiece, evaluate
+from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems.system import HILL
 from orbitproof.verify.curve.conclusion import Conclusion

@@ -8,7 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import Atlas, InputError, atlas_from_json, read_document, validate_document, write_text
+from orbitproof.shared.formats import (
+    Atlas,
+    InputError,
+    atlas_from_json,
+    atlas_to_json,
+    read_document,
+    validate_document,
+    write_text,
+)
 from orbitproof.shared.systems import record
 from orbitproof.verify.atlas.splitting import NOT_FOR_SPLITTING, Settings, condition_of, interval_of, made_with
 from orbitproof.verify.certificate import Certificate, digest, system_names
@@ -35,7 +43,7 @@ def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: boo
         name: record(parameter.equation, (name,), given).text() for name, parameter in system.derived_parameters.items()
     }
     return {
-        "atlas": atlas.to_json(provenance=False),
+        "atlas": atlas_to_json(atlas, provenance=False),
         "vector_field": system.program.text(),
         "first_integral": None if integral is None else integral.text(),
         **({"derived_parameters": derived} if derived else {}),

@@ -21,6 +21,7 @@ from orbitproof.shared.formats import (
     Candidate,
     InputError,
     candidate_from_json,
+    candidate_to_json,
     read_document,
     validate_document,
     write_text,
@@ -257,7 +258,7 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
     system = candidate.system
     integral = system.first_integral_program
     claim: dict[str, Any] = {
-        "candidate": candidate.to_json(provenance=False),
+        "candidate": candidate_to_json(candidate, provenance=False),
         "vector_field": system.program.text(),
         "first_integral": None if integral is None else integral.text(),
         "reversing_symmetry": list(system.reversing_symmetry),
@@ -268,7 +269,7 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
     if candidate.kind == ORBIT and system.squared_distance_program is not None:
         claim["squared_distance"] = system.squared_distance_program.text()
     if form is not None:
-        claim["level_form"] = form.to_json(provenance=False)
+        claim["level_form"] = candidate_to_json(form, provenance=False)
     fixed = system.fixed_level
     sign = (form or candidate).level_sign if fixed is None else fixed.sign
     if sign is not None and quadratic_coefficient(system):

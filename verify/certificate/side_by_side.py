@@ -9,7 +9,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json
 from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import Certificate, repeated
 from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
@@ -48,7 +48,9 @@ def certify_all(
         if not waiting:
             return None
         candidate = waiting.popleft()
-        return Task(candidate.id, {"candidate": candidate.to_json(provenance=False), "limits": asdict(limits)})
+        return Task(
+            candidate.id, {"candidate": candidate_to_json(candidate, provenance=False), "limits": asdict(limits)}
+        )
 
     def answered(answer: Answer) -> None:
         finished(_certificate(known[answer.task.name], answer))

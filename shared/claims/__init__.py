@@ -1,0 +1,24 @@
+"""What is claimed, as values: boxes with a bifurcation or an orbit, curves and surfaces in pieces."""
+
+from orbitproof.shared.claims.atlas import CLAIMS, SURFACE, Atlas, Claim, Covers
+from orbitproof.shared.claims.candidate import (
+    COORDINATE,
+    FOLD,
+    HALF_PERIOD,
+    KINDS,
+    LEVEL,
+    ONCE,
+    ORBIT,
+    QUANTITIES,
+    Candidate,
+    Equation,
+)
+from orbitproof.shared.claims.pieces import (
+    COORDINATES,
+    AnyPiece,
+    LibrationPiece,
+    Piece,
+    SurfacePiece,
+    evaluate,
+    is_regular,
+)

@@ -1,0 +1,181 @@
+"""Claims about boxes: bifurcations of symmetric periodic orbits, and single orbits."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any, NoReturn
+
+from orbitproof.shared.errors import InputError, short
+from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational
+from orbitproof.shared.systems import ID, ID_IN_WORDS, ReversibleSystem, fits
+
+FOLD = "fold"
+ONCE = ("symmetry_breaking", FOLD)
+"""Kinds of bifurcations of period-two points, k = 1; all others have k > 1."""
+KINDS = (*ONCE, "period_tupling", "touch_and_go")
+
+ORBIT = "orbit"
+"""What a claim about one orbit says in place of the kind of a bifurcation; k = 1."""
+HALF_PERIOD, LEVEL, COORDINATE = "half period", "level", "coordinate"
+QUANTITIES = (HALF_PERIOD, LEVEL, COORDINATE)
+"""What one orbit of a family can be given by."""
+
+
+@dataclass(frozen=True)
+class Equation:
+    """What singles out one orbit of a family: quantity = value.
+
+    Attributes:
+        quantity: one of `QUANTITIES`; the level is that of the first integral, the coordinate one of the centre's.
+        value: the value, exactly; of the half period in nondimensional units.
+        coordinate: name of the coordinate, if the quantity is one.
+    """
+
+    quantity: str
+    value: Fraction
+    coordinate: str | None = None
+
+    def to_json(self) -> dict[str, str]:
+        """The JSON object."""
+        named = {} if self.coordinate is None else {"coordinate": self.coordinate}
+        return {"quantity": self.quantity, **named, "value": format_rational(self.value)}
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A claim: the box ``centre + frame * (P_0 x P_1 x P_2)`` contains a bifurcation, or one orbit.
+
+    Attributes:
+        id: unique name within a file.
+        system: the reversible system.
+        parameters: exact values of the system's fixed parameters, by name.
+        kind: one of `KINDS`, or `ORBIT`.
+        k: multiplicity; 1 exactly for symmetry breaking, folds and orbits.
+        symmetry: name of the symmetry that breaks, for symmetry breaking.
+        centre: shape (1 + n,), in the order of `coordinates`.
+        frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
+        kernel_frame: shape (n, n), rows; q_i is row i times the kernel coordinates.
+        radii: shape (1 + n,), half-widths of P_0, P_1, P_2, all positive.
+        provenance: free-form, ignored by the verifier.
+        level_sign: `None`, or, if the first integral is the first coordinate, the sign of the system's
+            level coordinate, which follows from it on Fix(R).
+        crossings: m, how often a half orbit, from Fix(R) to Fix(R), meets the section after its start; P^m then
+            stands for P.
+        equation: what singles out the orbit, if the claim is about one.
+    """
+
+    id: str
+    system: ReversibleSystem
+    parameters: Mapping[str, Fraction]
+    kind: str
+    k: int
+    centre: tuple[Fraction, ...]
+    frame: tuple[tuple[Fraction, ...], ...]
+    kernel_frame: tuple[tuple[Fraction, ...], ...]
+    radii: tuple[Fraction, ...]
+    symmetry: str | None = None
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    level_sign: int | None = None
+    crossings: int = 1
+    equation: Equation | None = None
+
+    def __post_init__(self) -> None:
+        """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
+
+        def refuse(name: str, why: str, remedy: str) -> NoReturn:
+            raise InputError(f"{name}: {why}; {remedy}")
+
+        if not fits(ID, self.id):
+            refuse("id", f"{self.id!r} is no id", ID_IN_WORDS)
+        if self.kind not in (*KINDS, ORBIT):
+            refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join((*KINDS, ORBIT))}")
+        if not isinstance(self.k, int) or self.k < 1:
+            refuse("k", f"{self.k!r} is no multiplicity", "give an integer, at least 1")
+        if not isinstance(self.crossings, int) or self.crossings < 1:
+            refuse("crossings", f"{self.crossings!r} is no number of crossings", "give an integer, at least 1")
+        if self.symmetry is not None and self.symmetry not in self.system.symmetries:
+            known = ", ".join(self.system.symmetries) or "none"
+            refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
+        if (self.kind == ORBIT) != (self.equation is not None):
+            refuse("equation", "a claim about an orbit has one, others have none", "give both or none")
+        if self.kind == ORBIT and self.system.fixed_level is not None:
+            refuse("kind", "orbits on a fixed level are not claimed", "leave fixed_level out of the system")
+        if self.equation is not None:
+            _check_equation(self, self.equation, refuse)
+        names, kernel = self.coordinates, len(self.system.kernel_coordinates)
+        size, wanted = len(names), ", ".join(names)
+        for name, values in (("centre", self.centre), ("radii", self.radii)):
+            if len(values) != size:
+                refuse(name, f"{len(values)} numbers", f"{self.system.name} needs {size}: {wanted}")
+        for name, matrix, n in (("frame", self.frame, size), ("kernel_frame", self.kernel_frame, kernel)):
+            if len(matrix) != n or any(len(row) != n for row in matrix):
+                refuse(name, "wrong shape", f"give {n} rows of {n} numbers")
+        numbers: dict[str, Sequence[Sequence[Fraction]]] = {
+            **{f"parameters.{name}": [[value]] for name, value in self.parameters.items()},
+            "centre": [self.centre],
+            "frame": self.frame,
+            "kernel_frame": self.kernel_frame,
+            "radii": [self.radii],
+        }
+        if self.equation is not None:
+            numbers[_EQUATION_VALUE] = [[self.equation.value]]
+        for name, rows in numbers.items():
+            for value in (value for row in rows for value in row):
+                if not isinstance(value, (int, Fraction)):
+                    refuse(name, f"{value!r} is no exact number", "give Fractions, shared.parse_exact reads them")
+                try:
+                    short_enough = _can_be_written(Fraction(value), _is_rational(name))
+                except ValueError:
+                    refuse(name, f"{short(str(value))} is neither dyadic nor decimal", "round it to a decimal number")
+                if not short_enough:
+                    why = "a number is too long to be written exactly"
+                    refuse(name, why, "give fewer digits or an exponent closer to 0")
+        for position, radius in enumerate(self.radii):
+            if radius <= 0:
+                refuse(f"radii[{position}]", "not positive", "give positive half-widths")
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates of the centre, 1 + n of them."""
+        return self.system.centre_coordinates if self.level_sign is None else self.system.level_coordinates
+
+    @property
+    def is_family_of_maps(self) -> bool:
+        """Whether the first coordinate is the bifurcation parameter: a family parameter or the level of H."""
+        return self.system.family_parameter is not None or self.level_sign is not None
+
+
+_EQUATION_VALUE = "equation.value"
+
+
+def _is_rational(name: str) -> bool:
+    """Whether a number of a claim may be any fraction."""
+    return name.startswith("parameters") or name == _EQUATION_VALUE
+
+
+def _check_equation(candidate: Candidate, equation: Equation, refuse: Callable[[str, str, str], NoReturn]) -> None:
+    system = candidate.system
+    if equation.quantity not in QUANTITIES:
+        refuse("equation.quantity", f"{equation.quantity!r} is unknown", f"give one of {', '.join(QUANTITIES)}")
+    if (equation.quantity == COORDINATE) != (equation.coordinate is not None):
+        refuse("equation.coordinate", "belongs to the quantity 'coordinate'", "give both or none")
+    if equation.coordinate is not None and equation.coordinate not in system.centre_coordinates:
+        known = ", ".join(system.centre_coordinates)
+        refuse("equation.coordinate", f"{equation.coordinate!r} is no coordinate of Fix(R)", f"give one of {known}")
+    if equation.quantity == LEVEL and system.first_integral is None:
+        refuse("equation.quantity", f"{system.name} has no first integral", "give another quantity")
+    if equation.quantity == HALF_PERIOD and not equation.value > 0:
+        refuse(_EQUATION_VALUE, "a half period is positive", "give a positive number")
+    if candidate.symmetry is not None or candidate.level_sign is not None:
+        refuse("equation", "the orbit is given in the coordinates of Fix(R)", "leave symmetry and parameter out")
+    if system.normalised:
+        refuse("equation", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
+
+
+def _can_be_written(value: Fraction, is_parameter: bool) -> bool:
+    """Whether the text of a number is one that files may hold. Raises `ValueError` for one that has no such text."""
+    text = format_rational(value) if is_parameter else format_exact(value)
+    return re.fullmatch(RATIONAL if is_parameter else NUMBER, text) is not None

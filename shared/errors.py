@@ -1,0 +1,15 @@
+"""Bad input, and how it is quoted."""
+
+from __future__ import annotations
+
+LONGEST_QUOTED = 100
+
+
+class InputError(Exception):
+    """Bad input, in one line: what (file and field), why, and what to do about it."""
+
+
+def short(text: str) -> str:
+    """A text of one line and readable length."""
+    text = " ".join(text.split())
+    return text if len(text) <= LONGEST_QUOTED else text[:LONGEST_QUOTED] + " ..."
