@@ -105,7 +105,7 @@ def test_without_folder_the_tables_are_printed(capsys: Any) -> None:
     assert main(["tables", str(CERTIFICATES)]) == 1
     output, errors = capsys.readouterr()
     assert "3.0216192479264201986830801047[6,7]" in output
-    assert "[1] falkner-skan-odd-k4-1: family:" in output
+    assert "[1] falkner-skan-odd-k4-1: family; the run said: 'interval Newton: " in output
     assert "falkner-skan odd: 2 of 3 proved; of 3 published: 2 inside" in errors
 
 

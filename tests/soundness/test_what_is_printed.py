@@ -16,7 +16,7 @@ from test_forged_certificates import of_parabola
 from orbitproof.figures.report.content import report_of
 from orbitproof.figures.report.theorems import check_files
 from orbitproof.figures.tables.rows import read_rows
-from orbitproof.shared.formats import InputError, atlas_from_json
+from orbitproof.shared.formats import InputError, atlas_from_json, atlas_to_json
 from orbitproof.shared.systems import shown
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import (
@@ -98,7 +98,7 @@ def test_a_theorem_quotes_ids_of_several_words(point: Certificate, tmp_path: Any
 
 
 def test_a_piece_is_called_by_one_word() -> None:
-    claim = of_parabola()[0].to_json()
+    claim = atlas_to_json(of_parabola()[0])
     for name in ("two words", "", "a\nb", "x" * 101):
         claim["pieces"][0]["id"] = name
         with pytest.raises(InputError, match="id"):

@@ -22,8 +22,7 @@ from scipy.optimize import brentq
 from support.list_truths import KnownCurve
 from support.skew_products import interpolated
 
-from orbitproof.shared.claims import Atlas
-from orbitproof.shared.claims import Piece
+from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.numbers import parse_exact
 
 _RELATIVE, _ABSOLUTE = 3e-14, 1e-15

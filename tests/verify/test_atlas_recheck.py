@@ -161,13 +161,14 @@ def test_what_another_integration_finds_about_a_bifurcation_on_the_curve_is_said
         seen = found if integrate else ()
         return [Recheck(entry.id, "proved", 1, seen, **(changes if integrate else {})) for entry in entries]
 
-    for found, changes, said in (
-        ((), {}, []),
-        ((Finding("tables", "is disjoint"),), {}, [("bifurcation near, tables", "is disjoint")]),
-        ((), {"obstacle": "no time"}, [("bifurcation near, the certificate", "no time")]),
+    for found, changes, said, obstacle in (
+        ((), {}, [], ""),
+        ((Finding("tables", "is disjoint"),), {}, [("bifurcation near, tables", "is disjoint")], ""),
+        ((), {"obstacle": "no time"}, [], "bifurcation near: no time"),
     ):
         means = Means(lambda entries, integrate, f=found, c=changes: examined(entries, integrate, *f, **c), prove)
         check = recheck_atlas(carried, (), True, means)
         assert [(finding.place, finding.message) for finding in check.findings] == said
-        assert check.level is (Level.CONCLUSION if said else Level.INTEGRATION)
+        assert check.obstacle == obstacle
+        assert check.level is (Level.CONCLUSION if said or obstacle else Level.INTEGRATION)
     assert integrated == ["near"] * 3

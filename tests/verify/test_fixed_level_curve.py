@@ -78,7 +78,7 @@ def test_the_curve_is_proved_with_its_bifurcation_and_says_on_which_level() -> N
     conclusion = conclude(atlas(), results(), [certificate()])
     assert conclusion.is_proved
     assert "All orbits are on the level H = 0, and the points of the curve have u2 > 0." in conclusion.statement
-    assert "Along it P takes all values from 1.86 to 1.92." in conclusion.statement
+    assert "Along it P_parameter takes all values from 1.86 to 1.92." in conclusion.statement
     assert [entry.place is not None for entry in conclusion.bifurcations] == [True]
 
 

@@ -28,6 +28,7 @@ from orbitproof.verify.distances.distances import Where
 from orbitproof.verify.distances.ranges import distances_from_json
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.matrix import SLOPE_BITS, stability_to_json
@@ -238,13 +239,21 @@ def test_a_new_proof_of_a_piece_contains_the_numbers_too(name: str) -> None:
     (piece,) = atlas.curve_pieces()
     limits = PieceLimits(*(stored["computation"][key] for key in ("precision", "order", "width")))
     proof = prove_piece(
-        atlas.system, atlas.parameters, piece, (Fraction(-1), Fraction(1)), limits, None, None, slope_bits=SLOPE_BITS
+        atlas.system,
+        atlas.parameters,
+        piece,
+        (Fraction(-1), Fraction(1)),
+        ORACLE,
+        limits,
+        None,
+        None,
+        slope_bits=SLOPE_BITS,
     )
     assert isinstance(proof.outcome, Proved)
     known = proof.outcome.results
     interval = known.start, known.end
     stability = stability_to_json(
-        atlas.system, atlas.parameters, piece, interval, limits, "regularised", None, None, known.half_return
+        atlas.system, atlas.parameters, piece, interval, limits, "regularised", ORACLE, None, None, known.half_return
     )
     result = proof.to_json() | {"stability": stability}
     check_functions(name, result)
