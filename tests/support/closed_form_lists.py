@@ -193,5 +193,5 @@ def curve_of(system: SkewProduct, atlas: Atlas) -> KnownCurve:
         (begin, end) if system.breaks else (),
         0.0 if system.ellipse is None else 2 * pi,
         None if system.across is None else system.variations,
-        None if system.body is None else system.distances,
+        distances=None if system.body is None else system.distances,
     )

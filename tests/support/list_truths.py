@@ -42,6 +42,7 @@ class KnownCurve:
         symmetric: the places of symmetric points, at its ends.
         turn: of a loop: the place begin + turn is `begin` again; else 0.
         across: V_11, V_12, V_21, V_22 of variations out of the plane of motion.
+        jacobi_constant: of planar orbits, as in the list of variations out of the plane.
         distances: the least and the greatest over an orbit, and at its two points on Fix(R), this one first;
             shape (4, ..).
         grid_size: zeros are looked for between so many places.
@@ -59,6 +60,7 @@ class KnownCurve:
     symmetric: tuple[float, ...] = ()
     turn: float = 0.0
     across: Value | None = None
+    jacobi_constant: Value | None = None
     distances: Value | None = None
     grid_size: int = 2401
 
@@ -275,6 +277,9 @@ def _wrong_points(truth: Truth, found: Mapping[str, Any]) -> Iterator[str]:
         left.remove(here[0])
         place = here[0].place
         known = {"level": truth.curve.level(place), "half_period": truth.curve.half_period(place)}
+        if "jacobi_constant" in point:
+            assert truth.curve.jacobi_constant is not None
+            known["jacobi_constant"] = truth.curve.jacobi_constant(place)
         said = {name: point[name] for name in known} | point["point"]
         known |= dict(zip(point["point"], truth.curve.coordinates(place), strict=True))
         for name, value in known.items():

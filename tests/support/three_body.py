@@ -306,11 +306,12 @@ class Numbers:
         return [interpolated(self.functions(orbits)) for orbits in self._nodes]
 
     def functions(self, orbits: Orbits) -> Any:
-        """Coordinates, a_1, .., a_n, first factor, level, half period, V; shape (.., N)."""
+        """Coordinates, a_1, .., a_n, first factor, level, half period, Jacobi constant, V; shape (.., N)."""
         is_planar = self.problem.libration_point is not None
-        level = orbits.points[0] if is_planar else jacobi_constant(orbits.start, self.problem.mu)
+        constant = jacobi_constant(orbits.start, self.problem.mu)
+        level = orbits.points[0] if is_planar else constant
         chosen = self.problem.coordinates
-        single = [orbits.first_factor(chosen), level, orbits.half_period]
+        single = [orbits.first_factor(chosen), level, orbits.half_period, constant]
         origin = np.array(self.problem.origin, dtype=float)[:, None]
         return np.concatenate([orbits.points + origin, orbits.minors(chosen), single, orbits.across])
 
@@ -362,7 +363,8 @@ class Numbers:
             lambda places: self.values(places)[ends[0] : ends[1]],
             *(lambda places, row=row: self.values(places)[ends[1] + row] for row in range(3)),
             tuple(symmetric),
-            across=None if self.problem.libration_point is None else lambda places: self.values(places)[ends[1] + 3 :],
+            jacobi_constant=lambda places: self.values(places)[ends[1] + 3],
+            across=None if self.problem.libration_point is None else lambda places: self.values(places)[ends[1] + 4 :],
             distances=self.distances if self.problem.libration_point is None else None,
             grid_size=_GRID * len(self.stretches),
         )
