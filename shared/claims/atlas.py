@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Annotated, Any, Final, Literal
 
-from orbitproof.shared.claims.pieces import AnyPiece, LibrationPiece, Piece, SurfacePiece
-from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.claims.pieces import AnyPiece, Crossings, Id, Identifier, LibrationPiece, Piece, SurfacePiece
+from orbitproof.shared.codec import Rational, rules, stored
+from orbitproof.shared.systems import LINE, ReversibleSystem
 
-SURFACE = "symmetry-breaking-surface"
+SURFACE: Final = "symmetry-breaking-surface"
 CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
+
+Line = Annotated[str, rules("line", pattern=LINE)]
+Names = Annotated[tuple[Identifier, ...], rules(maxItems=32)]
+Pieces = Annotated[tuple[AnyPiece, ...], rules(minItems=1, maxItems=100000)]
 
 
 @dataclass(frozen=True)
 class Covers:
     """The claim that a coordinate goes from a value <= `start` to one >= `end`."""
 
-    coordinate: str
-    start: Fraction
-    end: Fraction
-
-    def to_json(self) -> dict[str, str]:
-        """The JSON object."""
-        return {"coordinate": self.coordinate, "from": format_exact(self.start), "to": format_exact(self.end)}
+    coordinate: Identifier
+    start: Fraction = stored("from")
+    end: Fraction = stored("to")
 
 
 @dataclass(frozen=True)
@@ -40,22 +40,11 @@ class Claim:
         crossings: m, how often half orbits meet the section after their start; P^m then stands for P.
     """
 
-    kind: str
-    symmetry: str | None = None
-    increasing: tuple[str, ...] = ()
+    kind: Literal["arc", "symmetric-arc", "symmetric-loop", "loop", "symmetry-breaking-surface"]
+    symmetry: Identifier | None = stored(always=True, default=None)
+    increasing: Names = ()
     covers: Covers | None = None
-    crossings: int = 1
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        result: dict[str, Any] = {"kind": self.kind, "symmetry": self.symmetry}
-        if self.increasing:
-            result["increasing"] = list(self.increasing)
-        if self.covers is not None:
-            result["covers"] = self.covers.to_json()
-        if self.crossings != 1:
-            result["crossings"] = self.crossings
-        return result
+    crossings: Crossings = 1
 
 
 @dataclass(frozen=True)
@@ -72,13 +61,13 @@ class Atlas:
         provenance: free-form, ignored by the verifier.
     """
 
-    id: str
-    title: str
+    id: Id
+    title: Line
     system: ReversibleSystem
-    parameters: Mapping[str, Fraction]
+    parameters: Mapping[Identifier, Rational]
     claim: Claim
-    pieces: tuple[AnyPiece, ...]
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    pieces: Pieces
+    provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
 
     @property
     def is_surface(self) -> bool:

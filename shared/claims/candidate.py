@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NoReturn
+from typing import Annotated, Any, Literal, NoReturn
 
+from orbitproof.shared.claims.pieces import Crossings, Id, Identifier, Numbers, Rows
+from orbitproof.shared.codec import Rational, rules, stored
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational
 from orbitproof.shared.systems import ID, ID_IN_WORDS, ReversibleSystem, fits
@@ -34,14 +36,9 @@ class Equation:
         coordinate: name of the coordinate, if the quantity is one.
     """
 
-    quantity: str
-    value: Fraction
-    coordinate: str | None = None
-
-    def to_json(self) -> dict[str, str]:
-        """The JSON object."""
-        named = {} if self.coordinate is None else {"coordinate": self.coordinate}
-        return {"quantity": self.quantity, **named, "value": format_rational(self.value)}
+    quantity: Literal["half period", "level", "coordinate"]
+    value: Rational
+    coordinate: Identifier | None = None
 
 
 @dataclass(frozen=True)
@@ -67,19 +64,19 @@ class Candidate:
         equation: what singles out the orbit, if the claim is about one.
     """
 
-    id: str
+    id: Id
     system: ReversibleSystem
-    parameters: Mapping[str, Fraction]
-    kind: str
-    k: int
-    centre: tuple[Fraction, ...]
-    frame: tuple[tuple[Fraction, ...], ...]
-    kernel_frame: tuple[tuple[Fraction, ...], ...]
-    radii: tuple[Fraction, ...]
-    symmetry: str | None = None
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-    level_sign: int | None = None
-    crossings: int = 1
+    parameters: Mapping[Identifier, Rational]
+    kind: Literal["symmetry_breaking", "fold", "period_tupling", "touch_and_go", "orbit"]
+    k: Annotated[int, rules(minimum=1, maximum=1000)]
+    centre: Numbers
+    frame: Rows
+    kernel_frame: Rows
+    radii: Numbers
+    symmetry: Identifier | None = stored(always=True, default=None)
+    provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
+    level_sign: Literal[1, -1] | None = stored(beside=("parameter", "first integral"), default=None)
+    crossings: Crossings = 1
     equation: Equation | None = None
 
     def __post_init__(self) -> None:

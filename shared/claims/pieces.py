@@ -10,17 +10,31 @@ symmetric periodic orbit, and it depends smoothly on s.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Annotated, Literal, get_args
 
-from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.codec import rules, stored
+from orbitproof.shared.systems import ID, IDENTIFIER, PIECE
 
-COORDINATES = ("auto", "physical", "regularised")
+Coordinates = Literal["auto", "physical", "regularised"]
+COORDINATES: tuple[Coordinates, ...] = get_args(Coordinates)
 
 Vector = tuple[Fraction, ...]
 Matrix = tuple[Vector, ...]
+
+Numbers = Annotated[Vector, rules("vector", minItems=1, maxItems=32)]
+Rows = Annotated[tuple[Numbers, ...], rules("matrix", minItems=1, maxItems=32)]
+Polynomial = Annotated[
+    Vector, rules("polynomial", description="Coefficients of 1, s, s^2, ..", minItems=1, maxItems=1000)
+]
+Polynomials = Annotated[tuple[Polynomial, ...], rules("polynomials", minItems=1, maxItems=32)]
+Pair = Annotated[Vector, rules("pair", minItems=2, maxItems=2)]
+Identifier = Annotated[str, rules("identifier", pattern=IDENTIFIER)]
+Id = Annotated[str, rules("id", pattern=ID)]
+Crossings = Annotated[int, rules(minimum=1, maximum=100)]
+PieceId = Annotated[str, rules("piece_id", pattern=PIECE)]
 
 
 @dataclass(frozen=True)
@@ -39,14 +53,14 @@ class Piece:
         coordinates: one of `COORDINATES`, in which the orbits are followed.
     """
 
-    id: str
-    kind: str
-    centre: Vector
-    frame: Matrix
+    id: PieceId
+    kind: Literal["regular", "symmetric"]
+    centre: Numbers
+    frame: Rows
     half_width: Fraction
-    polynomial: Matrix
-    tube: Vector
-    coordinates: str = "auto"
+    polynomial: Polynomials
+    tube: Numbers
+    coordinates: Coordinates = stored(always=True, default="auto")
 
     def local(self, s: Fraction) -> Vector:
         """The coordinates p_0, .., p_n of the polynomial's point at s, exactly."""
@@ -59,19 +73,6 @@ class Piece:
             middle + sum((a * b for a, b in zip(row, p, strict=True)), Fraction(0))
             for middle, row in zip(self.centre, self.frame, strict=True)
         )
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object of the piece. All numbers must be dyadic or decimal fractions."""
-        return {
-            "id": self.id,
-            "kind": self.kind,
-            "centre": _vector_text(self.centre),
-            "frame": _matrix_text(self.frame),
-            "half_width": format_exact(self.half_width),
-            "polynomial": _matrix_text(self.polynomial),
-            "tube": _vector_text(self.tube),
-            "coordinates": self.coordinates,
-        }
 
 
 @dataclass(frozen=True)
@@ -91,32 +92,16 @@ class SurfacePiece:
         bend: the same for p_0 and p_2, .., p_n and what p_1^2 adds to them; empty: nothing.
     """
 
-    id: str
-    parameters: Mapping[str, Vector]
-    centre: Matrix
-    frame: Matrix
-    kernel_frame: Matrix
-    radii: Vector
-    tilt: Matrix = ()
-    bend: Matrix = ()
+    id: PieceId
+    parameters: Mapping[Identifier, Polynomial]
+    centre: Polynomials
+    frame: Rows
+    kernel_frame: Rows
+    radii: Numbers
+    tilt: Polynomials = ()
+    bend: Polynomials = ()
 
     kind = "symmetry_breaking"
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object of the piece. All numbers must be dyadic or decimal fractions."""
-        result = {
-            "id": self.id,
-            "kind": self.kind,
-            "parameters": {name: _vector_text(values) for name, values in self.parameters.items()},
-            "centre": _matrix_text(self.centre),
-            "frame": _matrix_text(self.frame),
-            "kernel_frame": _matrix_text(self.kernel_frame),
-            "radii": _vector_text(self.radii),
-        }
-        for name, rows in (("tilt", self.tilt), ("bend", self.bend)):
-            if rows:
-                result[name] = _matrix_text(rows)
-        return result
 
 
 @dataclass(frozen=True)
@@ -138,26 +123,14 @@ class LibrationPiece:
         tube: half-width in vy, positive.
     """
 
-    id: str
-    point: str
-    distance: Vector
-    size: Vector
-    polynomial: Matrix
+    id: PieceId
+    point: Literal["L1", "L2"]
+    distance: Pair
+    size: Pair
+    polynomial: Polynomials
     tube: Fraction
 
     kind = "libration"
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object of the piece. All numbers must be dyadic or decimal fractions."""
-        return {
-            "id": self.id,
-            "kind": self.kind,
-            "point": self.point,
-            "distance": _vector_text(self.distance),
-            "size": _vector_text(self.size),
-            "polynomial": _matrix_text(self.polynomial),
-            "tube": format_exact(self.tube),
-        }
 
 
 AnyPiece = Piece | SurfacePiece | LibrationPiece
@@ -181,11 +154,3 @@ def is_regular(matrix: Matrix) -> bool:
         rows.remove(pivot)
         rows = [[b - row[0] / pivot[0] * a for a, b in zip(pivot[1:], row[1:], strict=True)] for row in rows]
     return True
-
-
-def _vector_text(values: Iterable[Fraction]) -> list[str]:
-    return [format_exact(value) for value in values]
-
-
-def _matrix_text(rows: Iterable[Iterable[Fraction]]) -> list[list[str]]:
-    return [_vector_text(row) for row in rows]

@@ -12,13 +12,13 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
-from orbitproof.shared.claims import SURFACE, AnyPiece, Atlas, Claim, Covers, LibrationPiece, SurfacePiece
+from orbitproof.shared.claims import SURFACE, AnyPiece, Atlas, Claim, LibrationPiece, SurfacePiece
+from orbitproof.shared.codec import from_json, to_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.candidates import find_system, read_system
 from orbitproof.shared.formats.documents import read_document, validate_document, write_text
 from orbitproof.shared.formats.pieces import check_length, piece_from_json
-from orbitproof.shared.numbers import format_rational, parse_exact
-from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LINE, ReversibleSystem, describe, fits
+from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LINE, ReversibleSystem, fits
 
 
 def read_atlas(path: Path) -> Atlas:
@@ -110,33 +110,20 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
         where = "on a surface" if kind == SURFACE else "around a libration point"
         remedy = "leave it out if half orbits meet the section once; others are claimed in arcs and loops"
         refuse("crossings", f"{crossings} {where}, where it can only be 1", remedy)
-    if "covers" not in entry:
-        return Claim(kind, symmetry, increasing, None, crossings)
-    name = entry["covers"]["coordinate"]
-    names = system.fixed_parameters if kind == SURFACE else system.centre_coordinates
-    if name not in names:
-        refuse("covers.coordinate", f"{name!r}", f"choose one of: {', '.join(names)}")
-    start, end = (parse_exact(entry["covers"][key]) for key in ("from", "to"))
-    for key, value in (("from", start), ("to", end)):
-        check_length(value, f"{source}.covers.{key}")
-    if not start < end:
-        refuse("covers.to", "not greater than covers.from", "give a range that is not empty")
-    return Claim(kind, symmetry, increasing, Covers(name, start, end), crossings)
+    claim = from_json(Claim, entry, source)
+    if claim.covers is not None:
+        covers, names = claim.covers, system.fixed_parameters if kind == SURFACE else system.centre_coordinates
+        if covers.coordinate not in names:
+            refuse("covers.coordinate", f"{covers.coordinate!r}", f"choose one of: {', '.join(names)}")
+        for key, value in (("from", covers.start), ("to", covers.end)):
+            check_length(value, f"{source}.covers.{key}")
+        if not covers.start < covers.end:
+            refuse("covers.to", "not greater than covers.from", "give a range that is not empty")
+    return claim
 
 
 def atlas_to_json(atlas: Atlas, provenance: bool = True) -> dict[str, Any]:
     """The JSON object of an atlas, a whole document, with or without what the verifier ignores."""
-    result: dict[str, Any] = {
-        "format": "orbitproof-atlas",
-        "version": 1,
-        "id": atlas.id,
-        "title": atlas.title,
-        "system": describe(atlas.system),
-    }
-    if not atlas.is_surface:
-        result["parameters"] = {name: format_rational(value) for name, value in atlas.parameters.items()}
-    result["claim"] = atlas.claim.to_json()
-    result["pieces"] = [piece.to_json() for piece in atlas.pieces]
-    if provenance:
-        result["provenance"] = dict(atlas.provenance)
-    return result
+    left_out = {*(["parameters"] if atlas.is_surface else []), *([] if provenance else ["provenance"])}
+    entry = {key: value for key, value in to_json(atlas).items() if key not in left_out}
+    return {"format": "orbitproof-atlas", "version": 1, **entry}

@@ -7,10 +7,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
-from orbitproof.shared.claims import ONCE, ORBIT, Candidate, Equation
+from orbitproof.shared.claims import ONCE, ORBIT, Candidate
+from orbitproof.shared.codec import from_json, register, to_json
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.formats.documents import read_document, write_document
-from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import SYSTEMS, DescriptionError, ReversibleSystem, describe, described
 
 
@@ -29,29 +30,19 @@ def read_candidates(path: Path) -> list[Candidate]:
     return candidates
 
 
+register(
+    ReversibleSystem,
+    describe,
+    lambda system: system,
+    {"anyOf": [{"$ref": "#/$defs/system"}, {"type": "object"}]},
+)
+"""Which systems are known is for the reader to say: it puts the system in place of its name."""
+
+
 def candidate_to_json(candidate: Candidate, provenance: bool = True) -> dict[str, Any]:
     """The JSON object of a candidate, with or without what the verifier ignores."""
-    result: dict[str, Any] = {
-        "id": candidate.id,
-        "system": describe(candidate.system),
-        "parameters": {name: format_rational(value) for name, value in candidate.parameters.items()},
-        "kind": candidate.kind,
-        "k": candidate.k,
-        "symmetry": candidate.symmetry,
-        "centre": [format_exact(value) for value in candidate.centre],
-        "frame": [[format_exact(value) for value in row] for row in candidate.frame],
-        "kernel_frame": [[format_exact(value) for value in row] for row in candidate.kernel_frame],
-        "radii": [format_exact(value) for value in candidate.radii],
-    }
-    if candidate.equation is not None:
-        result["equation"] = candidate.equation.to_json()
-    if candidate.level_sign is not None:
-        result |= {"parameter": "first integral", "level_sign": candidate.level_sign}
-    if candidate.crossings != 1:
-        result["crossings"] = candidate.crossings
-    if provenance:
-        result["provenance"] = dict(candidate.provenance)
-    return result
+    entry: dict[str, Any] = to_json(candidate)
+    return entry if provenance else {key: value for key, value in entry.items() if key != "provenance"}
 
 
 def read_system(
@@ -96,39 +87,15 @@ def candidate_from_json(
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    system, parameters = read_system(entry, source, systems)
+    system, _ = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]
-    symmetry = entry.get("symmetry")
     if (kind in (*ONCE, ORBIT)) != (k == 1):
         refuse("k", f"{kind} with k = {k}", f"{', '.join((*ONCE, ORBIT))} have k = 1, the other kinds have k > 1")
-    equation = entry.get("equation")
-    level_sign = entry.get("level_sign")
-    if (entry.get("parameter") is None) != (level_sign is None):
+    if ("parameter" in entry) != ("level_sign" in entry):
         refuse("parameter", "parameter and level_sign belong together", "give both or none")
-    if level_sign is not None and (system.level_coordinate is None or system.family_parameter is not None):
+    if "level_sign" in entry and (system.level_coordinate is None or system.family_parameter is not None):
         refuse("parameter", f"{system.name} has no coordinate that follows from its first integral", "leave it out")
-    try:
-        return Candidate(
-            id=entry["id"], system=system, parameters=parameters, kind=kind, k=k, symmetry=symmetry,
-            centre=_vector(entry["centre"]), frame=_matrix(entry["frame"]), radii=_vector(entry["radii"]),
-            kernel_frame=_matrix(entry["kernel_frame"]), provenance=entry.get("provenance", {}), level_sign=level_sign,
-            crossings=entry.get("crossings", 1),
-            equation=None if equation is None else _equation(equation),
-        )  # fmt: skip
-    except InputError as error:
-        raise InputError(f"{source}.{error}") from None
-
-
-def _equation(entry: Mapping[str, str]) -> Equation:
-    return Equation(entry["quantity"], parse_exact(entry["value"]), entry.get("coordinate"))
-
-
-def _vector(texts: Sequence[str]) -> tuple[Fraction, ...]:
-    return tuple(parse_exact(text) for text in texts)
-
-
-def _matrix(rows: Sequence[Sequence[str]]) -> tuple[tuple[Fraction, ...], ...]:
-    return tuple(_vector(row) for row in rows)
+    return from_json(Candidate, {**entry, "system": system}, source)
 
 
 def write_candidates(path: Path, candidates: Sequence[Candidate]) -> None:

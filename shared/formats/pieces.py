@@ -2,114 +2,104 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from fractions import Fraction
 from typing import Any, NoReturn
 
 from orbitproof.shared.claims import AnyPiece, LibrationPiece, Piece, SurfacePiece, is_regular
-from orbitproof.shared.claims.pieces import Matrix, Vector
+from orbitproof.shared.codec import from_json
 from orbitproof.shared.errors import InputError
-from orbitproof.shared.numbers import format_rational, parse_exact
+from orbitproof.shared.numbers import format_rational
 from orbitproof.shared.systems import PIECE, PIECE_IN_WORDS, ReversibleSystem, fits
 
 
 def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> AnyPiece:
     """A piece from a schema-valid JSON object; raises `InputError` that names the field."""
-    numbers = _Numbers(entry, source)
-    if not fits(PIECE, entry["id"]):
-        numbers.refuse("id", f"{entry['id']!r} is no id of a piece", PIECE_IN_WORDS)
-    if entry["kind"] == LibrationPiece.kind:
-        return _libration_piece(entry, numbers)
+    kinds: dict[str, type[AnyPiece]] = {each.kind: each for each in (SurfacePiece, LibrationPiece)}
+    piece = from_json(kinds.get(entry["kind"], Piece), entry, source)
+    check = _Check(piece, source)
+    if not fits(PIECE, piece.id):
+        check.refuse("id", f"{piece.id!r} is no id of a piece", PIECE_IN_WORDS)
+    for each in fields(piece):
+        for name, number in _numbers(getattr(piece, each.name), each.name):
+            check_length(number, f"{source}.{name}")
+    if isinstance(piece, LibrationPiece):
+        _check_libration_piece(piece, check)
+        return piece
     size, kernel = len(system.centre_coordinates), len(system.kernel_coordinates)
     wanted = f"{system.name} needs {size}: {', '.join(system.centre_coordinates)}"
-    frame = numbers.regular("frame", size)
-    if entry["kind"] == SurfacePiece.kind:
-        if set(entry["parameters"]) != set(system.fixed_parameters):
+    check.regular("frame", size)
+    if isinstance(piece, SurfacePiece):
+        if set(piece.parameters) != set(system.fixed_parameters):
             names = ", ".join(system.fixed_parameters) or "none"
-            numbers.refuse("parameters", f"not those of {system.name}", f"give exactly: {names}")
-        return SurfacePiece(
-            id=entry["id"],
-            parameters={
-                name: numbers.vector(f"parameters.{name}", texts) for name, texts in entry["parameters"].items()
-            },
-            centre=numbers.rows("centre", size, wanted),
-            frame=frame,
-            kernel_frame=numbers.regular("kernel_frame", kernel),
-            radii=numbers.positive("radii", size, f"{system.name} needs {size}"),
-            tilt=numbers.rows("tilt", size - 2, f"{system.name} needs {size - 2}") if "tilt" in entry else (),
-            bend=numbers.rows("bend", size - 1, f"{system.name} needs {size - 1}") if "bend" in entry else (),
-        )
-    centre = numbers.vector("centre", entry["centre"])
-    if len(centre) != size:
-        numbers.refuse("centre", f"{len(centre)} numbers", wanted)
+            check.refuse("parameters", f"not those of {system.name}", f"give exactly: {names}")
+        check.rows("centre", size, wanted)
+        check.regular("kernel_frame", kernel)
+        check.positive("radii", size, f"{system.name} needs {size}")
+        for name, rows in (("tilt", size - 2), ("bend", size - 1)):
+            if name in entry:
+                check.rows(name, rows, f"{system.name} needs {rows}")
+        return piece
+    if len(piece.centre) != size:
+        check.refuse("centre", f"{len(piece.centre)} numbers", wanted)
+    if piece.half_width <= 0:
+        check.refuse("half_width", "not positive", "turn column 0 of the frame around to turn the piece around")
     across = f"{system.name} needs {kernel}, one for each equation"
-    half_width = numbers.vector("half_width", [entry["half_width"]])[0]
-    if half_width <= 0:
-        numbers.refuse("half_width", "not positive", "turn column 0 of the frame around to turn the piece around")
-    return Piece(
-        id=entry["id"],
-        kind=entry["kind"],
-        centre=centre,
-        frame=frame,
-        half_width=half_width,
-        polynomial=numbers.rows("polynomial", kernel, across),
-        tube=numbers.positive("tube", kernel, across),
-        coordinates=entry.get("coordinates", "auto"),
-    )
+    check.rows("polynomial", kernel, across)
+    check.positive("tube", kernel, across)
+    return piece
 
 
-def _libration_piece(entry: Mapping[str, Any], numbers: _Numbers) -> LibrationPiece:
-    pairs = {}
-    for name in ("distance", "size"):
-        pairs[name] = numbers.vector(name, entry[name])
-        if len(pairs[name]) != 2 or pairs[name][1] <= 0:
-            numbers.refuse(name, "not a middle and a positive half-width", "give two numbers")
-    (tube,) = numbers.vector("tube", [entry["tube"]])
-    if tube <= 0:
-        numbers.refuse("tube", "not positive", "give a positive half-width")
-    rows = tuple(numbers.vector(f"polynomial[{index}]", texts) for index, texts in enumerate(entry["polynomial"]))
-    return LibrationPiece(entry["id"], entry["point"], pairs["distance"], pairs["size"], rows, tube)
+def _check_libration_piece(piece: LibrationPiece, check: _Check) -> None:
+    for name, pair in (("distance", piece.distance), ("size", piece.size)):
+        if len(pair) != 2 or pair[1] <= 0:
+            check.refuse(name, "not a middle and a positive half-width", "give two numbers")
+    if piece.tube <= 0:
+        check.refuse("tube", "not positive", "give a positive half-width")
 
 
-@dataclass(frozen=True)
-class _Numbers:
-    """Exact numbers of a JSON object, with their place in the text of errors."""
+class _Check:
+    """What a system asks of a piece, with its place in the text of errors."""
 
-    entry: Mapping[str, Any]
-    source: str
+    def __init__(self, piece: AnyPiece, source: str) -> None:
+        self._piece, self._source = piece, source
 
     def refuse(self, name: str, why: str, remedy: str) -> NoReturn:
-        raise InputError(f"{self.source}.{name}: {why}; {remedy}")
+        raise InputError(f"{self._source}.{name}: {why}; {remedy}")
 
-    def vector(self, name: str, texts: Iterable[str]) -> Vector:
-        values = tuple(parse_exact(text) for text in texts)
-        for value in values:
-            check_length(value, f"{self.source}.{name}")
-        return values
-
-    def rows(self, name: str, number: int, wanted: str) -> Matrix:
-        rows = tuple(self.vector(f"{name}[{index}]", texts) for index, texts in enumerate(self.entry[name]))
+    def rows(self, name: str, number: int, wanted: str) -> Sequence[Sequence[Fraction]]:
+        rows: Sequence[Sequence[Fraction]] = getattr(self._piece, name)
         if len(rows) != number:
             self.refuse(name, f"{len(rows)} rows", wanted)
         return rows
 
-    def positive(self, name: str, number: int, wanted: str) -> Vector:
-        values = self.vector(name, self.entry[name])
+    def positive(self, name: str, number: int, wanted: str) -> None:
+        values: Sequence[Fraction] = getattr(self._piece, name)
         if len(values) != number:
             self.refuse(name, f"{len(values)} numbers", wanted)
         for position, value in enumerate(values):
             if value <= 0:
                 self.refuse(f"{name}[{position}]", "not positive", "give positive half-widths")
-        return values
 
-    def regular(self, name: str, size: int) -> Matrix:
-        rows = tuple(self.vector(f"{name}[{index}]", texts) for index, texts in enumerate(self.entry[name]))
+    def regular(self, name: str, size: int) -> None:
+        rows = getattr(self._piece, name)
         if len(rows) != size or any(len(row) != size for row in rows):
             self.refuse(name, "wrong shape", f"give {size} rows of {size} numbers")
         if not is_regular(rows):
             self.refuse(name, "is singular", "give linearly independent columns")
-        return rows
+
+
+def _numbers(value: object, name: str) -> Iterator[tuple[str, Fraction]]:
+    """The exact numbers of a field, with their places."""
+    if isinstance(value, Fraction):
+        yield name, value
+    elif isinstance(value, tuple):
+        for index, item in enumerate(value):
+            yield from _numbers(item, f"{name}[{index}]")
+    elif isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _numbers(item, f"{name}.{key}")
 
 
 def check_length(value: Fraction, source: str) -> None:

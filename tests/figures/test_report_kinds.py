@@ -24,6 +24,7 @@ from orbitproof.figures.report.command import main
 from orbitproof.figures.report.margins import margin_on_atlas
 from orbitproof.figures.report.statements import hypothesis_table, parameter_text, piece_table
 from orbitproof.figures.report.theorems import CheckedAtlas, check_files
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import Atlas, read_candidates
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.atlas.__main__ import main as verify_atlas
@@ -41,7 +42,7 @@ def results_for(atlas: Atlas, deviation: str = "0x1p-30") -> list[Document]:
     asked = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
     results = []
     for piece in atlas.pieces:
-        entry = piece.to_json()
+        entry = to_json(piece)
         tube = entry["tube"] if isinstance(entry["tube"], list) else [entry["tube"]]
         argument = {**asked, "piece": {**entry, "tube": tube}}
         bounds = {"deviation": [deviation] * len(tube)}

@@ -161,7 +161,7 @@ BAD: list[tuple[dict[str, Any], str, Any, str, str]] = [
     (CURVE, "pieces.1.centre.0", 0.5, "pieces[1].centre[0]", "type string"),
     (CURVE, "pieces.1.centre.0", "nan", "pieces[1].centre[0]", "must have the form"),
     (CURVE, "pieces.1.centre.0", "inf", "pieces[1].centre[0]", "must have the form"),
-    (CURVE, "pieces.1.centre.0", "1e9000", "pieces[1].centre", "too long"),
+    (CURVE, "pieces.1.centre.0", "1e9000", "pieces[1].centre[0]", "too long"),
     (CURVE, "pieces.1.frame.0", ["1", "2"], "pieces[1].frame", "3 rows of 3 numbers"),
     (CURVE, "pieces.1.frame.0", ["0.8", "0", "-0.6"], "pieces[1].frame", "singular"),
     (CURVE, "pieces.1.half_width", "0", "pieces[1].half_width", "not positive"),

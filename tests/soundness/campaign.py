@@ -51,6 +51,7 @@ from test_soundness_campaign import (  # noqa: E402
 )
 
 import orbitproof.verify.certificate.rechecking as rechecking  # noqa: E402
+from orbitproof.shared.codec import to_json  # noqa: E402
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_text  # noqa: E402
 from orbitproof.shared.interrupts import run_command  # noqa: E402
 from orbitproof.shared.numbers import parse_exact, round_dyadic  # noqa: E402
@@ -284,7 +285,7 @@ def _atlas_document(kind: str) -> Document:
     atlas, _ = parabola()
     asked = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
     results = [
-        atlas_work.proving({**asked, "piece": piece.to_json()}, lambda fraction, label: None) for piece in atlas.pieces
+        atlas_work.proving({**asked, "piece": to_json(piece)}, lambda fraction, label: None) for piece in atlas.pieces
     ]
     if kind == "list":
         known_ = stability_cases.results()

@@ -23,6 +23,7 @@ import orbitproof.verify.certificate.rechecking as rechecking
 from orbitproof import verify
 from orbitproof.figures.report.content import report_of
 from orbitproof.figures.report.theorems import check_files
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.formats.documents import validator
 from orbitproof.shared.numbers import format_exact, parse_exact
@@ -80,7 +81,7 @@ def test_an_interval_about_a_symmetric_point_is_centred_there(ends: list[str]) -
     """What is proved there is proved of both sides at once: any other interval is no run's."""
     atlas, _ = symmetric_arc()
     asked = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
-    results = [atlas_work.proving({**asked, "piece": piece.to_json()}, lambda *_: None) for piece in atlas.pieces]
+    results = [atlas_work.proving({**asked, "piece": to_json(piece)}, lambda *_: None) for piece in atlas.pieces]
     assert checked(atlas_certificate(atlas, results)).stands
     results[0]["interval"] = ends
     found = checked(atlas_certificate(atlas, results))

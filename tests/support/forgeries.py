@@ -15,6 +15,7 @@ from support.chain_cases import parabola
 from support.conclusions import conclude
 
 from orbitproof.shared.claims import Atlas
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
@@ -90,7 +91,7 @@ def of_parabola() -> tuple[Atlas, list[Document]]:
     atlas, _ = parabola()
     whole = {"integrator": {"precision": 80, "order": 40, "width": 40}, "interval": ["-0x1", "0x1"]}
     return atlas, [
-        atlas_work.proving({**whole, "piece": piece.to_json()}, lambda fraction, label: None) for piece in atlas.pieces
+        atlas_work.proving({**whole, "piece": to_json(piece)}, lambda fraction, label: None) for piece in atlas.pieces
     ]
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import AnyPiece, Atlas, LibrationPiece, SurfacePiece, piece_from_json
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
@@ -71,7 +72,7 @@ def task_of(
             "parameters": {name: format_rational(value) for name, value in atlas.parameters.items()},
             "symmetry": atlas.claim.symmetry,
             "crossings": atlas.claim.crossings,
-            "piece": piece.to_json(),
+            "piece": to_json(piece),
             "interval": [format_exact(end) for end in interval],
             "integrator": dict(settings),
             "stability": limits.stability,

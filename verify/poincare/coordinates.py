@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, record
 from orbitproof.verify.algebra import PreparedProgram, prepare
 from orbitproof.verify.poincare.section_field import build_section_program
 
-PHYSICAL = "physical"
+PHYSICAL: Final = "physical"
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import reduce
+from typing import Final
 
 from flint import arb
 
@@ -24,7 +25,8 @@ from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
 
-AUTO, REGULARISED = "auto", "regularised"
+AUTO: Final = "auto"
+REGULARISED: Final = "regularised"
 
 _LEAST_STEP = 1e-8
 _LEAST_SHARE = 1 / 8
