@@ -20,7 +20,7 @@ ROW = "row-"
 
 
 def compare_certificates(catalogue: Catalogue, path: Path) -> tuple[list[str], bool]:
-    """Distances of certified orbits from their rows, as lines of text, and whether all of them are proved.
+    """Distances of certified orbits from their rows, as lines of text, and whether all certificates say "proved".
 
     A distance is one of points in the coordinates (x, z, vy) of Fix(R), from the exact centre of the enclosure; the
     enclosures are far narrower. Raises `InputError`.
@@ -53,9 +53,10 @@ def compare_certificates(catalogue: Catalogue, path: Path) -> tuple[list[str], b
     if not distances and not unproved:
         raise InputError(f"{path}: no certificate of a row; refine them with explore orbit --from-catalogue")
     total = len(distances) + unproved
-    lines.append(f"{len(distances)} of {total} orbits proved to exist near their rows")
+    lines.append(f"{len(distances)} of {total} certificates say that an orbit near its row is proved")
     if distances:
-        lines[-1] += f", at most {max(distances):.1e} from them, in the median {float(np.median(distances)):.1e}"
+        lines[-1] += f", at most {max(distances):.1e} from it, in the median {float(np.median(distances)):.1e}"
+    lines[-1] += f" (they are not checked here: orbitproof verify --recheck {path})"
     return lines, not unproved
 
 

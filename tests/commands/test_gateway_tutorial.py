@@ -27,7 +27,7 @@ def test_every_command_of_the_page_runs_and_proves_what_it_says(tmp_path: Path) 
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         if "--certificates" in line:
-            assert "1 of 1 orbits proved to exist near their rows" in done.stdout
+            assert "1 of 1 certificates say that an orbit near its row is proved" in done.stdout
     (entry,) = json.loads((tmp_path / "gateway-certificate.json").read_text())["certificates"]
     results = entry["results"]
     for ball in (results["period"], results["level"], results["least_distance"]["distance"]):

@@ -233,7 +233,7 @@ def test_rows_of_a_catalogue_are_proved_near_their_rows(tmp_path: Path, capsys: 
     capsys.readouterr()
     assert explore([*words, "--certificates", str(certificates)]) == 0
     *_, last = capsys.readouterr().out.splitlines()
-    assert last.startswith("2 of 2 orbits proved to exist near their rows, at most ")
+    assert last.startswith("2 of 2 certificates say that an orbit near its row is proved, at most ")
     assert float(last.split("at most ")[1].split()[0]) < 1e-9
 
 
