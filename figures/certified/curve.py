@@ -107,13 +107,12 @@ class Curve:
         """The curve of a certificate that is about a curve."""
         atlas = certificate.atlas
         pieces = atlas.curve_pieces()
-        kind = atlas.claim.kind
-        begin = 0.0 if pieces[0].kind == "symmetric" and kind.startswith("symmetric") else -1.0
+        begin = 0.0 if pieces[0].kind == "symmetric" and atlas.claim.is_of_symmetric_curve else -1.0
         length = 0.0
         stretches: list[Stretch] = []
         for number, piece in enumerate(pieces):
             following = pieces[number + 1] if number + 1 < len(pieces) else None
-            closes = following is None and kind == "symmetric-loop" and piece.kind == "symmetric"
+            closes = following is None and atlas.claim.kind == "symmetric-loop" and piece.kind == "symmetric"
             s = np.linspace(begin, 0.0 if closes else 1.0, _SAMPLES)
             stretch = _stretch(certificate, piece, s, length)
             stretches.append(stretch)

@@ -46,6 +46,16 @@ class Claim:
     covers: Covers | None = None
     crossings: Crossings = 1
 
+    @property
+    def is_of_symmetric_curve(self) -> bool:
+        """Whether the curve is claimed to be mapped to itself by the symmetry."""
+        return self.kind in ("symmetric-arc", "symmetric-loop")
+
+    @property
+    def needs_symmetry(self) -> bool:
+        """Whether a claim of this kind is about a symmetry."""
+        return self.is_of_symmetric_curve or self.kind == SURFACE
+
 
 @dataclass(frozen=True)
 class Atlas:

@@ -94,25 +94,23 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    kind, symmetry = entry["kind"], entry.get("symmetry")
+    claim = from_json(Claim, entry, source)
     known = ", ".join(system.symmetries) or "none"
-    if symmetry is not None and symmetry not in system.symmetries:
-        refuse("symmetry", f"{system.name} has no symmetry {symmetry!r}", f"known: {known}")
-    if symmetry is None and kind.startswith("symmetr"):
-        refuse("symmetry", f"{kind} without a symmetry", f"name one; {system.name} has: {known}")
-    increasing = tuple(entry.get("increasing", ()))
-    for position, name in enumerate(increasing):
-        if name not in system.centre_coordinates or name in increasing[:position]:
+    if claim.symmetry is not None and claim.symmetry not in system.symmetries:
+        refuse("symmetry", f"{system.name} has no symmetry {claim.symmetry!r}", f"known: {known}")
+    if claim.symmetry is None and claim.needs_symmetry:
+        refuse("symmetry", f"{claim.kind} without a symmetry", f"name one; {system.name} has: {known}")
+    for position, name in enumerate(claim.increasing):
+        if name not in system.centre_coordinates or name in claim.increasing[:position]:
             wanted = ", ".join(system.centre_coordinates)
             refuse(f"increasing[{position}]", f"{name!r}", f"name each coordinate once; {system.name} has: {wanted}")
-    crossings = entry.get("crossings", 1)
-    if crossings != 1 and (kind == SURFACE or system.normalised):
-        where = "on a surface" if kind == SURFACE else "around a libration point"
+    surface = claim.kind == SURFACE
+    if claim.crossings != 1 and (surface or system.normalised):
+        where = "on a surface" if surface else "around a libration point"
         remedy = "leave it out if half orbits meet the section once; others are claimed in arcs and loops"
-        refuse("crossings", f"{crossings} {where}, where it can only be 1", remedy)
-    claim = from_json(Claim, entry, source)
+        refuse("crossings", f"{claim.crossings} {where}, where it can only be 1", remedy)
     if claim.covers is not None:
-        covers, names = claim.covers, system.fixed_parameters if kind == SURFACE else system.centre_coordinates
+        covers, names = claim.covers, system.fixed_parameters if surface else system.centre_coordinates
         if covers.coordinate not in names:
             refuse("covers.coordinate", f"{covers.coordinate!r}", f"choose one of: {', '.join(names)}")
         for key, value in (("from", covers.start), ("to", covers.end)):

@@ -15,6 +15,7 @@ from orbitproof.verify.evidence import (
     NotEstablishedError,
     ball_from_json,
     bounds,
+    dyadic_above,
     exact_text,
     is_outside,
     power,
@@ -27,6 +28,19 @@ def test_outside_is_beyond_one_of_the_ends() -> None:
     assert is_outside(arb(2), F(1))
     for inside in (arb(0), arb(-1) / 2, arb(1) / 2, arb(1), arb(0, 2)):
         assert not is_outside(inside, F(1))
+
+
+@pytest.mark.parametrize("exponent", [-2000, -30, 0, 5, 300])
+@pytest.mark.parametrize("mantissa", [1, 2**24 - 1, 2**24 + 1, 2**60 + 1, 3**50])
+def test_a_bound_with_few_bits_is_no_smaller(mantissa: int, exponent: int) -> None:
+    with ctx.workprec(200):
+        bound = arb((mantissa, exponent)).union(arb(0))
+    above = dyadic_above(bound)
+    exact = F(mantissa) * F(2) ** exponent
+    assert exact <= above <= exact * (1 + F(1, 2**22))
+    assert abs(above.numerator).bit_length() <= 24 or above.denominator == 1
+    with pytest.raises(ValueError, match="not finite"):
+        dyadic_above(arb("nan"))
 
 
 @pytest.mark.parametrize("exponent", [F(1, 3), F(-1, 7), F(5, 3)])

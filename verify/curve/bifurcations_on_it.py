@@ -188,7 +188,7 @@ def locate(atlas: Atlas, chain: Chain, point: Sequence[arb], is_symmetry_breakin
     if not all_finite(point):
         return "its enclosure is not finite"
     images = [(list(point), False)]
-    if atlas.claim.kind.startswith("symmetric"):
+    if atlas.claim.is_of_symmetric_curve:
         signs = signs_on(atlas.system, str(atlas.claim.symmetry), atlas.system.centre_coordinates)
         images.append(([sign * ball for sign, ball in zip(signs, point, strict=True)], True))
     misses: list[tuple[arb, str]] = []

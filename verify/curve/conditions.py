@@ -66,7 +66,7 @@ def _check_pieces(evidence: Evidence, atlas: Atlas) -> None:
     claim, pieces = atlas.claim, atlas.pieces
     evidence.require(claim.kind in KINDS, f"{claim.kind} is not a claim about a curve")
     evidence.require(
-        not claim.kind.startswith("symmetric") or claim.symmetry in atlas.system.symmetries,
+        not claim.is_of_symmetric_curve or claim.symmetry in atlas.system.symmetries,
         f"a {claim.kind} needs a symmetry of the system",
     )
     evidence.require(len(pieces) > (1 if claim.kind in ("symmetric-loop", "loop") else 0), "there are too few pieces")

@@ -37,6 +37,7 @@ from orbitproof.verify.evidence import (
     NotProved,
     Theorem,
     all_finite,
+    dyadic_above,
     enclose,
     guarded,
     hull,
@@ -281,17 +282,8 @@ class _Proof:
 
     def _in_units(self, bounds: Sequence[arb]) -> tuple[Fraction, ...]:
         """Bounds of omega_j as bounds of p_j, with few bits."""
-        return tuple(_dyadic_above(enclose(width) * bound) for width, bound in zip(self.tube, bounds, strict=True))
+        return tuple(dyadic_above(enclose(width) * bound) for width, bound in zip(self.tube, bounds, strict=True))
 
 
 def _largest(balls: Sequence[arb]) -> arb:
     return hull(balls[0], *balls[1:]).abs_upper()
-
-
-def _dyadic_above(bound: arb) -> Fraction:
-    """A dyadic number with few bits that is at least the bound."""
-    if not bound.is_finite():
-        raise ValueError("a bound is not finite")
-    mantissa, exponent = bound.abs_upper().man_exp()
-    shift = max(0, int(mantissa).bit_length() - 24)
-    return Fraction(-(-int(mantissa) >> shift)) * Fraction(2) ** (int(exponent) + shift)

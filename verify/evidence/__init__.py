@@ -19,6 +19,7 @@ from orbitproof.verify.evidence.comparisons import (
     EmptyIntersectionError,
     all_finite,
     dot,
+    dyadic_above,
     enclose,
     excludes_zero,
     hull,

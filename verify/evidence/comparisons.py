@@ -28,6 +28,15 @@ def symmetric(radius: Fraction) -> arb:
     return arb(0, enclose(radius).upper())
 
 
+def dyadic_above(bound: arb) -> Fraction:
+    """A dyadic number with at most 24 bits that is at least a finite bound. Raises `ValueError` for others."""
+    if not bound.is_finite():
+        raise ValueError("a bound is not finite")
+    mantissa, exponent = bound.abs_upper().man_exp()
+    shift = max(0, int(mantissa).bit_length() - 24)
+    return Fraction(-(-int(mantissa) >> shift)) * Fraction(2) ** (int(exponent) + shift)
+
+
 def power(base: arb, exponent: Fraction) -> arb:
     """A ball that contains the powers of the points of a ball."""
     # FLINT takes them as exp(exponent log base) where the midpoint is 0, which is not finite; here they are products.

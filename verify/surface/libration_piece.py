@@ -27,8 +27,8 @@ from orbitproof.verify.evidence import (
     Theorem,
     ball_from_json,
     ball_to_json,
+    dyadic_above,
     enclose,
-    exact_value,
     excludes_zero,
     guarded,
     is_inside,
@@ -134,7 +134,7 @@ def prove_libration_piece(
             largest = arb(0)
             for image in _Newton(element).images():
                 largest = largest.max(image.abs_upper())
-            deviation = _dyadic_above(enclose(piece.tube / BOX) * largest)
+            deviation = dyadic_above(enclose(piece.tube / BOX) * largest)
             evidence.require(deviation < piece.tube, "it does not")
         return ProvedSizes(start, end, deviation, time)
 
@@ -230,12 +230,3 @@ class _Newton:
 def _halves(interval: Interval) -> tuple[Interval, Interval]:
     middle = (interval[0] + interval[1]) / 2
     return (interval[0], middle), (middle, interval[1])
-
-
-def _dyadic_above(bound: arb) -> Fraction:
-    """A dyadic number with few bits that is at least a finite bound."""
-    value = exact_value(bound.abs_upper())
-    if value == 0:
-        return value
-    unit = Fraction(2) ** (floor(log2(value)) - 20)
-    return -(-value // unit) * unit
