@@ -1,7 +1,8 @@
 """The search: families of symmetric periodic orbits, their bifurcations, claims for the verifier. Not rigorous.
 
 `trace` follows a family, `resonances` finds where it bifurcates, `refine` makes a claim of that, a `Candidate` for
-`orbitproof.verify.certify`. JAX is loaded when one of these names is first used.
+`orbitproof.verify.certify`, and `refine_at` of a point from elsewhere. JAX is loaded when one of these names is first
+used.
 """
 
 import os

@@ -1,8 +1,9 @@
 """The statement that search and proof agree on: systems, exact numbers, claims and their files.
 
-`CR3BP` and `FALKNER_SKAN` are systems, `load_system` reads your own, `EARTH_MOON` and `SUN_JUPITER` are exact mass
-parameters of the CR3BP, a `Candidate` is a claim about a box. All units are nondimensional: in the CR3BP the
-primaries are 1 apart, their masses add up to 1 and they turn once in the time 2 pi.
+`CR3BP` and `FALKNER_SKAN` are systems, `load_system` reads your own, and `define_system` makes it of a description.
+`EARTH_MOON` and `SUN_JUPITER` are exact mass parameters of the CR3BP; a `Candidate` is a claim about a box, an `Atlas`
+one about a whole curve or surface. All units are nondimensional: in the CR3BP the primaries are 1 apart, their masses
+add up to 1 and they turn once in the time 2 pi.
 
 >>> from orbitproof.shared import CR3BP, EARTH_MOON
 >>> CR3BP.centre_coordinates
@@ -11,7 +12,18 @@ primaries are 1 apart, their masses add up to 1 and they turn once in the time 2
 '0.0121505845'
 """
 
-from orbitproof.shared.formats import KINDS, Candidate, InputError, load_system, read_candidates, write_candidates
+from orbitproof.shared.formats import (
+    KINDS,
+    Atlas,
+    Candidate,
+    InputError,
+    define_system,
+    load_system,
+    read_atlas,
+    read_candidates,
+    write_atlas,
+    write_candidates,
+)
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL, MASS_PARAMETERS, SYSTEMS, ReversibleSystem
 
@@ -27,12 +39,16 @@ __all__ = [
     "MASS_PARAMETERS",
     "SUN_JUPITER",
     "SYSTEMS",
+    "Atlas",
     "Candidate",
     "InputError",
     "ReversibleSystem",
+    "define_system",
     "format_exact",
     "load_system",
     "parse_exact",
+    "read_atlas",
     "read_candidates",
+    "write_atlas",
     "write_candidates",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import Any
 
 from orbitproof.explore.commands import common
@@ -71,28 +72,26 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--id {name}: is in {options.output} already; choose another name")
 
     # Only now: JAX takes a moment to load.
-    from orbitproof.explore.engines import Reporter
-    from orbitproof.explore.families import kind_of
-    from orbitproof.explore.refinement import Task, refine_task
+    from orbitproof.explore.refinement import RefinementFailure
+    from orbitproof.explore.scripting import refine_at
 
-    task = Task(
-        id=name,
-        system=system,
-        parameters=parameters,
-        kind=options.kind or kind_of(options.k),
-        k=options.k,
-        symmetry=options.symmetry,
-        guess=tuple(place[each] for each in system.centre_coordinates),
-        digits=options.digits,
-        provenance={"float64_point": list(place.values())},
-        crossings=options.crossings,
-    )
-    with Reporter(options.quiet) as report:
-        report.stage(f"refining {name}")
-        result = refine_task(task, report.update)
-        if result.candidate is None:
-            report.error(f"{name}: not refined: {result.failure}")
-            return 1
-        write_candidates(options.output, [*kept, result.candidate])
-        report.message(f"{name} written to {options.output}")
+    try:
+        found = refine_at(
+            system,
+            place,
+            options.k,
+            parameters=parameters,
+            kind=options.kind,
+            symmetry=options.symmetry,
+            crossings=options.crossings,
+            digits=options.digits,
+            id=name,
+            quiet=options.quiet,
+        )
+    except RefinementFailure as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1
+    write_candidates(options.output, [*kept, found])
+    if not options.quiet:
+        print(f"{name} written to {options.output}", file=sys.stderr)
     return 0

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from orbitproof.explore.names.exact_numbers import exact_number, mass_parameter
 from orbitproof.explore.names.family_names import FAMILY_NAMES
-from orbitproof.shared.formats import InputError, load_system
+from orbitproof.shared.formats import InputError, load_system, under_reversor
 from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
 
 
@@ -19,10 +19,7 @@ def system_named(text: str) -> ReversibleSystem:
         return SYSTEMS[text]
     name, colon, reversor = text.rpartition(":")
     if colon and not Path(text).exists():
-        try:
-            return system_named(name).under(reversor)
-        except ValueError as error:
-            raise InputError(f"--system {text}: {error}") from None
+        return under_reversor(system_named(name), reversor, f"--system {text}")
     if Path(text).suffix not in (".py", ".json"):
         known = ", ".join(FAMILY_NAMES)
         raise InputError(f"--system {text}: unknown; give one of {known}, or your own system's file (.py or .json)")

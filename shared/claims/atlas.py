@@ -57,7 +57,7 @@ class Claim:
         return self.is_of_symmetric_curve or self.kind == SURFACE
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Atlas:
     """A claim about a curve or a surface, and its pieces in order along it.
 
@@ -78,6 +78,10 @@ class Atlas:
     claim: Claim
     pieces: Pieces
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
+
+    def __repr__(self) -> str:
+        pieces = f"{len(self.pieces)} piece{'s' if len(self.pieces) > 1 else ''}"
+        return f"<Atlas {self.id!r}: {self.claim.kind} in {pieces}, of {self.system.name}>"
 
     @property
     def is_surface(self) -> bool:

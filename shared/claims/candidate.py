@@ -41,7 +41,7 @@ class Equation:
     coordinate: Identifier | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Candidate:
     """A claim: the box ``centre + frame * (P_0 x P_1 x P_2)`` contains a bifurcation, or one orbit.
 
@@ -133,6 +133,9 @@ class Candidate:
         for position, radius in enumerate(self.radii):
             if radius <= 0:
                 refuse(f"radii[{position}]", "not positive", "give positive half-widths")
+
+    def __repr__(self) -> str:
+        return f"<Candidate {self.id!r}: {self.kind}, k = {self.k}, of {self.system.name}>"
 
     @property
     def coordinates(self) -> tuple[str, ...]:

@@ -41,4 +41,4 @@ from orbitproof.shared.formats.documents import (
 )
 from orbitproof.shared.formats.pieces import piece_from_json
 from orbitproof.shared.formats.selection import select_ids
-from orbitproof.shared.formats.systems import load_system
+from orbitproof.shared.formats.systems import define_system, load_system, under_reversor

@@ -18,21 +18,53 @@ from orbitproof.shared.systems import KEYS, DescriptionError, ReversibleSystem, 
 def load_system(path: str | Path) -> ReversibleSystem:
     """The system that a file describes, its symmetries and first integral tried at sample points.
 
+    Arguments:
+        path: of a ``.json`` file, or of a ``.py`` file, which is run; ``FILE:REVERSOR`` takes a further reversing
+            symmetry of the system in place of R.
+
     Raises `InputError`, one line that names the file, what is wrong and the remedy.
     """
     file = Path(path)
+    name, colon, reversor = str(path).rpartition(":")
+    if colon and not file.exists():
+        return under_reversor(load_system(name), reversor, str(path))
     if file.suffix == ".py":
-        entry = _definitions(file)
-    else:
-        entry = read_document(file, "system")
-        entry = {key: value for key, value in entry.items() if key not in ("format", "version")}
+        return _tried(_definitions(file), f"{file}: ")
+    entry = read_document(file, "system")
+    return _tried({key: value for key, value in entry.items() if key not in ("format", "version")}, f"{file}: ")
+
+
+def define_system(description: Mapping[str, Any]) -> ReversibleSystem:
+    """The system of a description: the keys of a system's file (docs/own-system.md), formulas as text or functions.
+
+    Raises `InputError`, one line that begins with the key, says what is wrong, and what to do.
+
+    >>> from orbitproof import shared
+    >>> shared.define_system({
+    ...     "name": "michelson", "state": "x y z", "parameters": "c", "family_parameter": "c", "section": "x",
+    ...     "field": lambda x, y, z, c: (y, z, c**2 - y - x**2 / 2), "R": {"x": -1, "z": -1},
+    ... })
+    <ReversibleSystem michelson: state x y z, parameters c>
+    """
+    return _tried(description, "")
+
+
+def under_reversor(system: ReversibleSystem, reversor: str, source: str) -> ReversibleSystem:
+    """The system with one of its further reversing symmetries for R. Raises `InputError`."""
+    try:
+        return system.under(reversor)
+    except ValueError as error:
+        raise InputError(f"{source}: {error}") from None
+
+
+def _tried(entry: Mapping[str, Any], source: str) -> ReversibleSystem:
     try:
         system = described(entry)
     except DescriptionError as error:
-        raise InputError(f"{file}: {error}") from None
+        raise InputError(f"{source}{error}") from None
     wrong = fault(system)
     if wrong is not None:
-        raise InputError(f"{file}: {wrong}")
+        raise InputError(f"{source}{wrong}")
     return system
 
 

@@ -69,7 +69,7 @@ class Reversor:
     title: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ReversibleSystem:
     """x' = vector_field(x, parameters), reversible under the involution R = diag(reversing_symmetry).
 
@@ -174,6 +174,10 @@ class ReversibleSystem:
                 f"{self.name}: Fix(R) has the wrong dimension: R fixes {len(self.fixed_coordinates)} coordinates and "
                 f"negates {dimension + 1}; with a {rule} it negates"
             )
+
+    def __repr__(self) -> str:
+        parameters = f", parameters {' '.join(self.parameters)}" if self.parameters else ""
+        return f"<ReversibleSystem {self.name}: state {' '.join(self.state)}{parameters}>"
 
     def under(self, name: str) -> ReversibleSystem:
         """The same system with one of its further reversors for R. Raises `ValueError` for a name of none."""
