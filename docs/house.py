@@ -15,9 +15,9 @@ ROOT = Path(__file__).resolve().parents[1]
 CONTRACT = "verify is read from evidence to atlas"
 
 ARGUMENT, APPROXIMATION, RUN = "#cfe3f5", "#fbe3c0", "#e4e4e4"
-KINDS = {"oracle": APPROXIMATION} | dict.fromkeys(("scripting", "atlas", "certificate", "engines"), RUN)
+KINDS = {"oracle": APPROXIMATION} | dict.fromkeys(("scripting", "atlas", "certificate", "engines", "words"), RUN)
 LEGEND = {"the argument: what these rooms return is true": ARGUMENT, "guesses: nothing rests on them": APPROXIMATION,
-          "certificates, checking again, runs": RUN}  # fmt: skip
+          "words, certificates, checking again, runs": RUN}  # fmt: skip
 
 WIDTH, HEIGHT, GAP = 7.0, 0.62, 0.18
 

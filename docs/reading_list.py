@@ -17,11 +17,11 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "orbitproof"
 
 CHAPTERS = {
-    "bifurcation": "verify.bifurcation.theorem",
-    "orbit": "verify.orbit.theorem",
-    "curve": "verify.curve.theorem",
-    "surface": "verify.surface.theorem",
-    "list": "verify.stability.theorem",
+    "bifurcation": "verify.bifurcation.proved_bifurcation",
+    "orbit": "verify.orbit.proved_orbit",
+    "curve": "verify.curve.proved_curve",
+    "surface": "verify.surface.proved_surface",
+    "list": "verify.stability.proved_list",
     "second-proof": "verify.second_proof.proof",
 }
 """The module that concludes, by what it concludes about."""
@@ -108,7 +108,7 @@ def told(module: str) -> str:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; 2 for a chapter that is not there."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words = f"{', '.join(CHAPTERS)}, or a module as verify.curve.theorem; without one, the length of each list"
+    words = f"{', '.join(CHAPTERS)}, or a module as verify.curve.proved_curve; without one, the length of each list"
     parser.add_argument("chapter", nargs="?", help=words)
     options = parser.parse_args(arguments)
     if options.chapter is None:

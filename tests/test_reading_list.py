@@ -32,11 +32,11 @@ def test_names_count_for_the_module_that_defines_them() -> None:
 
 
 def test_what_a_theorem_rests_on_is_listed() -> None:
-    row = reading_list.reading_list("verify.bifurcation.theorem")
+    row = reading_list.reading_list("verify.bifurcation.proved_bifurcation")
     assert {"verify.flow.step", "verify.newton.interval_newton", "shared.systems.program"} <= set(row)
     assert not any(name.startswith(("verify.curve", "verify.stability")) for name in row)
-    curve = reading_list.reading_list("verify.curve.theorem")
-    assert set(curve) < set(reading_list.reading_list("verify.stability.theorem"))
+    curve = reading_list.reading_list("verify.curve.proved_curve")
+    assert set(curve) < set(reading_list.reading_list("verify.stability.proved_list"))
     assert not any(name.startswith(("verify.oracle", "verify.certificate")) for name in (*row, *curve))
 
 

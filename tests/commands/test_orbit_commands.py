@@ -19,6 +19,7 @@ from orbitproof.verify.atlas.certificate import (
     read_atlas_certificate,
     write_atlas_certificate,
 )
+from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import Level, digest, read_certificates, recheck, write_certificates
 from orbitproof.verify.curve import conclude
 
@@ -35,7 +36,7 @@ def curve(tmp_path_factory: pytest.TempPathFactory) -> Path:
     results = json.loads((DATA / "stability-falkner-skan.json").read_text())
     conclusion = conclude(atlas, results)
     assert conclusion.is_proved
-    write_atlas_certificate(path, make_atlas_certificate(atlas, results, conclusion.to_json()))
+    write_atlas_certificate(path, make_atlas_certificate(atlas, results, told(conclusion)))
     return path
 
 

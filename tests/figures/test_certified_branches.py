@@ -29,6 +29,7 @@ from orbitproof.figures.style.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import Certificate
 
 ANGLE = 0.7
@@ -43,7 +44,7 @@ def document_of(case: Case, *bifurcations: Certificate, regularised: Sequence[st
         result.pop("reason", None)
         name = "Kustaanheimo-Stiefel" if result["piece"] in regularised else "physical"
         result["computation"] = {"seconds": 1.0, "steps": 3, "coordinates": name}
-    return make_atlas_certificate(atlas, results, concluded((atlas, results), *bifurcations).to_json())
+    return make_atlas_certificate(atlas, results, told(concluded((atlas, results), *bifurcations)))
 
 
 def curve(case: Case, *bifurcations: Certificate, regularised: Sequence[str] = ()) -> Curve:

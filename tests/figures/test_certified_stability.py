@@ -20,7 +20,8 @@ from orbitproof.figures.pictures.certified_stability import draw_certified_stabi
 from orbitproof.figures.style.style import close, use_style
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.curve.proved_curve import conclude
 
 
 @pytest.fixture(autouse=True)
@@ -99,14 +100,14 @@ def test_the_curve_lies_on_the_drawn_resonances() -> None:
 
 
 def test_a_certificate_without_a_list_has_no_such_picture() -> None:
-    plain = make_atlas_certificate(atlas(), results(), conclude(atlas(), results()).to_json())
+    plain = make_atlas_certificate(atlas(), results(), told(conclude(atlas(), results())))
     assert CertifiedStability.of(AtlasCertificate(atlas(), plain)) is None
 
 
 @pytest.mark.parametrize("with_list", [True, False])
 def test_the_command_draws_it_if_there_is_a_list(with_list: bool, tmp_path: Path) -> None:
     path, folder = tmp_path / "curve.json", tmp_path / "pictures"
-    plain = make_atlas_certificate(atlas(), results(), conclude(atlas(), results()).to_json())
+    plain = make_atlas_certificate(atlas(), results(), told(conclude(atlas(), results())))
     write_atlas_certificate(path, document() if with_list else plain)
     assert main(["atlas", str(path), "-o", str(folder)]) == 0
     assert bool(list(folder.glob("stability-*.png"))) is with_list

@@ -28,8 +28,8 @@ from orbitproof.shared.systems import BRANCH_SYSTEMS
 from orbitproof.verify.atlas.__main__ import main as verify_atlas
 from orbitproof.verify.certificate import Certificate, Limits, digest, write_certificates
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.claim import equations
 from orbitproof.verify.evidence import bounds, interval_text
+from orbitproof.verify.words import equations
 
 LIMITS = Limits(max_precision=256)
 

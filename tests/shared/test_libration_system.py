@@ -33,7 +33,7 @@ from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim.symmetry import check_symmetries, parities
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
-from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit, meaning
+from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import PieceResult
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
@@ -43,6 +43,8 @@ from orbitproof.verify.evidence.failure import IntegrationFailure
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.curve import meaning
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 DIGITS = 60
@@ -244,9 +246,10 @@ def test_the_family_is_proved_down_to_the_libration_point(
     assert isinstance(conclusion.outcome, Proved)
     on = [entry.id for entry in conclusion.bifurcations if entry.place is not None]
     assert on == ["earth-moon-L1-halo-k1-1"]
-    assert "emanates from L1" in conclusion.statement
-    assert "x_l is the only root X of X = (1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2 between" in conclusion.statement
-    assert "the initial point x = 1, y = 0" in conclusion.statement
+    words = conclusion_in_words(conclusion)
+    assert "emanates from L1" in words
+    assert "x_l is the only root X of X = (1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2 between" in words
+    assert "the initial point x = 1, y = 0" in words
     assert conclusion.outcome.results.ends["start"]["eps"] < 0 < conclusion.outcome.results.ends["end"]["eps"]
     (piece,) = atlas.curve_pieces()
     with mpmath.workdps(DIGITS):

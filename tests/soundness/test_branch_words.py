@@ -13,6 +13,8 @@ from support.chain_cases import certificate, circle_point, concluded, symmetric_
 from support.forgeries import DATA, conclusion_of, read
 from test_forged_certificates import of_parabola
 
+from orbitproof.verify.atlas.conclusion import told
+
 PAGE = Path(__file__).parents[2] / "docs" / "branches.md"
 
 
@@ -43,8 +45,8 @@ def results(name: str) -> Any:
 
 CASES = {
     "curve": lambda: said(conclusion_of(stability_cases.atlas(), stability_cases.results(), [])),
-    "symmetric arc": lambda: said(concluded(symmetric_arc()).to_json()),
-    "symmetric loop": lambda: said(concluded(symmetric_loop(), certificate(circle_point(0.7), name="one")).to_json()),
+    "symmetric arc": lambda: said(told(concluded(symmetric_arc()))),
+    "symmetric loop": lambda: said(told(concluded(symmetric_loop(), certificate(circle_point(0.7), name="one")))),
     "family of a libration point": lyapunov,
     "surface": lambda: said(conclusion_of(read("surface.json"), results("surface-results.json"), [])),
 }

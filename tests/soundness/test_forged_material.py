@@ -30,7 +30,7 @@ from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE
 from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.atlas.conclusion import conclusion_of
+from orbitproof.verify.atlas.conclusion import conclusion_of, told
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
@@ -353,7 +353,7 @@ def test_a_forged_certificate_before_an_honest_one_of_the_same_id_is_refused(
     assert not recheck(lie).stands
     atlas, results = of_parabola()
 
-    both = conclude(atlas, results, [lie, point], lambda entry: recheck(point)).to_json()
+    both = told(conclude(atlas, results, [lie, point], lambda entry: recheck(point)))
     assert [entry["on_curve"] for entry in both["bifurcations"]] == [True, False]
     document = make_atlas_certificate(atlas, results, both, [lie, point])
     write_atlas_certificate(tmp_path / "forged.json", document)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction as F
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,8 +15,8 @@ from support.map_cases import CASES, SLOPED, WIDE, cubic, even, failed, outcome_
 
 from orbitproof.verify.bifurcation.conditions import Point, Problem, check_transversality, locate
 from orbitproof.verify.bifurcation.nondegeneracy import check_family_of_maps
+from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults, theorem_of
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, PeriodTwoFamily
-from orbitproof.verify.bifurcation.theorem import BifurcationResults, theorem_of
 from orbitproof.verify.evidence import DerivativeTable, indices_up_to
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
@@ -270,7 +271,7 @@ def test_proved_cannot_be_made_with_a_missing_or_failing_hypothesis() -> None:
         with pytest.raises(ValueError, match="does not hold"):
             replace(result, hypotheses=broken)
     with pytest.raises(ValueError, match="not those of the theorem"):
-        replace(result, hypotheses=(), theorem=replace(result.theorem, hypotheses=()))
+        replace(result, hypotheses=(), theorem=SimpleNamespace(hypotheses=()))
 
 
 def test_a_hypothesis_without_any_check_does_not_hold() -> None:

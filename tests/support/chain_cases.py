@@ -21,7 +21,7 @@ from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.rechecking import Finding, Recheck
 from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.curve.theorem import ProvedCurve
+from orbitproof.verify.curve.proved_curve import ProvedCurve
 from orbitproof.verify.evidence.balls_as_text import ball_to_json
 
 MU = Fraction(1, 80)

@@ -17,7 +17,7 @@ from flint import arb
 
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
-from orbitproof.verify.bifurcation.theorem import BifurcationResults, prepare, prove
+from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults, prepare, prove
 from orbitproof.verify.evidence import DerivativeTable, indices_up_to
 from orbitproof.verify.evidence.comparisons import enclose, symmetric
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome

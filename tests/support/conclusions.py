@@ -8,9 +8,11 @@ from typing import Any
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import Examine, certified_point
 from orbitproof.verify.atlas.conclusion import partner as other_point
+from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.curve import Conclusion, Partner, ProvedCurve
 from orbitproof.verify.curve import conclude as conclude_of_points
+from orbitproof.verify.stability import conclude_list
 
 
 def conclude(
@@ -23,3 +25,10 @@ def conclude(
     """See `curve.conclude`."""
     points = [certified_point(atlas, entry, examine) for entry in certificates]
     return conclude_of_points(atlas, results, points, partner)
+
+
+def with_complete_list(
+    atlas: Atlas, results: Sequence[Mapping[str, Any]], curve: Conclusion[ProvedCurve], order: int
+) -> dict[str, Any]:
+    """The conclusion with the list of an order, as JSON."""
+    return told(conclude_list(atlas, results, curve, order))

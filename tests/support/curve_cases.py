@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.curve.theorem import ProvedCurve
+from orbitproof.verify.curve.proved_curve import ProvedCurve
 from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.words import conclusion_in_words
 
 
 def refusal(conclusion: Conclusion[ProvedCurve]) -> str:
     """Condition and message of what is not proved, which says nothing of the curve."""
     assert isinstance(conclusion.outcome, NotProved)
-    assert conclusion.statement == ""
+    assert conclusion_in_words(conclusion) == ""
     assert conclusion.outcome.hypotheses[-1].holds is False
     return f"{conclusion.outcome.reason.condition}: {conclusion.outcome.reason.message}"
 

@@ -19,6 +19,7 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
+from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck, rechecking
 from orbitproof.verify.certificate.certificate import make_certificate
@@ -48,8 +49,8 @@ def noticed(check: Recheck) -> bool:
 def conclusion_of(atlas: Atlas, results: Sequence[Mapping[str, Any]], rests_on: Sequence[Certificate]) -> Document:
     """What results give together, as JSON."""
     if atlas.is_surface:
-        return conclude_surface(atlas, results).to_json()
-    return conclude(atlas, results, rests_on).to_json()
+        return told(conclude_surface(atlas, results))
+    return told(conclude(atlas, results, rests_on))
 
 
 def atlas_certificate(atlas: Atlas, results: Sequence[Document], rests_on: Sequence[Certificate] = ()) -> Document:

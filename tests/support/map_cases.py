@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb
 from support.closed_form_maps import ReversibleMap, claim, description, square_root, tables_of_maps, verdict
 
-from orbitproof.verify.bifurcation.theorem import BifurcationResults
+from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults
 from orbitproof.verify.evidence.outcome import NotProved, Outcome, Proved
 
 R = F(1, 2**14)

@@ -7,14 +7,15 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
+from support.conclusions import with_complete_list
+
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.systems.system import ReversibleSystem
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_curve import conclude
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import stability_to_json
-from orbitproof.verify.stability.theorem import with_complete_list
 
 LIMITS = PieceLimits(96, 30, 16)
 

@@ -7,10 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from support.conclusions import with_complete_list
+
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.verify.curve.theorem import conclude
-from orbitproof.verify.stability.theorem import with_complete_list
+from orbitproof.verify.curve.proved_curve import conclude
 
 DATA = Path(__file__).parents[1] / "data"
 Results = list[dict[str, Any]]

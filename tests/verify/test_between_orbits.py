@@ -17,7 +17,7 @@ from orbitproof.verify.functions.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.between_orbits import between_orbits
 from orbitproof.verify.stability.extrema import extrema_on, is_in_band
 from orbitproof.verify.stability.kinds import Matter
-from orbitproof.verify.stability.places import Extremum, Gap, Segment
+from orbitproof.verify.stability.list_entries import Extremum, Gap, Segment
 
 ERROR = 1e-5
 APART = Fraction(1, 10**9)

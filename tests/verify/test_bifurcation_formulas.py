@@ -31,6 +31,7 @@ from orbitproof.verify.bifurcation.level_forms import (
     coordinates_in_box,
     level_form,
 )
+from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults
 from orbitproof.verify.bifurcation.reduction import (
     BifurcationFunction,
     DoublySymmetricFamily,
@@ -38,7 +39,6 @@ from orbitproof.verify.bifurcation.reduction import (
     ReducedFunction,
     reduced_function,
 )
-from orbitproof.verify.bifurcation.theorem import BifurcationResults
 from orbitproof.verify.evidence import DerivativeTable, Evidence
 from orbitproof.verify.evidence.comparisons import enclose, symmetric
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, Outcome

@@ -24,7 +24,7 @@ from orbitproof.verify.algebra.grading import Grading
 from orbitproof.verify.algebra.series import Series
 from orbitproof.verify.algebra.wide import WideArithmetic
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_curve import conclude
 from orbitproof.verify.distances.distances import Where
 from orbitproof.verify.distances.ranges import Extreme, joined
 from orbitproof.verify.evidence.failure import IntegrationFailure
@@ -49,8 +49,8 @@ from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance
 from orbitproof.verify.stability.linear_stability import is_stable, stable_intervals
+from orbitproof.verify.stability.list_entries import CompleteList, Gap, Segment, shortened
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, _minors, _stability_matrix
-from orbitproof.verify.stability.places import CompleteList, Gap, Segment, shortened
 from orbitproof.verify.stability.segments import segments_of
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 

@@ -21,7 +21,7 @@ from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_curve import conclude
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, BoundedFunction
@@ -30,8 +30,8 @@ from orbitproof.verify.stability.decided import open_on
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.kinds import Kind
 from orbitproof.verify.stability.linear_stability import is_stable
+from orbitproof.verify.stability.list_entries import Point, Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
-from orbitproof.verify.stability.places import Point, Segment
 
 DATA = Path(__file__).parents[1] / "data"
 

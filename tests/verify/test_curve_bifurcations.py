@@ -41,7 +41,8 @@ from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit.multipliers import Stability
-from orbitproof.verify.orbit.theorem import OrbitResults
+from orbitproof.verify.orbit.proved_orbit import OrbitResults
+from orbitproof.verify.words import conclusion_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -85,7 +86,7 @@ def test_a_symmetry_breaking_in_the_plane_is_the_symmetric_point() -> None:
     assert (entry.place.piece, entry.place.s.is_zero()) == ("p000", True)
     assert proof(conclusion).ends["start"]["vy"].rad() < 2**-79
     assert proof(conclusion).ends["end"]["vy"].rad() > 2**-40
-    assert "symmetric point of piece p000" in conclusion.statement
+    assert "symmetric point of piece p000" in conclusion_in_words(conclusion)
 
 
 def test_a_symmetry_is_the_one_of_the_curve_by_its_signs_and_not_by_its_name() -> None:
@@ -134,8 +135,8 @@ def test_certificates_about_something_else_are_counted(name: str) -> None:
     (found,) = conclusion.bifurcations
     assert found.place is None
     assert words in found.reason
-    assert "1 further certificate is about another system" in conclusion.statement
-    assert "level, about other parameters, or not readable here." in conclusion.statement
+    assert "1 further certificate is about another system" in conclusion_in_words(conclusion)
+    assert "level, about other parameters, or not readable here." in conclusion_in_words(conclusion)
 
 
 REFUSED: dict[str, tuple[dict[str, Any], str]] = {
@@ -171,7 +172,7 @@ def test_a_bifurcation_that_is_not_shown_to_lie_on_the_curve_is_named_with_the_r
     (found,) = conclusion.bifurcations
     assert found.place is None
     assert words in found.reason
-    assert f'"{found.id}" (k = {found.k}): {found.reason}' in conclusion.statement
+    assert f'"{found.id}" (k = {found.k}): {found.reason}' in conclusion_in_words(conclusion)
 
 
 @pytest.mark.parametrize("beta", [1, 5])
@@ -187,8 +188,8 @@ def test_a_bifurcation_in_the_middle_of_a_piece_says_nothing_of_the_ends() -> No
     conclusion = concluded(parabola(), entry)
     assert conclusion.bifurcations[0].place is not None
     assert conclusion.bifurcations[0].place.s.is_zero()
-    assert "in piece p000" in conclusion.statement
-    assert "symmetric point" not in conclusion.statement
+    assert "in piece p000" in conclusion_in_words(conclusion)
+    assert "symmetric point" not in conclusion_in_words(conclusion)
     assert proof(conclusion).ends["start"]["beta"] == 1
 
 
@@ -240,7 +241,7 @@ def test_an_orbit_whose_other_point_lies_on_the_curve_is_placed_there(doubling: 
     (found,) = conclusion.bifurcations
     assert found.place is not None
     assert found.place.other_point
-    assert "the other point of the orbit" in conclusion.statement
+    assert "the other point of the orbit" in conclusion_in_words(conclusion)
 
 
 @pytest.mark.parametrize("name", ["fs2", "em2", "em1"])
@@ -301,7 +302,7 @@ def test_two_pieces_of_a_branch_are_proved_and_glued_and_carry_its_bifurcations(
     conclusion = conclude(atlas, results, certificates)
     assert conclusion.is_proved
     assert [entry.place is not None for entry in conclusion.bifurcations] == [True, True, True]
-    assert "beta takes all values from 260 to 690" in conclusion.statement
+    assert "beta takes all values from 260 to 690" in conclusion_in_words(conclusion)
     # The same results do not join the first piece to another branch that runs 1e-6 beside the second.
     beside = replace(pieces[1], centre=(pieces[1].centre[0], pieces[1].centre[1] + Fraction(1, 10**6)))
     other = replace(atlas, pieces=(pieces[0], beside))

@@ -27,6 +27,7 @@ from orbitproof.shared.claims import Claim, Covers
 from orbitproof.verify.curve.conditions import check_two_points
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError
+from orbitproof.verify.words import conclusion_in_words
 
 
 def test_a_curve_that_goes_through_the_plane_on_its_way_is_found() -> None:
@@ -54,8 +55,8 @@ def test_a_coordinate_that_does_not_increase_is_found(coordinate: str) -> None:
 def test_what_increases_from_a_symmetric_point_is_shown_from_there_on() -> None:
     short = circle(Claim("symmetric-arc", "S", ("z", "vy")), [0, math.pi / 5], (0,))
     conclusion = concluded(short)
-    assert "From end to end z increases strictly" in conclusion.statement
-    assert "minimum of vy" in conclusion.statement
+    assert "From end to end z increases strictly" in conclusion_in_words(conclusion)
+    assert "minimum of vy" in conclusion_in_words(conclusion)
 
 
 def test_a_slope_that_is_known_too_badly_does_not_show_an_increase() -> None:
@@ -87,7 +88,7 @@ def test_a_range_that_is_covered_up_to_an_error_only_is_not_covered(start: str, 
 
 def test_along_a_symmetric_loop_a_coordinate_can_increase_from_one_symmetric_point_to_the_other() -> None:
     conclusion = concluded(symmetric_loop(Claim("symmetric-loop", "S", ("vy",))))
-    assert "vy increases strictly" in conclusion.statement
+    assert "vy increases strictly" in conclusion_in_words(conclusion)
     assert "increasing-x" in refusal(concluded(symmetric_loop(Claim("symmetric-loop", "S", ("x",)))))
 
 

@@ -35,11 +35,13 @@ from support.curve_cases import proof, refusal
 
 from orbitproof.shared.claims import Claim, Piece
 from orbitproof.shared.systems.system import CR3BP
+from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.evidence import enclose
 from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.words import conclusion_in_words
 
 CASES: dict[str, Callable[[], Case]] = {
     "arc": parabola,
@@ -54,7 +56,7 @@ def test_a_true_curve_is_proved_with_all_its_hypotheses(case: Callable[[], Case]
     conclusion = concluded(case())
     assert isinstance(conclusion.outcome, Proved)
     assert [hypothesis.name for hypothesis in conclusion.outcome.hypotheses] == list(hypotheses_of(case()[0]))
-    assert json.loads(json.dumps(conclusion.to_json()))["verdict"] == "proved"
+    assert json.loads(json.dumps(told(conclusion)))["verdict"] == "proved"
 
 
 def test_the_symmetric_loop_meets_the_plane_in_two_points_whose_enclosures_are_right() -> None:
@@ -64,8 +66,8 @@ def test_the_symmetric_loop_meets_the_plane_in_two_points_whose_enclosures_are_r
             lower, upper = bounds(ball)
             assert lower <= value <= upper
             assert upper - lower < Fraction(1, 10**8)
-    assert "exactly two points" in conclusion.statement
-    assert "half periods lie in [2.749, 3.251]" in conclusion.statement
+    assert "exactly two points" in conclusion_in_words(conclusion)
+    assert "half periods lie in [2.749, 3.251]" in conclusion_in_words(conclusion)
 
 
 def test_joints_are_where_the_pieces_overlap() -> None:
@@ -324,7 +326,7 @@ def test_a_result_of_another_piece_does_not_count() -> None:
 
 
 def test_half_periods_that_are_not_known_are_not_stated() -> None:
-    assert "half periods" not in concluded(with_results(symmetric_loop(), 2, {"time": None})).statement
+    assert "half periods" not in conclusion_in_words(concluded(with_results(symmetric_loop(), 2, {"time": None})))
 
 
 @given(st.floats(-1, 1), st.floats(-1, 1), st.integers(0, 5))

@@ -10,17 +10,17 @@ from typing import Any
 
 import pytest
 from support import stability_cases
+from support.conclusions import with_complete_list
 from support.forgeries import checked, forged, honest, noticed
 
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.piece import PieceLimits
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_curve import conclude
 from orbitproof.verify.distances.distances import Where
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import orbit_functions
-from orbitproof.verify.stability.theorem import with_complete_list
 
 Results = list[dict[str, Any]]
 

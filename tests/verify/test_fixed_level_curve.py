@@ -39,6 +39,7 @@ from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.words import conclusion_in_words
 
 FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"
 WHOLE = (F(-1), F(1))
@@ -77,8 +78,9 @@ def on(level: FixedLevel) -> ReversibleSystem:
 def test_the_curve_is_proved_with_its_bifurcation_and_says_on_which_level() -> None:
     conclusion = conclude(atlas(), results(), [certificate()])
     assert conclusion.is_proved
-    assert "All orbits are on the level H = 0, and the points of the curve have u2 > 0." in conclusion.statement
-    assert "Along it P_parameter takes all values from 1.86 to 1.92." in conclusion.statement
+    words = conclusion_in_words(conclusion)
+    assert "All orbits are on the level H = 0, and the points of the curve have u2 > 0." in words
+    assert "Along it P_parameter takes all values from 1.86 to 1.92." in words
     assert [entry.place is not None for entry in conclusion.bifurcations] == [True]
 
 

@@ -14,13 +14,13 @@ from flint import arb
 from support.claims import coordinates_in_box, known
 
 from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS, Program, record
+from orbitproof.verify.bifurcation import BifurcationTheorem
 from orbitproof.verify.certificate import Certificate, Limits, digest, recheck
 from orbitproof.verify.certificate.certificate import is_proof_of
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.in_full import in_full as told_in_full
-from orbitproof.verify.claim import equations, level_program
-from orbitproof.verify.claim.formulas import setting
-from orbitproof.verify.evidence import Theorem
+from orbitproof.verify.claim import level_program
+from orbitproof.verify.words import equations, setting
+from orbitproof.verify.words import in_full as told_in_full
 
 PROGRAMS = {
     **{name: system.program for name, system in BRANCH_SYSTEMS.items()},
@@ -129,7 +129,7 @@ def test_decimals_of_the_box_are_rounded_to_the_right_side(certificate: Certific
 )
 def test_the_side_of_the_new_orbits_is_said_as_it_is(side: str, words: str) -> None:
     found = SimpleNamespace(point={}, parameter=arb(1), parameter_name="H", side=side)
-    text = told_in_full(known("fs2"), None, Theorem("As the tests have it.", ()), found)
+    text = told_in_full(known("fs2"), BifurcationTheorem(known("fs2")), found)
     assert f"The new orbits exist for values of the parameter {words} that." in text
 
 

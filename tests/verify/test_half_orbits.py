@@ -31,14 +31,16 @@ from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_cer
 from orbitproof.verify.certificate.certificate import Certificate, digest
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.rechecking import recheck
+from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.statement import curve_statement
+from orbitproof.verify.curve.proved_curve import CurveTheorem, ProvedCurve
 from orbitproof.verify.evidence.outcome import Proved as PieceProved
 from orbitproof.verify.functions.functions import bounded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.second_proof.proof import Proved, second_proof
 from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.words.curve import curve_in_words
 
 DATA = Path(__file__).parents[1] / "data" / "known-crossings.json"
 
@@ -190,10 +192,11 @@ def test_the_stability_of_a_piece_is_that_of_its_orbits() -> None:
 
 def test_the_theorem_about_a_curve_names_the_crossings_and_only_where_there_are_several() -> None:
     twice, ends = arc(), {end: {"c": arb(1), "y": arb(0)} for end in ("start", "end")}
-    assert "P = Q^2" in curve_statement(twice, ends, arb(6))
-    assert "meet the section 2 times" in curve_statement(twice, ends, arb(6))
+    curve = ProvedCurve(Chain((), ()), ends, arb(6))
+    assert "P = Q^2" in curve_in_words(CurveTheorem(twice), curve)
+    assert "meet the section 2 times" in curve_in_words(CurveTheorem(twice), curve)
     once = replace(twice, claim=replace(twice.claim, crossings=1))
-    assert "times" not in curve_statement(once, ends, arb(6))
+    assert "times" not in curve_in_words(CurveTheorem(once), curve)
     assert "crossings" not in atlas_to_json(once)["claim"]
 
 

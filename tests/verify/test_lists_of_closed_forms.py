@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from support.closed_form_lists import curve_of, ellipse, in_plane, line, minors, results
+from support.conclusions import with_complete_list
 from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.skew_products import SkewProduct, energy, half_period
@@ -19,12 +20,11 @@ from support.skew_products import SkewProduct, energy, half_period
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_curve import conclude
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, function_from_json
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import SLOPE_BITS, orbit_functions, stability_to_json
-from orbitproof.verify.stability.theorem import with_complete_list
 
 Make = Callable[[int], SkewProduct]
 

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import arb, ctx
+from support.conclusions import with_complete_list
 from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.three_body import Numbers, Orbits, numbers
@@ -26,7 +27,7 @@ from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats.atlas import atlas_from_json, read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_curve import conclude
 from orbitproof.verify.distances.distances import Where
 from orbitproof.verify.distances.ranges import distances_from_json
 from orbitproof.verify.evidence.outcome import Proved
@@ -35,7 +36,6 @@ from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.matrix import SLOPE_BITS, stability_to_json
-from orbitproof.verify.stability.theorem import with_complete_list
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())

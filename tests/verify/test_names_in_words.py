@@ -13,16 +13,16 @@ import pytest
 from flint import arb
 from support import stability_cases
 from support.claims import known
+from support.conclusions import with_complete_list
 
 from orbitproof.shared.formats import Atlas, Candidate, Equation
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, DescriptionError, ReversibleSystem, described
 from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate.in_full import in_full
 from orbitproof.verify.certificate.kinds import theorem_of
-from orbitproof.verify.claim import names_in_words, setting
-from orbitproof.verify.curve.theorem import conclude
-from orbitproof.verify.evidence import Theorem
-from orbitproof.verify.stability.theorem import with_complete_list
+from orbitproof.verify.claim import names_in_words
+from orbitproof.verify.curve.proved_curve import conclude
+from orbitproof.verify.evidence import Reason
+from orbitproof.verify.words import in_full, setting, theorem_in_words
 
 HOSTILE = {
     "falkner-skan": {"x": "P", "y": "H", "z": "s", "beta": "R"},
@@ -70,10 +70,10 @@ def words_of(candidate: Candidate, integral: bool = False) -> str:
     form = level_form(candidate) if integral else None
     assert form is None or isinstance(form, Candidate)
     theorem = theorem_of(candidate, form)
-    assert isinstance(theorem, Theorem)
+    assert not isinstance(theorem, Reason)
     point = dict.fromkeys(candidate.system.centre_coordinates, arb(1, 0.25))
     found: Any = SimpleNamespace(point=point, parameter=arb(2, 0.25), side="above")
-    return in_full(candidate, form, theorem, found)
+    return in_full(candidate, theorem, found)
 
 
 @pytest.mark.parametrize(("name", "integral"), [("fs3", False), ("em1", True), ("em2", False)])
@@ -89,10 +89,10 @@ def test_a_theorem_about_an_orbit_does_so_too() -> None:
     one = tuple(tuple(Fraction(i == j) for j in range(2)) for i in range(2))
     claim = replace(known("fs3"), kind="orbit", k=1, frame=one, equation=Equation("coordinate", Fraction(400), "beta"))
     theorem, hostile = theorem_of(claim), theorem_of(claim_of(claim))
-    assert isinstance(theorem, Theorem)
-    assert isinstance(hostile, Theorem)
-    assert back(hostile.statement, FALKNER_SKAN) == theorem.statement
-    assert "R_parameter = 400" in hostile.statement
+    assert not isinstance(theorem, Reason)
+    assert not isinstance(hostile, Reason)
+    assert back(theorem_in_words(hostile), FALKNER_SKAN) == theorem_in_words(theorem)
+    assert "R_parameter = 400" in theorem_in_words(hostile)
 
 
 def atlas_of(atlas: Atlas) -> Atlas:

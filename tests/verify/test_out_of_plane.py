@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from scipy.integrate import solve_ivp
+from support.conclusions import with_complete_list
 from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
 
@@ -26,7 +27,7 @@ from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
 from orbitproof.verify.curve.libration_point import derived_parameter
 from orbitproof.verify.curve.piece import PieceLimits
-from orbitproof.verify.curve.theorem import conclude
+from orbitproof.verify.curve.proved_curve import conclude
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, function_from_json
@@ -35,7 +36,6 @@ from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES, variations_from
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import complete_list
 from orbitproof.verify.stability.matrix import orbit_functions
-from orbitproof.verify.stability.theorem import with_complete_list
 
 DATA = Path(__file__).parents[1] / "data"
 Results = list[dict[str, Any]]

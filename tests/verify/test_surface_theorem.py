@@ -23,6 +23,7 @@ from orbitproof.shared.claims import SURFACE, Atlas, Claim, Covers, SurfacePiece
 from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems.system import HILL
+from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve.conclusion import Conclusion
 from orbitproof.verify.evidence.balls_as_text import ball_from_json, ball_to_json
 from orbitproof.verify.evidence.comparisons import enclose, hull
@@ -31,9 +32,10 @@ from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at, prove_surface_piece
 from orbitproof.verify.surface.proved_parts import ProvedPart
-from orbitproof.verify.surface.statement import _digits
+from orbitproof.verify.surface.proved_surface import ProvedSurface, conclude_surface, heights
 from orbitproof.verify.surface.stored_parts import unshown
-from orbitproof.verify.surface.theorem import ProvedSurface, conclude_surface, heights
+from orbitproof.verify.words import conclusion_in_words
+from orbitproof.verify.words.surface import _digits
 
 
 @pytest.fixture(scope="module")
@@ -105,24 +107,24 @@ def test_pieces_that_overlap_become_one_surface() -> None:
         assert evaluate(after.parameters["h"], -ONE) < joint.parameter < evaluate(before.parameters["h"], ONE)
         assert all(ball.contains(0) for ball in joint.offsets)
     assert {entry.z for entry in heights(flat_atlas(pieces))} == {Fraction(2, 4096)}
-    text = conclusion.statement
+    text = conclusion_in_words(conclusion)
     assert "for all mu in [0.001953125, 0.125000000]" in text
     assert "|zeta| <= 0.00048828125" in text
-    json.dumps(conclusion.to_json())
+    json.dumps(told(conclusion))
 
 
 def test_the_statement_says_where_the_orbits_reach_higher() -> None:
     pieces = three()
     pieces[1:] = [replace(piece, radii=(piece.radii[0], ONE / 1000, piece.radii[2])) for piece in pieces[1:]]
-    text = conclude(pieces).statement
+    text = conclusion_in_words(conclude(pieces))
     assert "and |zeta| <= 0.00048828125," in text
     assert "Over h in [0.248046875, 0.501953125] all this holds up to |zeta| <= 0.002." in text
 
 
 def test_the_parameter_stays_in_the_range_of_the_system_and_ends_are_exact() -> None:
     pieces = three()
-    assert "At the first h of the pieces, 0.125, the" in conclude(pieces).statement
-    assert "not part of the theorem" in conclude(pieces).statement
+    assert "At the first h of the pieces, 0.125, the" in conclusion_in_words(conclude(pieces))
+    assert "not part of the theorem" in conclusion_in_words(conclude(pieces))
     edges = [(Fraction(1, 2), Fraction(3, 4)), (Fraction(5, 8), ONE), (Fraction(7, 8), Fraction(9, 8))]
     beyond = [flat_piece(k, *edge) for k, edge in enumerate(edges)]
     claim = flat_atlas(beyond, "0.5", "0.9").claim
@@ -136,7 +138,7 @@ def test_ranges_of_parameters_are_rounded_inward() -> None:
     start, end = Fraction(1, 8) + Fraction(1, 2**50), Fraction(1, 2) - Fraction(1, 2**50)
     atlas = flat_atlas([flat_piece(1, start, end)])
     atlas = replace(atlas, claim=replace(atlas.claim, covers=None))
-    statement = conclude_surface(atlas, [result_of(piece) for piece in atlas.surface_pieces()]).statement
+    statement = conclusion_in_words(conclude_surface(atlas, [result_of(piece) for piece in atlas.surface_pieces()]))
     assert "of h in [0.125000000001, 0.499999999999]" in statement
 
 
@@ -232,7 +234,7 @@ def test_a_surface_with_a_flaw_is_refused(name: str) -> None:
     change(pieces, results)
     conclusion = conclude(pieces, results)
     assert isinstance(conclusion.outcome, NotProved)
-    assert not conclusion.statement
+    assert not conclusion_in_words(conclusion)
     assert conclusion.outcome.reason.condition == condition
 
 
@@ -302,7 +304,7 @@ def test_at_the_joint_of_two_parts_a_point_may_be_that_of_either() -> None:
 def test_half_periods_are_those_of_all_pieces() -> None:
     pieces = three()
     results = [{**result_of(p), "time": ball_to_json(arb(k, 0.1))} for k, p in enumerate(pieces, start=1)]
-    statement = conclude(pieces, results).statement
+    statement = conclusion_in_words(conclude(pieces, results))
     found = re.search(r"All half periods lie in \[(\S+), (\S+)\]\.", statement)
     assert found is not None
     assert 0.85 < float(found[1]) <= 0.9
@@ -420,8 +422,8 @@ def test_the_theorem_for_l1_and_all_masses(tmp_path: Path) -> None:
     results = [prove_surface_piece(HILL, piece, WHOLE, ORACLE).to_json() for piece in atlas.surface_pieces()]
     conclusion = conclude_surface(atlas, results)
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
-    assert "for all mu in (0, 0.500188017]" in conclusion.statement
-    assert "|z| <= 0.004 mu^(1/3)" in conclusion.statement
+    assert "for all mu in (0, 0.500188017]" in conclusion_in_words(conclusion)
+    assert "|z| <= 0.004 mu^(1/3)" in conclusion_in_words(conclusion)
 
 
 @pytest.mark.parametrize("size", [1, 10**14, 10**20])

@@ -15,6 +15,7 @@ from orbitproof.verify.certificate import Limits
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.curve.piece import prove_piece
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.words import conclusion_in_words
 
 ATLAS = Path(__file__).parents[1] / "data" / "atlas-vertical.json"
 WHOLE = (Fraction(-1), Fraction(1))
@@ -29,8 +30,8 @@ def test_an_arc_of_the_vertical_family_is_one_curve_and_none_with_another_number
     results = [json.loads(json.dumps(found.to_json()))]
     conclusion = conclude(atlas, results)
     assert conclusion.is_proved
-    assert "z takes all values from 0.1 to 0.12" in conclusion.statement
-    assert "the half orbits from Fix(R) to Fix(R) meet the section 2 times" in conclusion.statement
+    assert "z takes all values from 0.1 to 0.12" in conclusion_in_words(conclusion)
+    assert "the half orbits from Fix(R) to Fix(R) meet the section 2 times" in conclusion_in_words(conclusion)
     # One certified orbit lies on it; a certificate that counts crossings differently says nothing of it.
     certificate = certify(read_candidates(ATLAS.with_name("orbit-vertical.json"))[0], Limits(digits=12))
     (entry,) = conclude(atlas, results, [certificate]).bifurcations

@@ -20,8 +20,8 @@ from orbitproof.shared.formats import (
 from orbitproof.shared.systems import record
 from orbitproof.verify.atlas.splitting import NOT_FOR_SPLITTING, Settings, condition_of, interval_of, made_with
 from orbitproof.verify.certificate import Certificate, digest, system_names
-from orbitproof.verify.claim import setting
 from orbitproof.verify.evidence import software
+from orbitproof.verify.words import branch_in_full
 
 SCHEMA = "atlas-certificate"
 
@@ -64,7 +64,7 @@ def make_atlas_certificate(
 ) -> dict[str, Any]:
     """The certificate of an atlas, with the results in order along the curve.
 
-    `conclusion` is what `verify.curve.theorem` makes of the results; `None` as long as intervals are missing.
+    `conclusion` is what `conclusion_of` makes of the results; `None` as long as intervals are missing.
     `rests_on` are the certificates of bifurcations that it was made with; it carries them without their places on
     curves, which it says itself.
     """
@@ -79,9 +79,8 @@ def make_atlas_certificate(
     else:
         verdict, reason = conclusion["verdict"], conclusion["reason"]
         if verdict == "proved":
-            words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry, atlas.claim.crossings)
             statement["theorem"] = conclusion["statement"]
-            statement["in_full"] = "\n".join([*words, "Theorem.", conclusion["statement"]])
+            statement["in_full"] = branch_in_full(atlas, conclusion["statement"])
     certificate: dict[str, Any] = {
         "format": "orbitproof-atlas-certificate",
         "version": 1,

@@ -12,8 +12,9 @@ from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
 from orbitproof.verify.curve import conclude, enclose_other_point
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import with_complete_list
+from orbitproof.verify.stability import conclude_list
 from orbitproof.verify.surface import conclude_surface
+from orbitproof.verify.words import BranchConclusion, conclusion_in_words
 
 partner = partial(enclose_other_point, ORACLE)
 """Encloses the other point of a symmetric orbit on Fix(R), by integration."""
@@ -43,7 +44,7 @@ def conclusion_of(
     for name in repeated(bifurcations):
         raise ValueError(f"the certificates of bifurcations: {name!r} appears twice")
     if atlas.is_surface:
-        return conclude_surface(atlas, results).to_json()
+        return told(conclude_surface(atlas, results))
     # By the whole certificate: what was found of one says nothing of another that has its id.
     checks = dict(zip(bifurcations, check(bifurcations), strict=True))
 
@@ -55,4 +56,9 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner)
-    return conclusion.to_json() if order is None else with_complete_list(atlas, results, conclusion, order)
+    return told(conclusion if order is None else conclude_list(atlas, results, conclusion, order))
+
+
+def told(conclusion: BranchConclusion) -> dict[str, Any]:
+    """A conclusion as JSON, with its theorem in words."""
+    return conclusion.to_json(conclusion_in_words(conclusion))

@@ -21,9 +21,9 @@ from orbitproof.verify.certificate import (
     digest,
     recheck,
 )
-from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.curve import Bifurcation, conclude
 from orbitproof.verify.evidence import ball_to_json, located
+from orbitproof.verify.words import place_in_words
 
 _DIGITS = 18
 
@@ -143,16 +143,13 @@ def _placed(
 def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
     place, rests_on = entry.place, _rests_on(curve)
     assert place is not None
-    point = "P(x)" if place.other_point else "x"
-    mirror = f"The image under {atlas_in_words(curve.atlas).claim.symmetry} of the" if place.mirrored else "The"
     return {
         "rests_on": rests_on,
         "piece": place.piece,
         "s": ball_to_json(place.s),
         "mirrored": place.mirrored,
         "other_point": place.other_point,
-        "statement": f"{mirror} point {point} lies on the curve that the certificate {shown(rests_on['id'])} "
-        f"({rests_on['digest']}) proves, on its piece {place.piece}, at {located('s', place.s, _DIGITS)}.",
+        "statement": place_in_words(curve.atlas, place, rests_on["id"], rests_on["digest"]),
     }
 
 

@@ -45,11 +45,11 @@ from orbitproof.verify.certificate import (
     systems_with,
     unknown_reason,
 )
-from orbitproof.verify.curve import PieceLimits, curve_hypotheses
+from orbitproof.verify.curve import CurveTheorem, PieceLimits
 from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.evidence import ball_from_json, quoted_name
 from orbitproof.verify.stability import unconfirmed
-from orbitproof.verify.surface import SurfaceLimits, surface_hypotheses, unshown
+from orbitproof.verify.surface import SurfaceLimits, SurfaceTheorem, unshown
 
 _MORE = {"precision": 32, "order": 4, "width": 8}
 _MORE_OF_SAME_WIDTH = {"precision": 32, "order": 4}
@@ -147,7 +147,7 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
         names, listed = list(map(shown, names)), list(map(shown, listed))
         yield Finding("rests_on", f"carries {', '.join(names) or 'nothing'}; listed: {', '.join(listed)}")
     found = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
-    expected = list((surface_hypotheses if atlas.is_surface else curve_hypotheses)(atlas))
+    expected = (SurfaceTheorem(atlas) if atlas.is_surface else CurveTheorem(atlas)).hypotheses
     if document["verdict"] == "proved":
         yield from other_hypotheses(found, expected, document)
     else:

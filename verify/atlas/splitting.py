@@ -1,7 +1,7 @@
 """Which intervals of the pieces of an atlas remain to be proved.
 
 What fails is tried again with more precision, and then split in two. Nothing here carries proof: what the proved
-intervals show together is decided by `verify.curve.theorem`, from the intervals themselves.
+intervals show together is decided by `verify.curve.conclude`, from the intervals themselves.
 """
 
 from __future__ import annotations

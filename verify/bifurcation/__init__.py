@@ -10,13 +10,13 @@ from orbitproof.verify.bifurcation.level_forms import (
     level_spread,
 )
 from orbitproof.verify.bifurcation.on_the_way import check_half_returns
-from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family, reduced_function
-from orbitproof.verify.bifurcation.theorem import (
+from orbitproof.verify.bifurcation.proved_bifurcation import (
     BifurcationResults,
+    BifurcationTheorem,
     check_exactly,
-    in_own_box,
     parameter_name,
     prepare,
     prove,
     theorem_of,
 )
+from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family, reduced_function

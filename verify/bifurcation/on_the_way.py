@@ -27,7 +27,7 @@ REMEDY = "are k and the kind right, and is the centre at the bifurcation point?"
 def check_half_returns(candidate: Candidate, found: HalfReturns) -> None:
     """Raise `NotEstablishedError` if a condition about so many half returns, fewer than k, fails.
 
-    It is the failure that the proof would come to, which `verify.bifurcation.theorem.prove` finds when all returns are
+    It is the failure that the proof would come to, which `proved_bifurcation.prove` finds when all returns are
     enclosed; or that of a claim which the first two half returns exclude.
     """
     problem = _problem(candidate, found)

@@ -27,7 +27,6 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate.in_full import in_full
 from orbitproof.verify.certificate.kinds import Found, Results, theorem_of
 from orbitproof.verify.certificate.stated_system import system_names
 from orbitproof.verify.certificate.tables import tables_to_json
@@ -37,13 +36,13 @@ from orbitproof.verify.evidence import (
     Outcome,
     Proved,
     Reason,
-    Theorem,
     ball_from_json,
     certain_digits,
     outcome_to_json,
     software,
 )
 from orbitproof.verify.orbit import OrbitResults
+from orbitproof.verify.words import in_full, theorem_in_words
 
 _SHOWN_DIGITS = 34
 _KINDS = {
@@ -291,8 +290,8 @@ def make_certificate(
     claim = statement(candidate, form)
     results = None
     if isinstance(outcome, Proved):
-        claim["theorem"], results = outcome.theorem.statement, outcome.results.to_json()
-        claim["in_full"] = in_full(candidate, form, outcome.theorem, outcome.results)
+        claim["theorem"], results = theorem_in_words(outcome.theorem), outcome.results.to_json()
+        claim["in_full"] = in_full(candidate, outcome.theorem, outcome.results)
     certificate = {
         "id": candidate.id,
         "statement": claim,
@@ -317,11 +316,11 @@ def is_proof_of(certificate: Certificate, candidate: Candidate) -> bool:
     entry = certificate.to_json()
     form = level_form(candidate) if "level_form" in entry["statement"] else None
     theorem = theorem_of(candidate, form)
-    if not (isinstance(theorem, Theorem) and certificate.proved):
+    if isinstance(theorem, Reason) or not certificate.proved:
         return False
     words = {
-        "theorem": theorem.statement,
-        "in_full": in_full(candidate, form, theorem, certificate.orbit or certificate),
+        "theorem": theorem_in_words(theorem),
+        "in_full": in_full(candidate, theorem, certificate.orbit or certificate),
     }
     return (
         entry.get("digest") == digest(entry)

@@ -14,9 +14,9 @@ import numpy as np
 
 from orbitproof.shared.formats import ORBIT, Candidate, InputError
 from orbitproof.verify.bifurcation import (
+    BifurcationTheorem,
     check_exactly,
     check_own_box,
-    in_own_box,
     level_form,
     level_spread,
 )
@@ -290,4 +290,4 @@ def for_origin(origin: Candidate, outcome: Verdict, precision: int) -> Verdict:
             if reason.condition == "candidate-box" and missing is not None:
                 reason = replace(reason, needs_precision=True, enough_precision=precision + missing)
             return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(in_own_box(outcome.theorem), outcome.results, tuple(checklist.hypotheses))
+    return Proved(BifurcationTheorem(form, in_own_box=True), outcome.results, tuple(checklist.hypotheses))

@@ -10,21 +10,21 @@ from flint import arb
 
 from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.verify import bifurcation
-from orbitproof.verify.bifurcation import BifurcationResults
+from orbitproof.verify.bifurcation import BifurcationResults, BifurcationTheorem
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.tables import derivative_name
-from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Proved, Reason, Theorem, ball_from_json
+from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Proved, Reason, ball_from_json
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, enclose_orbit, orbit_theorem, prove_orbit
+from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, OrbitTheorem, enclose_orbit, prove_orbit
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 Found = Enclosures | OrbitEnclosures
 Results = BifurcationResults | OrbitResults
 
 
-def theorem_of(candidate: Candidate, form: Candidate | None = None) -> Theorem | Reason:
+def theorem_of(candidate: Candidate, form: Candidate | None = None) -> BifurcationTheorem | OrbitTheorem | Reason:
     """The theorem that a candidate claims, or why none applies; `form` is its level form, if that is checked."""
-    return orbit_theorem(candidate) if candidate.kind == ORBIT else bifurcation.theorem_of(candidate, form)
+    return OrbitTheorem(candidate) if candidate.kind == ORBIT else bifurcation.theorem_of(candidate, form)
 
 
 def enclose(

@@ -50,7 +50,7 @@ from orbitproof.verify.evidence import (
     NotProved,
     Outcome,
     Proved,
-    Theorem,
+    Reason,
     guarded,
     quoted_name,
 )
@@ -155,7 +155,7 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
     theorem = theorem_of(stated.candidate, stated.form)
     names = tuple(hypothesis["name"] for hypothesis in certificate["hypotheses"])
     if certificate["verdict"] != "proved":
-        known = theorem.hypotheses if isinstance(theorem, Theorem) else ()
+        known = () if isinstance(theorem, Reason) else theorem.hypotheses
         yield from unknown_reason(certificate["reason"], known)
         if names != known[: len(names)]:
             stored = ", ".join(map(quoted_name, names))
@@ -163,7 +163,7 @@ def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
         return
     if stated.enclosures is None:
         yield Finding("enclosures", "there are none, so nothing shows that the claim is proved")
-    if not isinstance(theorem, Theorem):
+    if isinstance(theorem, Reason):
         yield Finding("statement.candidate", f"{theorem.message}: {theorem.remedy}")
         return
     yield from other_hypotheses(names, theorem.hypotheses, certificate)

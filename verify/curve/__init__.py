@@ -1,8 +1,7 @@
 """Curves of symmetric orbits in pieces: tubes, gluing, bifurcations on the curve (sections 15 and 16)."""
 
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Partner
+from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Partner, Place
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
-from orbitproof.verify.curve.conditions import hypotheses_of as curve_hypotheses
 from orbitproof.verify.curve.equation import BEYOND, HalfReturn, divided_by_wide, tube_points
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
@@ -18,5 +17,5 @@ from orbitproof.verify.curve.piece_result import (
     broken_off,
     interval_to_json,
 )
+from orbitproof.verify.curve.proved_curve import CurveTheorem, ProvedCurve, conclude
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.curve.theorem import ProvedCurve, conclude

@@ -49,17 +49,12 @@ class Conclusion(Generic[Known]):
         """Whether the whole is proved."""
         return isinstance(self.outcome, Proved)
 
-    @property
-    def statement(self) -> str:
-        """The theorem in words; empty if it is not proved."""
-        return self.outcome.theorem.statement if isinstance(self.outcome, Proved) else ""
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact numbers and balls with decimals beside them."""
+    def to_json(self, statement: str) -> dict[str, Any]:
+        """The JSON object: exact numbers and balls with decimals beside them; `statement` is the theorem in words."""
         whole = self.outcome.results if isinstance(self.outcome, Proved) else None
         return {
             **outcome_to_json(self.outcome),
-            "statement": self.statement,
+            "statement": statement,
             "stretches": [] if whole is None else whole.stretches_to_json(),
             "joints": [] if whole is None else whole.joints_to_json(),
             "ends": {} if whole is None else {end: balls_to_json(balls) for end, balls in whole.ends.items()},

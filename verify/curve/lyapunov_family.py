@@ -7,10 +7,9 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
-from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import AROUND, CR3BP, ReversibleSystem
 from orbitproof.verify.curve.libration_point import derived_parameter
-from orbitproof.verify.evidence import IntegrationFailure, decimal_interval, enclose, excludes_zero
+from orbitproof.verify.evidence import IntegrationFailure, enclose, excludes_zero
 
 PLANAR = "S"
 """The symmetry of the CR3BP that fixes the planar orbits, z -> -z."""
@@ -24,6 +23,14 @@ def point_name(system: ReversibleSystem) -> str | None:
 def certified_system(system: ReversibleSystem) -> ReversibleSystem:
     """The system in which points of a curve of `system` are certified: the CR3BP, or `system` itself."""
     return system if point_name(system) is None else CR3BP
+
+
+def libration_point(system: ReversibleSystem, parameters: Mapping[str, Fraction]) -> arb | None:
+    """Enclosure of x_l, the libration point on its axis, to the precision of Arb; `None` for other systems.
+
+    Raises `IntegrationFailure` if it was not enclosed.
+    """
+    return None if point_name(system) is None else derived_parameter(system, "x_l", parameters, ctx.prec).ball
 
 
 def in_units_of_orbit(
@@ -63,47 +70,3 @@ def jacobi_constant(
         [*state, enclose(parameters["mu"])], enclose, lambda base, power: base ** enclose(power)
     )
     return arb(value)
-
-
-_SIDES = {
-    "L1": ("between the primaries", "(1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2"),
-    "L2": ("beyond the smaller primary", "(1 - mu)/(X + mu)^2 + mu/(X - 1 + mu)^2"),
-    "L3": ("beyond the larger primary", "-(1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2"),
-}
-"""Where the libration point lies on the axis, and what X is there."""
-
-_SHOWN_DIGITS = 20
-
-
-def libration_units(atlas: Atlas) -> str:
-    """A sentence on the units of a system around a libration point; empty for other systems."""
-    name = point_name(atlas.system)
-    if name is None:
-        return ""
-    side, force = _SIDES[name]
-    x_l = derived_parameter(atlas.system, "x_l", atlas.parameters, ctx.prec).ball
-    return (
-        f" In its coordinates X = x_l + eps x, Y = eps y of the three-body problem with primaries at -mu and 1 - mu, "
-        f"x_l is the only root X of X = {force} {side}, in {decimal_interval(x_l, _SHOWN_DIGITS)}, and (eps, vy) "
-        f"stands for the initial point x = 1, y = 0, x' = 0, y' = vy."
-    )
-
-
-def meaning(atlas: Atlas) -> str:
-    """What a proved curve around a libration point says about the CR3BP; empty if it says nothing more.
-
-    Theorem 16.3: eps increases along the curve and takes values on an interval that contains 0.
-    """
-    name, covers = point_name(atlas.system), atlas.claim.covers
-    if name is None or covers is None or "eps" not in atlas.claim.increasing:
-        return ""
-    text = (
-        "For eps other than 0 the orbit of (eps, vy) is the planar R-symmetric orbit of the circular restricted "
-        "three-body problem through X = x_l + eps, Y' = eps vy on the axis, with the same half period."
-    )
-    if covers.coordinate != "eps" or not covers.start <= 0 <= covers.end:
-        return text
-    return (
-        f"{text} At eps = 0 it is the orbit of the linear centre, so the curve is the planar Lyapunov family that "
-        f"emanates from {name}."
-    )

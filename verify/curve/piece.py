@@ -35,7 +35,6 @@ from orbitproof.verify.evidence import (
     Checklist,
     IntegrationFailure,
     NotProved,
-    Theorem,
     all_finite,
     dyadic_above,
     enclose,
@@ -60,11 +59,14 @@ SLOPE_BITS = 52
 _MENDED_BY_COORDINATES = ("tube", "newton", "singularity", "steps")
 """Conditions for which regularised coordinates are tried where the system's own fail."""
 
-THEOREM = Theorem(
-    "for every s of the interval the tube contains exactly one point of an R-symmetric orbit with f^2(x) = x; it is a "
-    "regular zero of pi_q f and depends smoothly on s; f = P^m, half orbits that meet the section m times",
-    ("piece", "half-return", "newton"),
-)
+
+@dataclass(frozen=True)
+class TubeTheorem:
+    """For every s of the interval the tube contains exactly one point of an R-symmetric orbit with f^2(x) = x; it is a
+    regular zero of pi_q f and depends smoothly on s; f = P^m, half orbits that meet the section m times (section 15.3).
+    """
+
+    hypotheses = ("piece", "half-return", "newton")
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,7 @@ class _Proof:
             return attempt(
                 self.piece.id,
                 self.asked,
-                THEOREM,
+                TubeTheorem(),
                 computation,
                 lambda checklist: self.check_all(checklist, computation, progress),
             )

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from flint import arb
 
@@ -100,12 +100,15 @@ class Hypothesis:
     enclosures: Mapping[str, arb] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Theorem:
-    """What a verdict proves, and the names of the hypotheses that it takes, in the order of checking."""
+class Theorem(Protocol):
+    """What a verdict proves: a value of a type that its chapter has, which says what it is about.
 
-    statement: str
-    hypotheses: tuple[str, ...]
+    Its words follow from it and from the results (`verify.words`).
+    """
+
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """The names of the hypotheses that it takes, in the order of checking."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from orbitproof.verify.evidence import ball_to_json, excludes_zero
 from orbitproof.verify.stability.complete_list import Finder, orders, resonant_value
 from orbitproof.verify.stability.kinds import Kind, Matter
 from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
+from orbitproof.verify.stability.list_entries import CompleteList, Gap, Point, Segment
 from orbitproof.verify.stability.matching import with_certificates
-from orbitproof.verify.stability.places import CompleteList, Gap, Point, Segment
 
 _ENTRIES = {
     (1, 0): ((Kind.ACROSS_AXIAL, 1), (Kind.ACROSS_SYMMETRIC, 2)),

@@ -13,7 +13,7 @@ from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, hull, is_below, is_positive
 from orbitproof.verify.stability.extrema import BAND, is_in_band
-from orbitproof.verify.stability.places import Extremum, Gap, Segment
+from orbitproof.verify.stability.list_entries import Extremum, Gap, Segment
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from flint import arb
 
 from orbitproof.verify.evidence import enclose, excludes_zero, is_below, is_inside
 from orbitproof.verify.functions import BoundedFunction
-from orbitproof.verify.stability.places import Segment
+from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.zeros import between, zeros_on
 
 BAND = Fraction(11, 10)

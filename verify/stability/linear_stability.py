@@ -15,7 +15,7 @@ from orbitproof.verify.curve import Chain
 from orbitproof.verify.distances import Ranges, ranges_between, together
 from orbitproof.verify.evidence import ball_to_json, enclose, is_positive
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, What, may_change_stability, name_of
-from orbitproof.verify.stability.places import CompleteList, Point, Segment, shortened
+from orbitproof.verify.stability.list_entries import CompleteList, Point, Segment, shortened
 from orbitproof.verify.stability.zeros import ends_of
 
 

@@ -12,7 +12,7 @@ from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
-from orbitproof.verify.stability.places import Gap, Point
+from orbitproof.verify.stability.list_entries import Gap, Point
 
 _KINDS = {FOLD: Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC}
 """What is found where a bifurcation of a kind is certified, for k = 1."""

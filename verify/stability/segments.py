@@ -18,7 +18,7 @@ from orbitproof.verify.evidence import dot, enclose, symmetric
 from orbitproof.verify.functions import REACH, function_from_json
 from orbitproof.verify.out_of_plane import variations_from_json
 from orbitproof.verify.stability.kinds import Matter
-from orbitproof.verify.stability.places import Gap, Segment
+from orbitproof.verify.stability.list_entries import Gap, Segment
 from orbitproof.verify.stability.zeros import ends_of
 
 _NOT_LOOKED_AT = "the stability of its orbits was not looked at"

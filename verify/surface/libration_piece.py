@@ -24,7 +24,6 @@ from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
     Reason,
-    Theorem,
     ball_from_json,
     ball_to_json,
     dyadic_above,
@@ -48,11 +47,14 @@ _PARTS, _HALVINGS = 4, 8
 
 _REMEDY = "give a narrower piece or another tube"
 
-THEOREM = Theorem(
-    "for every b of the piece and every eps of the interval the tube contains exactly one point of an R-symmetric "
-    "orbit with P^2(x) = x; it is a regular zero of pi_q P and depends smoothly on both",
-    ("piece", "half-return", "newton"),
-)
+
+@dataclass(frozen=True)
+class SizesTheorem:
+    """For every b of the piece and every eps of the interval the tube contains exactly one point of an R-symmetric
+    orbit with P^2(x) = x; it is a regular zero of pi_q P and depends smoothly on both (section 17.5).
+    """
+
+    hypotheses = ("piece", "half-return", "newton")
 
 
 @dataclass(frozen=True)
@@ -139,7 +141,7 @@ def prove_libration_piece(
         return ProvedSizes(start, end, deviation, time)
 
     with guarded(limits.precision):
-        return attempt(piece.id, interval, THEOREM, computation, check)
+        return attempt(piece.id, interval, SizesTheorem(), computation, check)
 
 
 def _half_return(

@@ -21,7 +21,6 @@ from orbitproof.verify.evidence import (
     NotEstablishedError,
     NotProved,
     Outcome,
-    Theorem,
     exact_interval_text,
     guarded,
 )
@@ -35,11 +34,14 @@ _END = Fraction(1, 64)
 _HALVINGS = 14
 """How often an interval of s is halved at most to show the hypotheses on its parts."""
 
-THEOREM = Theorem(
-    "for every s of the interval the box of the piece contains exactly one symmetry breaking, as the candidate at s "
-    "claims it",
-    ("piece", "half-return", "parts"),
-)
+
+@dataclass(frozen=True)
+class BreakingTheorem:
+    """For every s of the interval the box of the piece contains exactly one symmetry breaking, as the candidate at s
+    claims it (section 17.2).
+    """
+
+    hypotheses = ("piece", "half-return", "parts")
 
 
 def candidate_at(system: ReversibleSystem, piece: SurfacePiece, s: Fraction, symmetry: str) -> Candidate:
@@ -100,7 +102,7 @@ def prove_surface_piece(
         return ProvedParts(tuple(parts), returned.time)
 
     with guarded(limits.precision):
-        return attempt(piece.id, interval, THEOREM, computation, check)
+        return attempt(piece.id, interval, BreakingTheorem(), computation, check)
 
 
 def _check_claim(

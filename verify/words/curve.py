@@ -1,4 +1,4 @@
-"""The theorem about a proved curve in words (section 15.9)."""
+"""The theorem about a proved curve in words (sections 15.9, 16.4 and 16.5)."""
 
 from __future__ import annotations
 
@@ -9,19 +9,17 @@ from flint import arb
 from orbitproof.shared.formats import ORBIT, Atlas
 from orbitproof.shared.systems import ReversibleSystem, shown
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, signs_on
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
-from orbitproof.verify.curve.conclusion import Ends
-from orbitproof.verify.curve.lyapunov_family import libration_units, meaning
-from orbitproof.verify.evidence import exact_text, interval_text, range_text
+from orbitproof.verify.curve import Bifurcation, CurveTheorem, Ends, ProvedCurve, point_name
+from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
 
 _DIGITS = 18
 
 
-def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
-    """What is proved of the curve, without the bifurcations on it. `half_period` may be not finite: not known."""
-    ends = {key: keyed_in_words(atlas.system, point) for key, point in ends.items()}
-    atlas = atlas_in_words(atlas)
-    paragraphs = [_setting(atlas), _curve(atlas, ends)]
+def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
+    """What is proved of the curve, without the bifurcations on it."""
+    ends = {key: keyed_in_words(theorem.atlas.system, point) for key, point in curve.ends.items()}
+    atlas, half_period = atlas_in_words(theorem.atlas), curve.half_period
+    paragraphs = [f"{_setting(atlas)}{_libration_units(atlas, curve.x_l)}", _curve(atlas, ends)]
     claim = atlas.claim
     if claim.increasing:
         paragraphs.append(_increasing(atlas, ends))
@@ -39,7 +37,7 @@ def curve_statement(atlas: Atlas, ends: Ends, half_period: arb) -> str:
     return "\n".join(paragraphs)
 
 
-def bifurcation_statement(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
+def bifurcations_in_words(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
     """Which of the certified bifurcations and orbits lie on the curve, and which are not shown to."""
     lines = []
     on = [entry for entry in bifurcations if entry.place is not None and entry.kind != ORBIT]
@@ -72,7 +70,7 @@ def _setting(atlas: Atlas) -> str:
     power = "the map P" if m == 1 else f"P = Q^{m}, Q the map"
     return (
         f"Consider the {system.title}{with_values}, and {power} to the next crossing of the section "
-        f"{{{system.section} = 0}}.{_level(system)}{libration_units(atlas)}"
+        f"{{{system.section} = 0}}.{_level(system)}"
     )
 
 
@@ -154,3 +152,46 @@ def _bifurcation(atlas: Atlas, entry: Bifurcation) -> str:
 
 def _point(coordinates: Mapping[str, arb]) -> str:
     return "(" + ", ".join(interval_text(ball, _DIGITS) for ball in coordinates.values()) + ")"
+
+
+_SIDES = {
+    "L1": ("between the primaries", "(1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2"),
+    "L2": ("beyond the smaller primary", "(1 - mu)/(X + mu)^2 + mu/(X - 1 + mu)^2"),
+    "L3": ("beyond the larger primary", "-(1 - mu)/(X + mu)^2 - mu/(X - 1 + mu)^2"),
+}
+"""Where the libration point lies on the axis, and what X is there."""
+
+_SHOWN_DIGITS = 20
+
+
+def _libration_units(atlas: Atlas, x_l: arb | None) -> str:
+    """A sentence on the units of a system around a libration point; empty for other systems."""
+    name = point_name(atlas.system)
+    if name is None or x_l is None:
+        return ""
+    side, force = _SIDES[name]
+    return (
+        f" In its coordinates X = x_l + eps x, Y = eps y of the three-body problem with primaries at -mu and 1 - mu, "
+        f"x_l is the only root X of X = {force} {side}, in {decimal_interval(x_l, _SHOWN_DIGITS)}, and (eps, vy) "
+        f"stands for the initial point x = 1, y = 0, x' = 0, y' = vy."
+    )
+
+
+def meaning(atlas: Atlas) -> str:
+    """What a proved curve around a libration point says about the CR3BP; empty if it says nothing more.
+
+    Theorem 16.3: eps increases along the curve and takes values on an interval that contains 0.
+    """
+    name, covers = point_name(atlas.system), atlas.claim.covers
+    if name is None or covers is None or "eps" not in atlas.claim.increasing:
+        return ""
+    text = (
+        "For eps other than 0 the orbit of (eps, vy) is the planar R-symmetric orbit of the circular restricted "
+        "three-body problem through X = x_l + eps, Y' = eps vy on the axis, with the same half period."
+    )
+    if covers.coordinate != "eps" or not covers.start <= 0 <= covers.end:
+        return text
+    return (
+        f"{text} At eps = 0 it is the orbit of the linear centre, so the curve is the planar Lyapunov family that "
+        f"emanates from {name}."
+    )

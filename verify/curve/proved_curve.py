@@ -19,7 +19,7 @@ from orbitproof.verify.curve.bifurcations_on_it import (
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
 from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.statement import bifurcation_statement, curve_statement
+from orbitproof.verify.curve.lyapunov_family import libration_point
 from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
@@ -27,7 +27,6 @@ from orbitproof.verify.evidence import (
     NotProved,
     Proved,
     Reason,
-    Theorem,
     all_finite,
     hull,
     meet,
@@ -38,11 +37,32 @@ PRECISION = 256
 
 
 @dataclass(frozen=True)
+class CurveTheorem:
+    """The pieces of an atlas are one curve of symmetric periodic orbits, as its claim says (Theorem 15.5)."""
+
+    atlas: Atlas
+
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`."""
+        return hypotheses_of(self.atlas)
+
+
+@dataclass(frozen=True)
 class ProvedCurve:
-    """A curve, and enclosures of the coordinates of its first and last point."""
+    """What is known of a proved curve.
+
+    Attributes:
+        chain: its pieces, glued.
+        ends: enclosures of the coordinates of its first and last point.
+        half_period: contains the half periods of all its orbits; not finite if they are not all known.
+        x_l: the libration point on its axis, if the system is written around one.
+    """
 
     chain: Chain
     ends: Ends
+    half_period: arb
+    x_l: arb | None = None
 
     def stretches_to_json(self) -> list[dict[str, Any]]:
         """The JSON objects of the parts of the pieces that it runs along."""
@@ -77,15 +97,14 @@ def conclude(
         placed: tuple[Bifurcation, ...] = ()
         try:
             placed = tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
-            curve = ProvedCurve(chain, _ends(atlas, chain, placed))
-            texts = (curve_statement(atlas, curve.ends, _half_period(chain)), bifurcation_statement(atlas, placed))
+            x_l = libration_point(atlas.system, atlas.parameters)
+            curve = ProvedCurve(chain, _ends(atlas, chain, placed), _half_period(chain), x_l)
         except (EmptyIntersectionError, NotEstablishedError) as error:
             reason = Reason(
                 "bifurcations", f"curve, parameters and certificates contradict each other: {error}", "report this"
             )
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)), placed)
-        theorem = Theorem("\n".join(text for text in texts if text), hypotheses_of(atlas))
-    return Conclusion(Proved(theorem, curve, tuple(checklist.hypotheses)), placed)
+    return Conclusion(Proved(CurveTheorem(atlas), curve, tuple(checklist.hypotheses)), placed)
 
 
 def _ends(atlas: Atlas, chain: Chain, placed: Sequence[Bifurcation]) -> Ends:

@@ -1,19 +1,16 @@
-"""The theorem of a candidate's certificate so that it stands alone (section 10.4)."""
+"""Theorems so that they stand alone: the system, the box, what words mean, what was found (section 10.4)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from decimal import Decimal
 from fractions import Fraction
 from itertools import count
 from math import floor, log10
-from typing import Protocol
 
-from flint import arb
-
-from orbitproof.shared.formats import FOLD, Candidate
-from orbitproof.verify.bifurcation import parameter_name
-from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words, setting
+from orbitproof.shared.formats import Candidate
+from orbitproof.verify.bifurcation import BifurcationTheorem
+from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words
 from orbitproof.verify.evidence import (
     Theorem,
     certain_digits,
@@ -22,10 +19,12 @@ from orbitproof.verify.evidence import (
     enclose,
     exact_text,
     guarded,
-    located,
     symmetric,
 )
-from orbitproof.verify.orbit import OrbitResults, orbit_in_full
+from orbitproof.verify.orbit import OrbitResults, OrbitTheorem
+from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
+from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
 
 _DIGITS = 40
 _BITS = 1024
@@ -33,40 +32,34 @@ _BITS = 1024
 _SHORT = 6
 
 
-class Located(Protocol):
-    """What is known of a proved bifurcation: a certificate, or results."""
-
-    @property
-    def point(self) -> Mapping[str, arb]:
-        """Enclosures of its coordinates on Fix(R)."""
-
-    @property
-    def parameter(self) -> arb | None:
-        """Enclosure of the parameter."""
-
-    @property
-    def side(self) -> str | None:
-        """Parameter values at which there are new orbits."""
+def theorem_in_words(theorem: Theorem) -> str:
+    """A theorem about a box, in short. Raises `TypeError` if it is about no box."""
+    match theorem:
+        case BifurcationTheorem():
+            return bifurcation_in_words(theorem)
+        case OrbitTheorem():
+            return orbit_in_words(theorem)
+    raise TypeError(f"{type(theorem).__name__}: a theorem about no box")
 
 
-def in_full(candidate: Candidate, form: Candidate | None, theorem: Theorem, found: Located | OrbitResults) -> str:
+def in_full(candidate: Candidate, theorem: Theorem, found: Located | OrbitResults) -> str:
     """System, box, theorem, what its words mean, and what was found, in this order.
 
-    `form` as in `certificate.statement`. The decimals of the box are rounded outward where it is enclosed, and inward
-    where something is said to lie in it.
+    The decimals of the box are rounded outward where it is enclosed, and inward where something is said to lie in it.
     """
     system = candidate.system
+    form = theorem.claim if isinstance(theorem, BifurcationTheorem) and theorem.in_own_box else None
     own, claim = claim_in_words(candidate), claim_in_words(form or candidate)
     with guarded(_BITS):
         lines = setting(system, candidate.parameters, candidate.symmetry, candidate.crossings)
         lines += _box(claim, form is not None)
         if form is not None:
             lines += ["The candidate's own box:", *_set(own, "candidate")]
-        lines += ["Theorem.", theorem.statement]
+        lines += ["Theorem.", theorem_in_words(theorem)]
         if isinstance(found, OrbitResults):
-            lines += orbit_in_full(candidate, found)
+            lines += orbit_found(candidate, found)
         else:
-            lines += [_definition(claim), *_found(found, claim, keyed_in_words(system, found.point))]
+            lines += [kind_in_words(claim), *found_in_words(found, claim, keyed_in_words(system, found.point))]
     return "\n".join(lines)
 
 
@@ -125,48 +118,3 @@ def _below(value: Fraction) -> str:
     exponent = floor(log10(value.numerator) - log10(value.denominator))
     digits = Decimal(floor(value * Fraction(10) ** (_SHORT - 1 - exponent))).scaleb(1 - _SHORT)
     return f"{digits}e{exponent}"
-
-
-def _definition(claim: Candidate) -> str:
-    k = claim.k
-    if claim.kind == FOLD:
-        return (
-            "Fold means: on one side of the value of the parameter at the bifurcation point the box contains no point "
-            "x of Fix(R) with P^2(x) = x; for every value on the other side that is near enough it contains exactly "
-            "two, on two different orbits, and they merge at the bifurcation point."
-        )
-    along = "near the bifurcation point the family has one point for every value of the parameter near its value there"
-    if claim.kind == "touch_and_go":
-        return (
-            f"Touch-and-go of order {k} means: {along}; besides it the points x of Fix(R) with P^{2 * k}(x) = x are "
-            f"one more curve, which also has one point for every such value, and the two meet at the bifurcation "
-            f"point only."
-        )
-    if claim.kind == "symmetry_breaking":
-        return (
-            f"Symmetry breaking means: {along}; on one side of this value only, there are exactly two further points "
-            f"x of Fix(R) near by with P^2(x) = x, exchanged by {claim.symmetry}, and they merge at the bifurcation "
-            f"point."
-        )
-    exchanged = f", exchanged by P^{k}," if k % 2 == 0 else ""
-    return (
-        f"Period-{k}-tupling means: {along}; on one side of this value only, there are exactly two further points x of "
-        f"Fix(R) near by with P^{2 * k}(x) = x{exchanged} and they merge at the bifurcation point."
-    )
-
-
-_SIDES = {
-    "above": "for values of the parameter greater than that",
-    "below": "for values of the parameter less than that",
-    "both": "for values of the parameter on both sides of that",
-}
-
-
-def _found(found: Located, claim: Candidate, point: Mapping[str, arb]) -> Sequence[str]:
-    where = ", ".join(located(name, ball, _DIGITS) for name, ball in point.items())
-    parameter = "not finite" if found.parameter is None else decimal_interval(found.parameter, _DIGITS)
-    return [
-        f"The bifurcation point has {where}.",
-        f"The parameter there, {parameter_name(claim)}, lies in {parameter}.",
-        f"The {'two' if claim.kind == FOLD else 'new'} orbits exist {_SIDES[str(found.side)]}.",
-    ]

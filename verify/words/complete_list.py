@@ -9,11 +9,25 @@ from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
-from orbitproof.verify.stability.across_list import ListAcross
-from orbitproof.verify.stability.extrema import BAND
-from orbitproof.verify.stability.kinds import CurveEnd, Found, Kind, Matter, Resonance, What
-from orbitproof.verify.stability.linear_stability import Bound, StableInterval
-from orbitproof.verify.stability.places import CompleteList, Extremum, Gap, Point, level_name
+from orbitproof.verify.stability import (
+    BAND,
+    Bound,
+    CompleteList,
+    CurveEnd,
+    Extremum,
+    Found,
+    Gap,
+    Kind,
+    ListAcross,
+    ListTheorem,
+    Matter,
+    Point,
+    ProvedList,
+    Resonance,
+    StableInterval,
+    What,
+    level_name,
+)
 
 _DIGITS, _MOST_DIGITS = 14, 24
 _IN_PLANE, _ACROSS = "a stability parameter", "(lambda + 1/lambda)/2"
@@ -50,6 +64,13 @@ _BIRTH = (
     "symmetry and meet them again at the corresponding crossing of the section are those in the plane and the orbits "
     "of one smooth curve, which leaves the plane."
 )
+
+
+def list_in_words(theorem: ListTheorem, known: ProvedList) -> str:
+    """What is proved of resonances and stability along the curve, and of variations out of its plane."""
+    atlas = theorem.curve.atlas
+    words = statement(atlas, known.found, known.stable, known.unknown)
+    return words if known.across is None else f"{words}\n{statement_across(atlas, known.across)}"
 
 
 def statement(

@@ -43,7 +43,6 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph
 from orbitproof.verify.orbit.following import Distance, OrbitEnclosures
 from orbitproof.verify.orbit.multipliers import Stability, stability_of
-from orbitproof.verify.orbit.statement import orbit_theorem
 from orbitproof.verify.poincare import check_half_orbit
 
 
@@ -140,6 +139,22 @@ class OrbitResults:
         )
 
 
+@dataclass(frozen=True)
+class OrbitTheorem:
+    """The box of a claim contains exactly one point whose orbit is symmetric and solves the equation (Theorem 19.3)."""
+
+    claim: Candidate
+
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`."""
+        system = self.claim.system
+        names = ["symmetries", "frames", "poincare-map", *(["half-orbit"] if self.claim.crossings > 1 else []), "orbit"]
+        names += ["level"] if system.first_integral is not None else []
+        names += ["distance"] if system.squared_distance is not None else []
+        return tuple(names)
+
+
 def prove_orbit(
     candidate: Candidate, checklist: Checklist, enclosures: OrbitEnclosures | None
 ) -> Outcome[OrbitResults]:
@@ -162,7 +177,7 @@ def prove_orbit(
             needs_precision=True,
         )
         return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(orbit_theorem(candidate), results, tuple(checklist.hypotheses))
+    return Proved(OrbitTheorem(candidate), results, tuple(checklist.hypotheses))
 
 
 def _checked(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures | None) -> OrbitEnclosures:

@@ -22,13 +22,11 @@ from orbitproof.verify.evidence import (
     NotProved,
     Proved,
     Reason,
-    Theorem,
     ball_from_json,
     hull,
 )
 from orbitproof.verify.surface.gluing import Sheet, SurfaceJoint, glue, read_sheet
 from orbitproof.verify.surface.planar_family import PlanarFamily, require_family
-from orbitproof.verify.surface.statement import Height, surface_statement
 
 PRECISION = 256
 """Bits of the ball arithmetic."""
@@ -37,11 +35,47 @@ _REMEDY = "write the atlas again with narrower pieces or other radii"
 
 
 @dataclass(frozen=True)
+class Height:
+    """The z up to which the halo orbits reach over a range [start, end] of the parameter."""
+
+    start: Fraction
+    end: Fraction
+    z: Fraction
+
+
+@dataclass(frozen=True)
+class SurfaceTheorem:
+    """Over a range of the parameter there are symmetry breakings, and orbits that branch off (Theorem 17.5)."""
+
+    atlas: Atlas
+
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`."""
+        covers = ("covers",) if self.atlas.claim.covers else ()
+        planar = ("planar-family",) if self.atlas.libration_pieces() else ()
+        return ("symmetries", "frames", "pieces", "parameter", "glued", *covers, *planar)
+
+
+@dataclass(frozen=True)
 class ProvedSurface:
-    """Where its pieces meet, and enclosures of the parameter and the bifurcation point at the ends of the range."""
+    """What is known of a proved surface.
+
+    Attributes:
+        joints: where its pieces meet.
+        ends: enclosures of the parameter and the bifurcation point at the ends of the range.
+        heights: of the halo orbits over each piece, in order.
+        sides: of the levels of the first integral at which the new orbits live, from all pieces.
+        half_period: contains all half periods.
+        family: where the planar orbits are shown to be the Lyapunov family of a libration point.
+    """
 
     joints: tuple[SurfaceJoint, ...]
     ends: Ends
+    heights: tuple[Height, ...]
+    sides: frozenset[str]
+    half_period: arb
+    family: PlanarFamily | None = None
 
     def stretches_to_json(self) -> list[dict[str, Any]]:
         """None: a surface runs over all of its pieces."""
@@ -50,13 +84,6 @@ class ProvedSurface:
     def joints_to_json(self) -> list[dict[str, Any]]:
         """The JSON objects of the places where pieces meet."""
         return [joint.to_json() for joint in self.joints]
-
-
-def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
-    """Names of the hypotheses that the claim takes, in the order of checking."""
-    always = ("symmetries", "frames", "pieces", "parameter", "glued")
-    covers = ("covers",) if atlas.claim.covers else ()
-    return (*always, *covers, *(("planar-family",) if atlas.libration_pieces() else ()))
 
 
 def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Conclusion[ProvedSurface]:
@@ -70,27 +97,27 @@ def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Conc
         try:
             sheets, joints = _check(checklist, atlas, results)
             family = _check_family(checklist, atlas, sheets, results)
-            surface = ProvedSurface(joints, _ends(atlas, sheets))
-            sides = {part.side for sheet in sheets for part in sheet.parts}
-            statement = surface_statement(atlas, surface.ends, heights(atlas), sides, _half_period(results), family)
+            sides = frozenset(part.side for sheet in sheets for part in sheet.parts)
+            ends, half_period = _ends(atlas, sheets), _half_period(results)
+            surface = ProvedSurface(joints, ends, heights(atlas), sides, half_period, family)
         except NotEstablishedError as error:
             return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)))
         except (EmptyIntersectionError, ValueError, KeyError) as error:
             reason = Reason("results", f"the results contradict the atlas or each other: {error}", "prove it again")
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)))
-    return Conclusion(Proved(Theorem(statement, hypotheses_of(atlas)), surface, tuple(checklist.hypotheses)))
+    return Conclusion(Proved(SurfaceTheorem(atlas), surface, tuple(checklist.hypotheses)))
 
 
-def heights(atlas: Atlas) -> list[Height]:
+def heights(atlas: Atlas) -> tuple[Height, ...]:
     """For each piece the ends of its range and the z up to which the halo orbits over it reach: R_1 |A_z1|."""
     system = atlas.system
     signs = system.symmetries[atlas.claim.symmetry or ""]
     odd = next(i for i, name in enumerate(system.centre_coordinates) if signs[system.state.index(name)] < 0)
     rows = [(piece.parameters[system.fixed_parameters[0]], piece) for piece in atlas.surface_pieces()]
-    return [
+    return tuple(
         Height(evaluate(row, Fraction(-1)), evaluate(row, Fraction(1)), abs(piece.frame[odd][1]) * piece.radii[1])
         for row, piece in rows
-    ]
+    )
 
 
 def _check(

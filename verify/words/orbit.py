@@ -1,40 +1,31 @@
-"""The theorem about one orbit in words, in short and so that it stands alone (section 19.5)."""
+"""The theorem about one orbit in words, and what was found of the orbit (section 19.5)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from flint import acb, arb
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate
 from orbitproof.verify.claim import claim_in_words, keyed_in_words, system_in_words
-from orbitproof.verify.evidence import Theorem, decimal_interval, exact_text, interval_text, located
-from orbitproof.verify.orbit.multipliers import STABLE, UNDECIDED, UNSTABLE, Stability
-
-if TYPE_CHECKING:
-    from orbitproof.verify.orbit.theorem import Extremum, OrbitResults
+from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, located
+from orbitproof.verify.orbit import STABLE, UNDECIDED, UNSTABLE, Extremum, OrbitResults, OrbitTheorem, Stability
 
 _DIGITS = 40
 
 
-def orbit_theorem(candidate: Candidate) -> Theorem:
-    """What a claim about one orbit says, and the hypotheses that show it, in order."""
-    candidate = claim_in_words(candidate)
-    system = candidate.system
-    m = candidate.crossings
-    names = ["symmetries", "frames", "poincare-map", *(["half-orbit"] if m > 1 else []), "orbit"]
-    names += ["level"] if system.first_integral is not None else []
-    names += ["distance"] if system.squared_distance is not None else []
+def orbit_in_words(theorem: OrbitTheorem) -> str:
+    """The theorem, in short."""
+    candidate = claim_in_words(theorem.claim)
+    system, m = candidate.system, candidate.crossings
     fixed = ", ".join(candidate.parameters)
     where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
-    return Theorem(
+    return (
         f"In the box there is exactly one point x of Fix(R) with P(x) in Fix(R) and {_equation(candidate)}, P the "
         f"{'Poincare map' if m == 1 else f'power {m} of the Poincare map'} of the {where} and T(x) the time from x to "
         f"P(x). Its orbit is symmetric under R and periodic with least period 2 T(x), and {_meetings(m)}. At x the "
         "derivative of these equations on Fix(R) is regular: near x the points with P(x) in Fix(R) are one regular "
-        "curve, and the equation singles out x transversally. The results enclose what they name for this orbit.",
-        tuple(names),
+        "curve, and the equation singles out x transversally. The results enclose what they name for this orbit."
     )
 
 
@@ -56,7 +47,7 @@ def _equation(candidate: Candidate) -> str:
     return f"{left} = {exact_text(equation.value)}"
 
 
-def orbit_in_full(candidate: Candidate, found: OrbitResults) -> Iterator[str]:
+def orbit_found(candidate: Candidate, found: OrbitResults) -> Iterator[str]:
     """What was found, in lines."""
     here, there = (_named(keyed_in_words(candidate.system, point)) for point in (found.point, found.other_point))
     yield f"The orbit starts at the point with {here}; the image of that point under P has {there}."

@@ -30,7 +30,6 @@ from orbitproof.verify.claim import (
     check_frames,
     check_level,
     check_symmetries,
-    claim_in_words,
     point_on_fixed_set,
 )
 from orbitproof.verify.evidence import (
@@ -41,7 +40,6 @@ from orbitproof.verify.evidence import (
     Outcome,
     Proved,
     Reason,
-    Theorem,
     ball_to_json,
     balls_to_json,
     dot,
@@ -81,31 +79,25 @@ class BifurcationResults:
         }
 
 
-def theorem_of(candidate: Candidate, form: Candidate | None = None) -> Theorem | Reason:
-    """The theorem that a candidate claims, or why none of those that can be checked applies.
+@dataclass(frozen=True)
+class BifurcationTheorem:
+    """The box of a claim contains exactly one bifurcation, of the kind that it names.
 
-    `form` is its level form, if that is what is checked.
+    Theorems 9.1, 11.2 and 11.3; for folds section 9.6.
+
+    Attributes:
+        claim: what the hypotheses are about; made by `theorem_of`, which refuses claims that no theorem is about.
+        in_own_box: whether the claim is the level form of a candidate, and it is shown besides that the candidate's
+            own box lies in that of the claim and contains the bifurcation point (section 12.3).
     """
-    if form is not None:
-        theorem = theorem_of(form)
-        return theorem if isinstance(theorem, Reason) else in_own_box(theorem)
-    kind, k = candidate.kind, candidate.k
-    if (kind in ONCE) != (k == 1):
-        return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking and fold have k = 1, the other kinds k > 1")
-    if kind == "touch_and_go" and k % 2 == 0:
-        return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
-    if k == 3 and kind == "period_tupling":
-        return Reason("theorem", "period tupling with k = 3 has no theorem here", "claim touch_and_go for k = 3")
-    if kind == "touch_and_go" and k > 3:
-        message = f"at odd k = {k} >= 5 the second derivative G_11 vanishes: touch-and-go cannot happen"
-        return Reason("theorem", message, "claim period_tupling for odd k >= 5 (section 11)")
-    return Theorem(_statement(candidate), _hypotheses(candidate))
 
+    claim: Candidate
+    in_own_box: bool = False
 
-def in_own_box(theorem: Theorem) -> Theorem:
-    """A theorem about a level form as one about the box of the candidate that was rewritten (section 12.3)."""
-    statement = f"{theorem.statement} The candidate's own box lies in this box and contains the bifurcation point."
-    return Theorem(statement, (*theorem.hypotheses, "level-box", "candidate-box"))
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`."""
+        return (*_hypotheses(self.claim), *(("level-box", "candidate-box") if self.in_own_box else ()))
 
 
 def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
@@ -127,60 +119,25 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _statement(candidate: Candidate) -> str:
-    candidate = claim_in_words(candidate)
-    system, k = candidate.system, candidate.k
-    parameter = parameter_name(candidate)
-    fixed = ", ".join(candidate.parameters)
-    m = candidate.crossings
-    power = "Poincare map P" if m == 1 else f"power P = (Poincare map)^{m}"
-    where = f"{power} of the {system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
-    origin = (
-        f"the R-symmetric period-two points of the {where} in the box are one regular curve"
-        if candidate.kind != "symmetry_breaking"
-        else f"the R- and {candidate.symmetry}-symmetric period-two points of the {where} in the box are one regular "
-        "curve"
-    )
-    others = f"In the box there is no further R-symmetric point x with P^{2 * k}(x) = x" + (
-        f", and none with P^(2i)(x) = x for an i < {k} off the first curve." if k > 1 else "."
-    )
-    if m > 1:
-        others += (
-            f" No orbit that starts in the box is in Fix(R) when it meets the section for the first {m - 1} times."
-        )
-    level = system.fixed_level
-    if level is not None:
-        sign = ">" if level.sign > 0 else "<"
-        where_level = f"{system.first_integral_name or 'H'} = {level.value}"
-        others += (
-            f" All points are on the level {where_level}, those of the box with {system.level_coordinate} {sign} 0."
-        )
-    if candidate.level_sign is not None:
-        sign = ">" if candidate.level_sign > 0 else "<"
-        names = ", ".join(candidate.coordinates)
-        others += f" The box is in the coordinates {names}, with {system.level_coordinate} {sign} 0."
-    if candidate.kind == FOLD:
-        return (
-            f"{origin}; at exactly one point of it, the bifurcation point, it undergoes a fold, the parameter being "
-            f"the {parameter}: the derivative of the parameter along the curve vanishes there and nowhere else in the "
-            f"box, and the second derivative is not zero. {others}"
-        )
-    tupled = (
-        f"an R-symmetric orbit of period {k} of P^2 that meets Fix(R) twice near the point branches off"
-        if k % 2 == 0
-        else f"two R-symmetric orbits of period {k} of P^2, each of which meets Fix(R) once near the point, branch off"
-    )
-    branch = {
-        "symmetry_breaking": "a symmetry breaking bifurcation of P^2: a pair of R-symmetric period-two points, "
-        f"exchanged by {candidate.symmetry}, branches off",
-        "period_tupling": f"a period-{k}-tupling bifurcation of P^2: {tupled}",
-        "touch_and_go": f"a touch-and-go bifurcation of P^2 of order {k}: a curve of R-symmetric points of period "
-        f"{k} of P^2 crosses it",
-    }[candidate.kind]
-    return (
-        f"{origin}; at exactly one point of it, the bifurcation point, the parameter being the {parameter}, it "
-        f"undergoes {branch}. {others}"
-    )
+def theorem_of(candidate: Candidate, form: Candidate | None = None) -> BifurcationTheorem | Reason:
+    """The theorem that a candidate claims, or why none of those that can be checked applies.
+
+    `form` is its level form, if that is what is checked.
+    """
+    if form is not None:
+        theorem = theorem_of(form)
+        return theorem if isinstance(theorem, Reason) else replace(theorem, in_own_box=True)
+    kind, k = candidate.kind, candidate.k
+    if (kind in ONCE) != (k == 1):
+        return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking and fold have k = 1, the other kinds k > 1")
+    if kind == "touch_and_go" and k % 2 == 0:
+        return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
+    if k == 3 and kind == "period_tupling":
+        return Reason("theorem", "period tupling with k = 3 has no theorem here", "claim touch_and_go for k = 3")
+    if kind == "touch_and_go" and k > 3:
+        message = f"at odd k = {k} >= 5 the second derivative G_11 vanishes: touch-and-go cannot happen"
+        return Reason("theorem", message, "claim period_tupling for odd k >= 5 (section 11)")
+    return BifurcationTheorem(candidate)
 
 
 def parameter_name(candidate: Candidate) -> str:

@@ -3,50 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from itertools import groupby
 from math import ceil, floor
 
-from flint import arb
-
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import HILL
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words
-from orbitproof.verify.curve import Ends
 from orbitproof.verify.evidence import exact_text, located, range_text
-from orbitproof.verify.surface.planar_family import PlanarFamily
+from orbitproof.verify.surface import Height, PlanarFamily, ProvedSurface, SurfaceTheorem
 
 _DIGITS = 12
 _SIDES = {"below": "less than at it", "above": "greater than at it"}
 _HILL_LEVEL = HILL.first_integral_name
 
 
-@dataclass(frozen=True)
-class Height:
-    """The z up to which the halo orbits reach over a range [start, end] of the parameter."""
-
-    start: Fraction
-    end: Fraction
-    z: Fraction
-
-
-def surface_statement(
-    atlas: Atlas,
-    ends: Ends,
-    heights: Sequence[Height],
-    sides: set[str],
-    half_period: arb,
-    family: PlanarFamily | None = None,
-) -> str:
-    """What is proved.
-
-    Args:
-        sides: of the levels of the first integral at which the new orbits live, from all pieces.
-        family: where the planar orbits are shown to be the Lyapunov family of a libration point.
-    """
-    ends = {key: keyed_in_words(atlas.system, point) for key, point in ends.items()}
+def surface_in_words(theorem: SurfaceTheorem, surface: ProvedSurface) -> str:
+    """What is proved."""
+    atlas, heights, sides, half_period = theorem.atlas, surface.heights, surface.sides, surface.half_period
+    family = surface.family
+    ends = {key: keyed_in_words(atlas.system, point) for key, point in surface.ends.items()}
     atlas = atlas_in_words(atlas)
     height = min(entry.z for entry in heights)
     system, claim = atlas.system, atlas.claim

@@ -1,0 +1,141 @@
+"""The complete list as part of the theorem about a curve (section 18.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from flint import ctx
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.curve import Conclusion, CurveTheorem, ProvedCurve
+from orbitproof.verify.distances import is_distance_of_orbits
+from orbitproof.verify.evidence import (
+    EmptyIntersectionError,
+    IntegrationFailure,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    Proved,
+    Reason,
+    hypothesis_to_json,
+    outcome_to_json,
+)
+from orbitproof.verify.stability.across_list import ListAcross, list_across
+from orbitproof.verify.stability.complete_list import PRECISION, complete_list
+from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
+from orbitproof.verify.stability.list_entries import CompleteList
+
+
+@dataclass(frozen=True)
+class ListTheorem:
+    """The resonances and stable orbits of a proved curve up to an order (Theorem 18.5).
+
+    Its own hypotheses stand in the list, beside those of the curve.
+    """
+
+    curve: CurveTheorem
+    order: int
+
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`: those of the curve."""
+        return self.curve.hypotheses
+
+
+@dataclass(frozen=True)
+class ProvedList:
+    """What is known of a curve with its list.
+
+    Attributes:
+        curve: the curve.
+        found: resonances, collisions, extrema.
+        stable, unknown: intervals between which orbits are linearly stable, and of which nothing is known.
+        across: the same of variations out of the plane, where there are any.
+    """
+
+    curve: ProvedCurve
+    found: CompleteList
+    stable: tuple[StableInterval, ...]
+    unknown: tuple[StableInterval, ...]
+    across: ListAcross | None
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object of the list alone."""
+        found = self.found
+        return {
+            "order": found.order,
+            "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in found.hypotheses],
+            "stability_parameters": found.parameters,
+            "points": [point.to_json() for point in found.points],
+            "stable": [entry.to_json() for entry in self.stable],
+            "undecided": [entry.to_json() for entry in self.unknown],
+            "gaps": [gap.to_json() for gap in found.gaps],
+            "extrema": [entry.to_json() for entry in found.extrema],
+            "open_extrema": [gap.to_json() for gap in found.open_extrema],
+            **({} if self.across is None else {"out_of_plane": self.across.to_json()}),
+        }
+
+
+_EMPTY: dict[str, Any] = {
+    name: [] for name in ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")
+}
+
+
+@dataclass(frozen=True)
+class ListConclusion:
+    """What the pieces of an atlas prove together of a curve and of its list.
+
+    Attributes:
+        curve: what they prove of the curve; without it there is no list.
+        order: the largest k that is asked for.
+        outcome: the theorem about both, or why it is not proved.
+    """
+
+    curve: Conclusion[ProvedCurve]
+    order: int
+    outcome: Outcome[ProvedList]
+
+    def to_json(self, statement: str) -> dict[str, Any]:
+        """The JSON object: exact numbers and balls with decimals beside them; `statement` is the theorem in words."""
+        known = self.outcome.results.to_json() if isinstance(self.outcome, Proved) else _EMPTY | {"order": self.order}
+        return {**self.curve.to_json(statement), **outcome_to_json(self.outcome), "complete": known}
+
+
+def conclude_list(
+    atlas: Atlas, results: Sequence[Mapping[str, Any]], curve: Conclusion[ProvedCurve], order: int
+) -> ListConclusion:
+    """All resonances up to an order on a curve, and the theorem about them.
+
+    Args:
+        results: of the pieces, as JSON, with what is known of the stability of their orbits.
+        curve: what they prove of the curve.
+    """
+
+    def refused(reason: Reason) -> ListConclusion:
+        return ListConclusion(curve, order, NotProved(reason, curve.outcome.hypotheses))
+
+    if not isinstance(curve.outcome, Proved):
+        return refused(curve.outcome.reason)
+    if not is_distance_of_orbits(atlas.system, atlas.claim.symmetry):
+        results = [_without_distance(result) for result in results]
+    chain = curve.outcome.results.chain
+    with ctx.workprec(PRECISION):
+        try:
+            found = complete_list(atlas, chain, results, order, curve.bifurcations)
+            across = list_across(atlas, chain, found, curve.bifurcations)
+        except EmptyIntersectionError as error:
+            message = f"the complete list and the certificates contradict each other: {error}"
+            return refused(Reason("complete", message, "report this"))
+        except (NotEstablishedError, IntegrationFailure) as error:
+            return refused(error.reason)
+        stable, unknown = stable_intervals(chain, found, atlas.claim.kind == "loop")
+    known = ProvedList(curve.outcome.results, found, tuple(stable), tuple(unknown), across)
+    theorem = ListTheorem(CurveTheorem(atlas), order)
+    return ListConclusion(curve, order, Proved(theorem, known, curve.outcome.hypotheses))
+
+
+def _without_distance(result: Mapping[str, Any]) -> Mapping[str, Any]:
+    known = {key: value for key, value in result.get("stability", {}).items() if key != "distance"}
+    return {**result, "stability": known} if known else result

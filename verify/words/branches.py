@@ -1,0 +1,44 @@
+"""The theorem about a whole branch in words: a curve, a curve with its list, a surface (sections 15.9, 17.4, 18.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.curve import Bifurcation, Conclusion, CurveTheorem, ProvedCurve
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.stability import ListConclusion, ListTheorem, ProvedList
+from orbitproof.verify.surface import ProvedSurface, SurfaceTheorem
+from orbitproof.verify.words.complete_list import list_in_words
+from orbitproof.verify.words.curve import bifurcations_in_words, curve_in_words
+from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.surface import surface_in_words
+
+BranchConclusion = Conclusion[ProvedCurve] | Conclusion[ProvedSurface] | ListConclusion
+
+
+def conclusion_in_words(conclusion: BranchConclusion) -> str:
+    """What pieces prove together; empty if that is nothing."""
+    outcome = conclusion.outcome
+    if not isinstance(outcome, Proved):
+        return ""
+    match outcome.theorem, outcome.results, conclusion:
+        case ListTheorem() as theorem, ProvedList() as known, ListConclusion():
+            whole = _with_bifurcations(theorem.curve, known.curve, conclusion.curve.bifurcations)
+            return f"{whole}\n{list_in_words(theorem, known)}"
+        case CurveTheorem() as theorem, ProvedCurve() as curve, Conclusion():
+            return _with_bifurcations(theorem, curve, conclusion.bifurcations)
+        case SurfaceTheorem() as theorem, ProvedSurface() as surface, _:
+            return surface_in_words(theorem, surface)
+    raise TypeError(f"{type(outcome.theorem).__name__}: a theorem about no branch")
+
+
+def _with_bifurcations(theorem: CurveTheorem, curve: ProvedCurve, bifurcations: Sequence[Bifurcation]) -> str:
+    texts = (curve_in_words(theorem, curve), bifurcations_in_words(theorem.atlas, bifurcations))
+    return "\n".join(text for text in texts if text)
+
+
+def branch_in_full(atlas: Atlas, statement: str) -> str:
+    """The same so that it stands alone: the system in formulas before it (section 10.4)."""
+    words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry, atlas.claim.crossings)
+    return "\n".join([*words, "Theorem.", statement])

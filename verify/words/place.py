@@ -1,0 +1,21 @@
+"""Where on a proved curve the orbit of a certificate lies, in words (section 19.6)."""
+
+from __future__ import annotations
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.shared.systems import shown
+from orbitproof.verify.claim import atlas_in_words
+from orbitproof.verify.curve import Place
+from orbitproof.verify.evidence import located
+
+_DIGITS = 18
+
+
+def place_in_words(atlas: Atlas, place: Place, name: str, digest: str) -> str:
+    """The place of an orbit on the curve of an atlas that a certificate proves, with its name and digest."""
+    point = "P(x)" if place.other_point else "x"
+    mirror = f"The image under {atlas_in_words(atlas).claim.symmetry} of the" if place.mirrored else "The"
+    return (
+        f"{mirror} point {point} lies on the curve that the certificate {shown(name)} ({digest}) proves, on its piece "
+        f"{place.piece}, at {located('s', place.s, _DIGITS)}."
+    )
