@@ -1,1 +1,24 @@
-"""Pictures of families of symmetric periodic orbits, with what is certified and what is only numerical."""
+"""Pictures of families of symmetric periodic orbits, with what is certified and what is only numerical.
+
+`draw_family`, `draw_resonances`, `draw_atlases`, `draw_tori` and `draw_all` draw, `tables_of` and `write_tables` set
+tables, `write_page` makes a page to be turned, `write_report` tells what certificates prove. All read files, as the
+command line does, and say which files they wrote. Matplotlib is loaded when something is drawn.
+"""
+
+import lazy_loader
+
+from orbitproof.shared.extras import missing_extra
+
+_attribute, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"orbitproof.figures has no {name!r}; it has {', '.join(__all__)}")
+    try:
+        return _attribute(name)
+    except ModuleNotFoundError as error:
+        line = missing_extra(error)
+        if line is None:
+            raise
+        raise ModuleNotFoundError(line, name=error.name) from None

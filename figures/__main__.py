@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,8 +14,9 @@ from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import data as data_command
 from orbitproof.figures.commands import interactive as interactive_command
 from orbitproof.figures.commands import tori as tori_command
-from orbitproof.figures.files import add_file_options, check_folder, saved_as
-from orbitproof.shared.formats import InputError, read_candidates, write_text
+from orbitproof.figures.files import add_file_options, files_of
+from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 
 _EXAMPLES = """\
@@ -85,6 +85,7 @@ def argument_parser() -> argparse.ArgumentParser:
     family.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
     family.add_argument("--quiet", action="store_true", help="no messages on standard error")
     add_file_options(family)
+    family.set_defaults(run=_run_family)
     resonances = commands.add_parser(
         "resonances",
         help="stability along families, finely sampled, as picture and CSV",
@@ -99,6 +100,7 @@ def argument_parser() -> argparse.ArgumentParser:
     resonances.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder to write into")
     resonances.add_argument("--quiet", action="store_true", help="no messages on standard error")
     add_file_options(resonances)
+    resonances.set_defaults(run=_run_resonances)
     tables = commands.add_parser(
         "tables", help="the certified rows beside the published ones", epilog=_TABLES_EXAMPLES, formatter_class=raw
     )
@@ -120,6 +122,7 @@ def argument_parser() -> argparse.ArgumentParser:
         "--allow-missing", action="store_true", help="exit code 0 also if published rows have no certificate"
     )
     tables.add_argument("--quiet", action="store_true", help="no messages on standard error")
+    tables.set_defaults(run=_run_tables)
     for command in (all_command, atlas_command, data_command, tori_command, interactive_command):
         command.add_parser(commands)
     return parser
@@ -135,13 +138,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code."""
     arguments = argument_parser().parse_args(argv)
     try:
-        with saved_as(arguments):
-            if hasattr(arguments, "run"):
-                return int(arguments.run(arguments))
-            if arguments.command == "tables":
-                return tabulate(arguments)
-            for path in draw_stability(arguments) if arguments.command == "resonances" else draw(arguments):
-                print(path)
+        return int(arguments.run(arguments))
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
@@ -152,132 +149,51 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Whoever reads standard output has seen enough; Python must not complain when it flushes at the end.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+
+
+def _run_family(options: argparse.Namespace) -> int:
+    draw_family(
+        options.candidates,
+        options.output,
+        certificates=options.certificates,
+        families=options.family,
+        files=files_of(options),
+        told=print_path,
+        quiet=options.quiet,
+    )
     return 0
 
 
-def draw(arguments: argparse.Namespace) -> list[Path]:
-    """Read everything, then write the pictures; returns their paths. Raises `InputError`."""
-    from orbitproof.figures.model import MarkedPoint, assign, mark_candidates, read_families
-
-    candidates = read_candidates(arguments.candidates)
-    marks = mark_candidates(candidates, arguments.certificates, arguments.candidates)
-    families = [family.refined() for path in arguments.family for family in read_families(path)]
-
-    # Matplotlib takes a second to load: only after the input is known to be good.
-    from orbitproof.figures.files import save
-    from orbitproof.figures.pictures import draw_family, draw_marks
-    from orbitproof.figures.style import close, use_style
-
-    check_folder(arguments.output)
-    written: list[Path] = []
-    names: set[str] = set()
-    with use_style():
-        on_family, alone = assign(families, marks)
-        for family, members in zip(families, on_family, strict=True):
-            figure = draw_family(family, members)
-            written += save(figure, arguments.output / _name(f"family-{family.system.name}-{family.name}", names))
-            close(figure)
-        groups: dict[str, list[MarkedPoint]] = {}
-        for mark in alone:
-            groups.setdefault(mark.candidate.system.name, []).append(mark)
-        for system, members in groups.items():
-            if not arguments.quiet:
-                print(f"{system}: {len(members)} points lie on no family given with --family", file=sys.stderr)
-            figure = draw_marks(members)
-            written += save(figure, arguments.output / _name(f"points-{system}", names))
-            close(figure)
-    return written
-
-
-def draw_stability(arguments: argparse.Namespace) -> list[Path]:
-    """Read everything, then write pictures and CSV files; returns their paths. Raises `InputError`."""
-    from orbitproof.explore.records import BAND
-    from orbitproof.figures.model import assign, mark_candidates, read_curves
-
-    if arguments.certificates is not None and arguments.candidates is None:
-        raise InputError("--certificates: need their candidates; add --candidates")
-    curves = [curve for path in arguments.families for curve in read_curves(path)]
-    marks = []
-    if arguments.candidates is not None:
-        candidates = read_candidates(arguments.candidates)
-        marks = mark_candidates(candidates, arguments.certificates, arguments.candidates)
-    members, alone = assign([curve.family for curve in curves], marks)
-    if alone and not arguments.quiet:
-        print(f"{len(alone)} candidates lie on none of the families", file=sys.stderr)
-
-    from orbitproof.figures.files import save
-    from orbitproof.figures.pictures import draw_resonances
-    from orbitproof.figures.style import close, use_style
-
-    check_folder(arguments.output)
-    written: list[Path] = []
-    names: set[str] = set()
-    csv_names: set[str] = set()
-    with use_style():
-        for curve, own in zip(curves, members, strict=True):
-            places = curve.places(own)
-            name = f"{curve.family.system.name}-{curve.family.name}"
-            figure = draw_resonances(curve, places)
-            written += save(figure, arguments.output / _name(f"resonances-{name}", names))
-            close(figure)
-            for stem, text in (("stability", curve.samples_csv()), ("resonances", curve.events_csv(places))):
-                path = arguments.output / f"{_name(f'{stem}-{name}', csv_names)}.csv"
-                write_text(path, text)
-                written.append(path)
-            if not arguments.quiet:
-                print(f"{name}: {curve.summary(BAND)}", file=sys.stderr)
-    return written
-
-
-def tabulate(arguments: argparse.Namespace) -> int:
-    """Read everything, then write or print the tables; returns the exit code. Raises `InputError`."""
-    # Not needed by the other command, and FLINT is slow to load on some machines.
-    from orbitproof.figures.tables import (
-        build_tables,
-        default_published,
-        read_published,
-        read_rows,
-        to_csv,
-        to_latex,
-        to_markdown,
-        to_text,
+def _run_resonances(options: argparse.Namespace) -> int:
+    draw_resonances(
+        options.families,
+        options.output,
+        candidates=options.candidates,
+        certificates=options.certificates,
+        files=files_of(options),
+        told=print_path,
+        quiet=options.quiet,
     )
+    return 0
 
-    published = read_published(arguments.published or default_published())
-    rows = read_rows(arguments.certificates, arguments.candidates)
-    if not rows:
-        files = ", ".join(map(str, arguments.certificates))
-        raise InputError(f"{files}: no bifurcations, which tables are of; orbitproof report tells certified orbits")
-    tables = build_tables(rows, published)
-    names: set[str] = set()
-    if arguments.output is not None:
-        check_folder(arguments.output)
-    for table in tables:
-        if arguments.output is None:
-            print(to_text(table, arguments.digits))
-            continue
-        stem = _name(f"table-{table.system.name}-{table.family}", names)
-        for suffix, write in ((".txt", to_text), (".md", to_markdown), (".csv", to_csv), (".tex", to_latex)):
-            path = arguments.output / f"{stem}{suffix}"
-            write_text(path, write(table, arguments.digits))
-            print(path)
+
+def _run_tables(options: argparse.Namespace) -> int:
+    tables = tables_of(options.certificates, candidates=options.candidates, published=options.published)
+    if options.output is None:
+        from orbitproof.figures.tables import to_text
+
+        for table in tables:
+            print(to_text(table, options.digits))
+    else:
+        write_tables(tables, options.output, digits=options.digits, told=print_path)
     sections = [(table, section) for table in tables for section in table.sections]
-    if not arguments.quiet:
+    if not options.quiet:
         for table, section in sections:
             label = f" ({section.label})" if section.label else ""
             print(f"{table.system.name} {table.family}{label}: {section.summary()}", file=sys.stderr)
     bad = any(section.not_proved or section.count("outside") for _, section in sections)
     missing = any(section.count("missing") for _, section in sections)
-    return 1 if bad or (missing and not arguments.allow_missing) else 0
-
-
-def _name(text: str, taken: set[str]) -> str:
-    stem = re.sub(r"[^A-Za-z0-9.]+", "-", text).strip("-.")
-    name, number = stem, 2
-    while name in taken:
-        name, number = f"{stem}-{number}", number + 1
-    taken.add(name)
-    return name
+    return 1 if bad or (missing and not options.allow_missing) else 0
 
 
 if __name__ == "__main__":

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.files import add_file_options, check_folder
+from orbitproof.figures.files import add_file_options, files_of
+from orbitproof.figures.scripting import draw_all, print_path
 from orbitproof.shared.formats import InputError, select_ids
 
 _EXAMPLES = """\
@@ -43,45 +43,21 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Draw the pictures asked for; returns the exit code. Raises `InputError`."""
-    # Matplotlib takes a second to load: not for --help.
-    from orbitproof.figures.collection import PICTURES, DataFolder, MissingData
-    from orbitproof.figures.orbits import OrbitNotClosed
-
-    known = {picture.name: picture for picture in PICTURES}
-    chosen = [known[name] for name in select_ids(known, options.only, "picture")]
     if options.list:
-        for picture in chosen:
+        # Matplotlib takes a second to load: not for --help.
+        from orbitproof.figures.collection import PICTURES
+
+        known = {picture.name: picture for picture in PICTURES}
+        for picture in (known[name] for name in select_ids(known, options.only, "picture")):
             print(f"{picture.name}: {picture.shows}; needs {', '.join(picture.data) or 'no data'}")
         return 0
     if options.output is None:
         raise InputError("-o: missing; name the folder for the pictures")
-    data = DataFolder(options.data)
-    check_folder(options.output)
-
-    code, started = 0, time.monotonic()
-    for number, picture in enumerate(chosen, 1):
-        before = time.monotonic()
-        try:
-            # First of all, so that one missing file is not found only after the drawing of half a picture.
-            for name in picture.data:
-                data.path(name)
-            for path in picture.write(data, options.output):
-                print(path, flush=True)
-        except (MissingData, OrbitNotClosed) as error:
-            print(f"{picture.name}: not drawn: {error}", file=sys.stderr)
-            code = max(code, 1)
-        except InputError as error:
-            print(f"{picture.name}: not drawn: error: {error}", file=sys.stderr)
-            code = 2
-        if not options.quiet:
-            now = time.monotonic()
-            left = (now - started) / number * (len(chosen) - number)
-            estimate = f"; about {left:.0f} s left" if number < len(chosen) else ""
-            print(f"[{number}/{len(chosen)}] {picture.name}: {now - before:.1f} s{estimate}", file=sys.stderr)
-    if any(picture.marked for picture in chosen) and not data.has_certificates:
+    how = {"only": options.only, "files": files_of(options), "told": print_path, "quiet": options.quiet}
+    drawn = draw_all(options.data, options.output, **how)
+    if drawn.hollow:
         from orbitproof.figures.collection import step_of
 
         command = step_of("certificates.json").text(options.data)
         print(f"no certificates: all points are hollow; make them with: {command}", file=sys.stderr)
-        code = max(code, 1)
-    return code
+    return 2 if drawn.bad_input else 1 if drawn.not_drawn or drawn.hollow else 0

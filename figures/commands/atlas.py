@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.files import add_file_options, check_folder, file_name
-from orbitproof.shared.formats import InputError
+from orbitproof.figures.files import add_file_options, files_of
+from orbitproof.figures.scripting import draw_atlases, print_path
 
 _EXAMPLES = """\
 examples:
@@ -41,29 +41,5 @@ def run(options: argparse.Namespace) -> int:
     """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
     from orbitproof.verify.atlas import read_atlas_certificate
 
-    certificates = [read_atlas_certificate(path) for path in options.certificates]
-    names = [file_name(certificate.atlas.id) for certificate in certificates]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"two certificates of one atlas, {name!r}; give each atlas once")
-
-    # Matplotlib takes a second to load: only after the input is known to be good.
-    from orbitproof.figures.certified import CertifiedStability, Curve
-    from orbitproof.figures.collection.proved import write_curves, write_stability, write_surfaces
-    from orbitproof.figures.pictures import surface_of
-    from orbitproof.figures.style import use_style
-
-    check_folder(options.output)
-    curves = [Curve.of(certificate) for certificate in certificates if not certificate.atlas.is_surface]
-    surfaces = [surface_of(certificate) for certificate in certificates if certificate.atlas.is_surface]
-    listed = [CertifiedStability.of(certificate) for certificate in certificates if not certificate.atlas.is_surface]
-    stability = [found for found in listed if found is not None]
-    with use_style():
-        for paths in (
-            write_curves(curves, options.output),
-            write_stability(stability, options.output),
-            write_surfaces(surfaces, options.output),
-        ):
-            for path in paths:
-                print(path, flush=True)
-    return 0 if all(certificate.is_proved for certificate in certificates) else 1
+    draw_atlases(options.certificates, options.output, files=files_of(options), told=print_path)
+    return 0 if all(read_atlas_certificate(path).is_proved for path in options.certificates) else 1

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from orbitproof.figures.files import add_file_options, check_folder, file_name
-from orbitproof.shared.formats import InputError, stated_format
+from orbitproof.figures.files import add_file_options, files_of
+from orbitproof.figures.scripting import draw_tori, print_path
 
 _EXAMPLES = """\
 examples:
@@ -17,8 +17,6 @@ examples:
 
 In space and on the section; all of it is numerical and labelled so. Exit codes: 0 written, 2 bad input.
 """
-
-_REMEDY = "give a file of tori or of a manifold, written by orbitproof explore"
 
 
 def add_parser(commands: Any) -> None:
@@ -37,25 +35,5 @@ def add_parser(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
-    from orbitproof.explore.invariants import read_manifold, read_tori
-    from orbitproof.figures.files import save
-    from orbitproof.figures.pictures import draw_manifold, draw_tori
-    from orbitproof.figures.style import close, use_style
-
-    drawings = []
-    for path in options.files:
-        if stated_format(path, _REMEDY) == "manifold":
-            drawings.append((path, draw_manifold, read_manifold(path)))
-        else:
-            drawings.append((path, draw_tori, read_tori(path)))
-    names = [file_name(path.stem) for path in options.files]
-    if len(set(names)) < len(names):
-        raise InputError("two files of one name; give files whose names differ")
-    check_folder(options.output)
-    with use_style():
-        for name, (_, draw, record) in zip(names, drawings, strict=True):
-            figure = draw(record)
-            for written in save(figure, options.output / name):
-                print(written, flush=True)
-            close(figure)
+    draw_tori(options.files, options.output, files=files_of(options), told=print_path)
     return 0

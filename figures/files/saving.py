@@ -37,6 +37,16 @@ class Files:
     dpi: int | None = None
     width: float | None = None
 
+    def __post_init__(self) -> None:
+        """Raises `InputError` for what cannot be."""
+        for name in self.formats:
+            if name not in FORMATS:
+                raise InputError(f"--format {name}: give some of {', '.join(FORMATS)}")
+        if self.dpi is not None and not DPI[0] <= self.dpi <= DPI[1]:
+            raise InputError(f"--dpi {self.dpi}: give a whole number from {DPI[0]} to {DPI[1]}")
+        if self.width is not None and not WIDTH[0] <= self.width <= WIDTH[1]:
+            raise InputError(f"--width {self.width:g}: give a number from {WIDTH[0]:g} to {WIDTH[1]:g}")
+
 
 _FILES: ContextVar[Files] = ContextVar("files")
 
@@ -55,15 +65,18 @@ def add_file_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def files_of(options: argparse.Namespace) -> Files:
+    """What these options say. Raises `InputError`."""
+    return Files(tuple(dict.fromkeys(options.format)), options.dpi, options.width)
+
+
 @contextmanager
-def saved_as(options: argparse.Namespace) -> Iterator[None]:
-    """Figures are saved as the options say; without such options as ever. Raises `InputError`."""
-    dpi, width = getattr(options, "dpi", None), getattr(options, "width", None)
-    if dpi is not None and not DPI[0] <= dpi <= DPI[1]:
-        raise InputError(f"--dpi {dpi}: give a whole number from {DPI[0]} to {DPI[1]}")
-    if width is not None and not WIDTH[0] <= width <= WIDTH[1]:
-        raise InputError(f"--width {width:g}: give a number from {WIDTH[0]:g} to {WIDTH[1]:g}")
-    token = _FILES.set(Files(tuple(dict.fromkeys(getattr(options, "format", Files.formats))), dpi, width))
+def saved_as(files: Files | None) -> Iterator[None]:
+    """Figures are saved so while the body runs; `None`: as they are."""
+    if files is None:
+        yield
+        return
+    token = _FILES.set(files)
     try:
         yield
     finally:

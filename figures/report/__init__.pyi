@@ -1,4 +1,3 @@
-from .command import argument_parser as argument_parser
 from .content import report_of as report_of
 from .document import Document as Document
 from .theorems import Checked as Checked

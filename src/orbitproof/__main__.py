@@ -15,7 +15,7 @@ _COMMANDS = {
         "prove candidates (verify FILE) and whole branches (verify atlas FILE); check certificates again",
     ),
     "figures": ("figures.__main__", "draw families, branches, certificates; set tables"),
-    "report": ("figures.report.command", "tell what certificates prove, as HTML, LaTeX or Markdown"),
+    "report": ("figures.commands.report", "tell what certificates prove, as HTML, LaTeX or Markdown"),
 }
 """The module of each command, and what the command does."""
 

@@ -11,7 +11,7 @@ import pytest
 
 from orbitproof.explore.__main__ import main as explore
 from orbitproof.figures.__main__ import main as figures
-from orbitproof.figures.report.command import main as report
+from orbitproof.figures.commands.report import main as report
 from orbitproof.verify.__main__ import main as verify
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"

@@ -19,7 +19,7 @@ import pytest
 from support.claims import known
 from support.notebooks import run_notebook
 
-from orbitproof import explore, shared, verify
+from orbitproof import explore, figures, shared, verify
 from orbitproof.shared import CR3BP, EARTH_MOON, FALKNER_SKAN, InputError
 from orbitproof.verify.evidence import software
 
@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text("utf-8")
 OLD = ROOT / "tests" / "data" / "figures-certificates.json"
 BEFORE = ROOT / "tests" / "data" / "earlier-certificates.json"
-FACES = {"explore": explore, "verify": verify, "shared": shared}
+FACES = {"explore": explore, "figures": figures, "verify": verify, "shared": shared}
 
 
 def script_of_the_readme() -> str:

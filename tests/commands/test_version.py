@@ -12,7 +12,7 @@ from pathlib import Path
 
 from support.claims import known
 
-from orbitproof.figures.report.command import main
+from orbitproof.figures.commands.report import main
 from orbitproof.verify.certificate import Limits, write_certificates
 from orbitproof.verify.certificate.certify import certify
 

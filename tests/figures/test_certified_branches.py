@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -21,10 +20,10 @@ from support.chain_cases import Case, certificate, circle_point, concluded, para
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.certified import heading_of
 from orbitproof.figures.certified.curve import Curve
-from orbitproof.figures.commands.interactive import _curve as page_of_curve
 from orbitproof.figures.pictures import interactive
 from orbitproof.figures.pictures.certified_branches import draw_curves, draw_pieces
 from orbitproof.figures.pictures.certified_surfaces import draw_surface, surface_of
+from orbitproof.figures.scripting.documents import _curve_in_space as page_of_curve
 from orbitproof.figures.style.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
@@ -263,7 +262,7 @@ def test_no_picture_is_headed_by_the_title_of_a_file(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(interactive, "curve_lines", lambda found: [])
     monkeypatch.setattr(interactive, "orbits_figure", lambda title, *rest: titles.append(title))
     path = write(tmp_path / "curve.json", document_of(entitled))
-    page_of_curve(argparse.Namespace(file=Path(path)))
+    page_of_curve(Path(path))
     assert titles == heads[:1]
     assert heading_of(replace(atlas, id="it is proved")) == '"it is proved": symmetric closed curve of cr3bp'
     for figure in figures:

@@ -19,7 +19,7 @@ from support import atlas_work
 from support.claims import known, moved
 from support.forgeries import DATA, atlas_certificate, forged, read
 
-from orbitproof.figures.report.command import main
+from orbitproof.figures.commands.report import main
 from orbitproof.figures.report.document import Math, Table
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of

@@ -18,7 +18,7 @@ from support.forgeries import DATA, atlas_certificate, forged, read
 from test_forged_certificates import of_parabola
 
 from orbitproof import verify
-from orbitproof.figures.report.command import main as report
+from orbitproof.figures.commands.report import main as report
 from orbitproof.shared.formats import InputError, documents, read_document, stated_format, validate_document
 from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.numbers import parse_exact

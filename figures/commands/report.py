@@ -7,10 +7,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
-from orbitproof.verify.engines import CHECK_SECONDS, LONG_CHECK_SECONDS, ArgumentParser, Display, positive_seconds
+from orbitproof.verify.engines import CHECK_SECONDS, GIBIBYTE, LONG_CHECK_SECONDS, ArgumentParser, positive_seconds
 
 _EXAMPLES = """\
 examples:
@@ -59,16 +59,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from orbitproof.figures.report.content import report_of
-    from orbitproof.figures.report.statements import is_proved, name_of
-    from orbitproof.figures.report.theorems import Refused, check_files
-    from orbitproof.figures.report.writers import format_of, write_report
+    from orbitproof.figures.report.theorems import Refused
+    from orbitproof.figures.scripting import print_path, write_report
 
-    for output in options.output:
-        format_of(output)
-        check_writable(output)
     try:
-        entries = check_files(options.certificates, options.only, options.quiet, options.timeout, options.memory)
+        report = write_report(
+            options.certificates,
+            options.output,
+            only=options.only,
+            pictures=not options.no_pictures,
+            timeout=options.timeout,
+            memory=options.memory / GIBIBYTE,
+            told=print_path,
+            quiet=options.quiet,
+        )
     except Refused as refusal:
         for path, check in refusal.rechecks:
             found = check.findings[0] if check.findings else None
@@ -76,21 +80,7 @@ def _run(options: argparse.Namespace) -> int:
             print(f"REFUSED {path}: {shown(check.id)}: {what}", file=sys.stderr)
         print("nothing was written: a report tells only what follows from its certificates", file=sys.stderr)
         return 1
-    proved = [entry for entry in entries if is_proved(entry)]
-    pictures = {}
-    if not options.no_pictures:
-        from orbitproof.figures.report.pictures import pictures_of
-
-        display = Display({name_of(entry): 1.0 for entry in proved}, options.quiet)
-        with display.shown():
-            for entry in proved:
-                pictures[name_of(entry)] = pictures_of(entry)
-                display.finish(name_of(entry), "drawn" if pictures[name_of(entry)] else "has no picture")
-    report = report_of(entries, lambda entry: pictures.get(name_of(entry), ()))
-    for output in options.output:
-        for path in write_report(output, report):
-            print(path)
-    return 0 if len(proved) == len(entries) else 1
+    return 0 if report.proved == report.told else 1
 
 
 if __name__ == "__main__":

@@ -1,0 +1,228 @@
+"""Pictures for scripts and notebooks, from files."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from orbitproof.figures.files import Files, file_name, saved_as
+from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
+from orbitproof.shared.formats import InputError, read_candidates, select_ids, stated_format, write_text
+
+
+def draw_family(
+    candidates: Source,
+    folder: Source,
+    *,
+    certificates: Source | None = None,
+    families: Sequence[Source] = (),
+    files: Files | None = None,
+    told: Told = quietly,
+    quiet: bool = True,
+) -> list[Path]:
+    """Families with their bifurcations, filled where a certificate says "proved"; one picture each.
+
+    Arguments:
+        candidates: file of candidates.
+        folder: for the pictures.
+        certificates: file of their certificates; without it nothing is filled.
+        families: files of traced families.
+        files: formats, resolution and width of the pictures.
+        quiet: nothing on standard error.
+    """
+    from orbitproof.figures.model import MarkedPoint, assign, mark_candidates, read_families
+
+    source = Path(candidates)
+    marks = mark_candidates(read_candidates(source), optional(certificates), source)
+    traced = [family.refined() for path in families for family in read_families(Path(path))]
+
+    # Matplotlib takes a second to load: only after the input is known to be good.
+    from orbitproof.figures.files import save
+    from orbitproof.figures.pictures import draw_family as draw
+    from orbitproof.figures.pictures import draw_marks
+    from orbitproof.figures.style import close, use_style
+
+    target, names, written = folder_of(folder), Names(), Written(told)
+    with saved_as(files), use_style():
+        on_family, alone = assign(traced, marks)
+        for family, members in zip(traced, on_family, strict=True):
+            figure = draw(family, members)
+            written.add(save(figure, target / names.new(f"family-{family.system.name}-{family.name}")))
+            close(figure)
+        groups: dict[str, list[MarkedPoint]] = {}
+        for mark in alone:
+            groups.setdefault(mark.candidate.system.name, []).append(mark)
+        for system, members in groups.items():
+            if not quiet:
+                print(f"{system}: {len(members)} points lie on no family given with --family", file=sys.stderr)
+            figure = draw_marks(members)
+            written.add(save(figure, target / names.new(f"points-{system}")))
+            close(figure)
+    return written.paths
+
+
+def draw_resonances(
+    families: Sequence[Source],
+    folder: Source,
+    *,
+    candidates: Source | None = None,
+    certificates: Source | None = None,
+    files: Files | None = None,
+    told: Told = quietly,
+    quiet: bool = True,
+) -> list[Path]:
+    """Stability along families, finely sampled: pictures, and CSV files of the samples and of the resonances."""
+    from orbitproof.explore.records import BAND
+    from orbitproof.figures.model import assign, mark_candidates, read_curves
+
+    if certificates is not None and candidates is None:
+        raise InputError("--certificates: need their candidates; add --candidates")
+    curves = [curve for path in families for curve in read_curves(Path(path))]
+    marks = []
+    if candidates is not None:
+        marks = mark_candidates(read_candidates(Path(candidates)), optional(certificates), Path(candidates))
+    members, alone = assign([curve.family for curve in curves], marks)
+    if alone and not quiet:
+        print(f"{len(alone)} candidates lie on none of the families", file=sys.stderr)
+
+    from orbitproof.figures.files import save
+    from orbitproof.figures.pictures import draw_resonances as draw
+    from orbitproof.figures.style import close, use_style
+
+    target, names, csv_names, written = folder_of(folder), Names(), Names(), Written(told)
+    with saved_as(files), use_style():
+        for curve, own in zip(curves, members, strict=True):
+            places = curve.places(own)
+            name = f"{curve.family.system.name}-{curve.family.name}"
+            figure = draw(curve, places)
+            written.add(save(figure, target / names.new(f"resonances-{name}")))
+            close(figure)
+            for stem, text in (("stability", curve.samples_csv()), ("resonances", curve.events_csv(places))):
+                path = target / f"{csv_names.new(f'{stem}-{name}')}.csv"
+                write_text(path, text)
+                written.add([path])
+            if not quiet:
+                print(f"{name}: {curve.summary(BAND)}", file=sys.stderr)
+    return written.paths
+
+
+def draw_atlases(
+    certificates: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
+) -> list[Path]:
+    """Branches, from the certificates of their atlases: curves, stability along them, surfaces. Verdicts are copied."""
+    from orbitproof.verify.atlas import read_atlas_certificate
+
+    known = [read_atlas_certificate(Path(path)) for path in certificates]
+    names = [file_name(certificate.atlas.id) for certificate in known]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two certificates of one atlas, {name!r}; give each atlas once")
+
+    from orbitproof.figures.certified import CertifiedStability, Curve
+    from orbitproof.figures.collection.proved import write_curves, write_stability, write_surfaces
+    from orbitproof.figures.pictures import surface_of
+    from orbitproof.figures.style import use_style
+
+    target, written = folder_of(folder), Written(told)
+    about_curves = [certificate for certificate in known if not certificate.atlas.is_surface]
+    surfaces = [surface_of(certificate) for certificate in known if certificate.atlas.is_surface]
+    listed = [CertifiedStability.of(certificate) for certificate in about_curves]
+    with saved_as(files), use_style():
+        written.add(write_curves([Curve.of(certificate) for certificate in about_curves], target))
+        written.add(write_stability([found for found in listed if found is not None], target))
+        written.add(write_surfaces(surfaces, target))
+    return written.paths
+
+
+def draw_tori(
+    sources: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
+) -> list[Path]:
+    """Tori and manifolds, from files of `orbitproof explore`, in space and on the section; they are numerical."""
+    from orbitproof.explore.invariants import read_manifold, read_tori
+    from orbitproof.figures.files import save
+    from orbitproof.figures.pictures import draw_manifold
+    from orbitproof.figures.pictures import draw_tori as draw
+    from orbitproof.figures.style import close, use_style
+
+    remedy = "give a file of tori or of a manifold, written by orbitproof explore"
+    paths, drawings = [Path(source) for source in sources], []
+    for path in paths:
+        is_manifold = stated_format(path, remedy) == "manifold"
+        drawings.append((draw_manifold, read_manifold(path)) if is_manifold else (draw, read_tori(path)))
+    names = [file_name(path.stem) for path in paths]
+    if len(set(names)) < len(names):
+        raise InputError("two files of one name; give files whose names differ")
+    target, written = folder_of(folder), Written(told)
+    with saved_as(files), use_style():
+        for name, (shown, record) in zip(names, drawings, strict=True):
+            figure = shown(record)
+            written.add(save(figure, target / name))
+            close(figure)
+    return written.paths
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What became of all pictures.
+
+    Attributes:
+        paths: the files.
+        not_drawn: why, by the name of the picture.
+        bad_input: whether one of these reasons is a file that is not what it should be.
+        hollow: whether there were no certificates, so that nothing is filled.
+    """
+
+    paths: tuple[Path, ...]
+    not_drawn: Mapping[str, str]
+    bad_input: bool
+    hollow: bool
+
+
+def draw_all(
+    data: Source,
+    folder: Source,
+    *,
+    only: Sequence[str] | None = None,
+    files: Files | None = None,
+    told: Told = quietly,
+    quiet: bool = True,
+) -> Drawn:
+    """Every picture, from a folder of data files (docs/figures.md); those whose data are missing are left out.
+
+    Arguments:
+        data: folder of data files, as ``orbitproof figures data`` makes them.
+        only: names of pictures, with * and ?; by default all.
+        quiet: nothing on standard error but what is not drawn.
+    """
+    from orbitproof.figures.collection import PICTURES, DataFolder, MissingData
+    from orbitproof.figures.orbits import OrbitNotClosed
+
+    known = {picture.name: picture for picture in PICTURES}
+    chosen = [known[name] for name in select_ids(known, None if only is None else list(only), "picture")]
+    source, target = DataFolder(Path(data)), folder_of(folder)
+    written, not_drawn, bad_input = Written(told), dict[str, str](), False
+    started = time.monotonic()
+    with saved_as(files):
+        for number, picture in enumerate(chosen, 1):
+            before = time.monotonic()
+            try:
+                # First of all, so that one missing file is not found only after the drawing of half a picture.
+                for name in picture.data:
+                    source.path(name)
+                written.add(picture.write(source, target))
+            except (MissingData, OrbitNotClosed) as error:
+                not_drawn[picture.name] = str(error)
+            except InputError as error:
+                not_drawn[picture.name], bad_input = f"error: {error}", True
+            if picture.name in not_drawn:
+                print(f"{picture.name}: not drawn: {not_drawn[picture.name]}", file=sys.stderr)
+            if not quiet:
+                now = time.monotonic()
+                left = (now - started) / number * (len(chosen) - number)
+                estimate = f"; about {left:.0f} s left" if number < len(chosen) else ""
+                print(f"[{number}/{len(chosen)}] {picture.name}: {now - before:.1f} s{estimate}", file=sys.stderr)
+    hollow = any(picture.marked for picture in chosen) and not source.has_certificates
+    return Drawn(tuple(written.paths), not_drawn, bad_input, hollow)
