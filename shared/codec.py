@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -18,6 +18,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_
 
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational, parse_exact
+from orbitproof.shared.stored import Rational
 
 Json = Any
 Schema = dict[str, Any]
@@ -61,48 +62,6 @@ def schema_of(kind: Any) -> tuple[Schema, Definitions]:
     """The JSON schema of a type, and the definitions that it refers to."""
     definitions: Definitions = {}
     return form_of(kind).schema(definitions), definitions
-
-
-Rational = Annotated[Fraction, "rational"]
-"""An exact number that need be neither dyadic nor decimal, as parameters."""
-
-
-@dataclass(frozen=True)
-class Rules:
-    """What a schema says of a type beside it; with a name it becomes a definition."""
-
-    name: str
-    keywords: tuple[tuple[str, Any], ...]
-
-
-def rules(name: str = "", **keywords: Any) -> Rules:
-    """For annotations: ``Annotated[str, rules("id", pattern=ID)]``."""
-    return Rules(
-        name, tuple((key, tuple(value) if isinstance(value, list) else value) for key, value in keywords.items())
-    )
-
-
-def stored(
-    key: str = "",
-    *,
-    always: bool = False,
-    flat: bool = False,
-    hidden: bool = False,
-    beside: tuple[str, str] | None = None,
-    **more: Any,
-) -> Any:
-    """A field of a dataclass that is stored in another way.
-
-    Args:
-        key: its name in JSON, if it is not that of the field.
-        always: written even where it has its default.
-        flat: its own keys stand among those of the object.
-        hidden: not stored; what is read has the default.
-        beside: a key and a value that stand beside it where it is written.
-        more: arguments of `dataclasses.field`.
-    """
-    how = {"key": key, "always": always, "flat": flat, "hidden": hidden, "beside": beside}
-    return field(metadata=how, **more)
 
 
 _registered: dict[Any, Form] = {}

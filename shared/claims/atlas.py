@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Annotated, Any, Final, Literal
 
 from orbitproof.shared.claims.pieces import AnyPiece, Crossings, Id, Identifier, LibrationPiece, Piece, SurfacePiece
-from orbitproof.shared.codec import Rational, rules, stored
+from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import LINE, ReversibleSystem
 
 SURFACE: Final = "symmetry-breaking-surface"

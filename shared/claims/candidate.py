@@ -9,9 +9,9 @@ from fractions import Fraction
 from typing import Annotated, Any, Literal, NoReturn
 
 from orbitproof.shared.claims.pieces import Crossings, Id, Identifier, Numbers, Rows
-from orbitproof.shared.codec import Rational, rules, stored
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational
+from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import ID, ID_IN_WORDS, ReversibleSystem, fits
 
 FOLD = "fold"

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Literal, get_args
 
-from orbitproof.shared.codec import rules, stored
+from orbitproof.shared.stored import rules, stored
 from orbitproof.shared.systems import ID, IDENTIFIER, PIECE
 
 Coordinates = Literal["auto", "physical", "regularised"]

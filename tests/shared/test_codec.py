@@ -15,9 +15,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from orbitproof.shared.codec import Rational, from_json, register, rules, schema_of, stored, to_json
+from orbitproof.shared.codec import from_json, register, schema_of, to_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.schemas import schema_text, schemas
+from orbitproof.shared.stored import Rational, rules, stored
 
 
 class Side(Enum):
