@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any, Final, Literal
 
-from orbitproof.shared.claims.pieces import AnyPiece, Crossings, Id, Identifier, LibrationPiece, Piece, SurfacePiece
+from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line
+from orbitproof.shared.claims.pieces import AnyPiece, LibrationPiece, Piece, SurfacePiece
 from orbitproof.shared.stored import Rational, rules, stored
-from orbitproof.shared.systems import LINE, ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem
 
 SURFACE: Final = "symmetry-breaking-surface"
 CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
 
-Line = Annotated[str, rules("line", pattern=LINE)]
 Names = Annotated[tuple[Identifier, ...], rules(maxItems=32)]
 Pieces = Annotated[tuple[AnyPiece, ...], rules(minItems=1, maxItems=100000)]
 

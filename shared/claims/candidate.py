@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any, Literal, NoReturn
 
-from orbitproof.shared.claims.pieces import Crossings, Id, Identifier, Numbers, Rows
+from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Numbers, Rows
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational
 from orbitproof.shared.stored import Rational, rules, stored

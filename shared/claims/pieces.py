@@ -13,28 +13,23 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Literal, get_args
+from typing import Literal, get_args
 
-from orbitproof.shared.stored import rules, stored
-from orbitproof.shared.systems import ID, IDENTIFIER, PIECE
+from orbitproof.shared.claims.fields import (
+    Identifier,
+    Matrix,
+    Numbers,
+    Pair,
+    PieceId,
+    Polynomial,
+    Polynomials,
+    Rows,
+    Vector,
+)
+from orbitproof.shared.stored import stored
 
 Coordinates = Literal["auto", "physical", "regularised"]
 COORDINATES: tuple[Coordinates, ...] = get_args(Coordinates)
-
-Vector = tuple[Fraction, ...]
-Matrix = tuple[Vector, ...]
-
-Numbers = Annotated[Vector, rules("vector", minItems=1, maxItems=32)]
-Rows = Annotated[tuple[Numbers, ...], rules("matrix", minItems=1, maxItems=32)]
-Polynomial = Annotated[
-    Vector, rules("polynomial", description="Coefficients of 1, s, s^2, ..", minItems=1, maxItems=1000)
-]
-Polynomials = Annotated[tuple[Polynomial, ...], rules("polynomials", minItems=1, maxItems=32)]
-Pair = Annotated[Vector, rules("pair", minItems=2, maxItems=2)]
-Identifier = Annotated[str, rules("identifier", pattern=IDENTIFIER)]
-Id = Annotated[str, rules("id", pattern=ID)]
-Crossings = Annotated[int, rules(minimum=1, maximum=100)]
-PieceId = Annotated[str, rules("piece_id", pattern=PIECE)]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,25 @@
+"""What the fields of claims hold: names, vectors, matrices, polynomials."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated
+
+from orbitproof.shared.stored import rules
+from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE
+
+Vector = tuple[Fraction, ...]
+Matrix = tuple[Vector, ...]
+
+Numbers = Annotated[Vector, rules("vector", minItems=1, maxItems=32)]
+Rows = Annotated[tuple[Numbers, ...], rules("matrix", minItems=1, maxItems=32)]
+Polynomial = Annotated[
+    Vector, rules("polynomial", description="Coefficients of 1, s, s^2, ..", minItems=1, maxItems=1000)
+]
+Polynomials = Annotated[tuple[Polynomial, ...], rules("polynomials", minItems=1, maxItems=32)]
+Pair = Annotated[Vector, rules("pair", minItems=2, maxItems=2)]
+Identifier = Annotated[str, rules("identifier", pattern=IDENTIFIER)]
+Id = Annotated[str, rules("id", pattern=ID)]
+Crossings = Annotated[int, rules(minimum=1, maximum=100)]
+PieceId = Annotated[str, rules("piece_id", pattern=PIECE)]
+Line = Annotated[str, rules("line", pattern=LINE)]
