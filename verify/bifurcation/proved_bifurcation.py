@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.formats import FOLD, ONCE, Candidate
+from orbitproof.shared.stored import stored
 from orbitproof.verify.bifurcation.conditions import (
     Problem,
     check_enclosures,
@@ -40,8 +40,6 @@ from orbitproof.verify.evidence import (
     Outcome,
     Proved,
     Reason,
-    ball_to_json,
-    balls_to_json,
     dot,
     enclose,
     without_result,
@@ -66,17 +64,7 @@ class BifurcationResults:
     parameter: arb
     side: str
     normal_form: Mapping[str, arb]
-    local: tuple[arb, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact balls with decimals beside them."""
-        return {
-            "point": balls_to_json(self.point),
-            "parameter_name": self.parameter_name,
-            "parameter": ball_to_json(self.parameter),
-            "side": self.side,
-            "normal_form": balls_to_json(self.normal_form),
-        }
+    local: tuple[arb, ...] = stored(hidden=True, default=())
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from orbitproof.shared.formats import (
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate.kinds import Found, Results, theorem_of
 from orbitproof.verify.certificate.stated_system import system_names
+from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import (
@@ -217,7 +218,7 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         if kind == ORBIT and results:
             results = {**results, "parameter_name": "period", "parameter": results["period"]}
         parameter = ball_from_json(results["parameter"]) if results else None
-        orbit = OrbitResults.from_json(results) if kind == ORBIT and results else None
+        orbit = from_json(OrbitResults, results, f"{source}: field results") if kind == ORBIT and results else None
         point, normal_form = _balls(results.get("point", {})), _balls(results.get("normal_form", {}))
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{source}: field {place}: {error}; verify the candidate again") from None
@@ -290,7 +291,7 @@ def make_certificate(
     claim = statement(candidate, form)
     results = None
     if isinstance(outcome, Proved):
-        claim["theorem"], results = theorem_in_words(outcome.theorem), outcome.results.to_json()
+        claim["theorem"], results = theorem_in_words(outcome.theorem), to_json(outcome.results)
         claim["in_full"] = in_full(candidate, outcome.theorem, outcome.results)
     certificate = {
         "id": candidate.id,

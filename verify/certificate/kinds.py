@@ -12,6 +12,7 @@ from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.verify import bifurcation
 from orbitproof.verify.bifurcation import BifurcationResults, BifurcationTheorem
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
+from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.certificate.tables import derivative_name
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Proved, Reason, ball_from_json
 from orbitproof.verify.oracle import ORACLE
@@ -148,7 +149,7 @@ def _unconfirmed_bifurcation(stored: Mapping[str, Any], found: BifurcationResult
 
 
 def _unconfirmed_orbit(stored: Mapping[str, Any], found: OrbitResults, place: str) -> Iterator[Finding]:
-    old, new = dict(_leaves(stored, "")), dict(_leaves(found.to_json(), ""))
+    old, new = dict(_leaves(stored, "")), dict(_leaves(to_json(found), ""))
     if old.keys() != new.keys():
         yield Finding(place, "other results are found: " + ", ".join(sorted(old.keys() ^ new.keys())))
         return

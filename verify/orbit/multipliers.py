@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 from flint import acb, arb, arb_mat
 
-from orbitproof.verify.evidence import all_finite, ball_from_json, ball_to_json, is_below, is_positive, sign
+from orbitproof.shared.stored import stored
+from orbitproof.verify.evidence import all_finite, is_below, is_positive, sign
 
 STABLE, UNSTABLE, UNDECIDED = "linearly stable", "unstable", "not decided"
 
@@ -25,30 +25,9 @@ class Stability:
         verdict: `STABLE`, `UNSTABLE` or `UNDECIDED`.
     """
 
-    parameters: tuple[acb, ...]
-    multipliers: tuple[acb, ...]
-    verdict: str
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        return {
-            "stability_parameters": [_to_json(value) for value in self.parameters],
-            "multipliers": [_to_json(value) for value in self.multipliers],
-            "stability": self.verdict,
-        }
-
-    @classmethod
-    def from_json(cls, entry: Mapping[str, Any]) -> Stability:
-        """The same. Raises `ValueError` for what is no ball."""
-        values = [
-            tuple(acb(ball_from_json(value["real"]), ball_from_json(value["imaginary"])) for value in entry[name])
-            for name in ("stability_parameters", "multipliers")
-        ]
-        return cls(values[0], values[1], entry["stability"])
-
-
-def _to_json(value: acb) -> dict[str, Any]:
-    return {"real": ball_to_json(value.real), "imaginary": ball_to_json(value.imag)}
+    parameters: tuple[acb, ...] = stored("stability_parameters")
+    multipliers: tuple[acb, ...] = stored()
+    verdict: str = stored("stability")
 
 
 def stability_of(out: Sequence[Sequence[arb]], back: Sequence[Sequence[arb]]) -> Stability:

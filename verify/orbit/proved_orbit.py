@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate
+from orbitproof.shared.stored import stored
 from orbitproof.verify.claim import inverse
 from orbitproof.verify.evidence import (
     MAX_ORDER,
@@ -22,9 +22,6 @@ from orbitproof.verify.evidence import (
     Proved,
     Reason,
     all_finite,
-    ball_from_json,
-    ball_to_json,
-    balls_to_json,
     bounds,
     count_certain_digits,
     dot,
@@ -59,15 +56,6 @@ class Extremum:
     distance: arb
     times: tuple[arb, ...]
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        return {"distance": ball_to_json(self.distance), "times": [ball_to_json(time) for time in self.times]}
-
-    @classmethod
-    def from_json(cls, entry: Mapping[str, Any]) -> Extremum:
-        """The same. Raises `ValueError` for what is no ball."""
-        return cls(ball_from_json(entry["distance"]), tuple(ball_from_json(time) for time in entry["times"]))
-
 
 @dataclass(frozen=True)
 class OrbitResults:
@@ -77,8 +65,8 @@ class OrbitResults:
         point, other_point: enclosures of its two points on Fix(R), by coordinate name.
         half_period: the time from one to the other.
         period: twice that; the least period.
-        level_name, level: the first integral; empty and `None` without one.
         stability: stability parameters and multipliers.
+        level_name, level: the first integral; empty and `None` without one.
         distance_name: from what body distances are; empty if none is named.
         least, greatest: distance from it along the orbit; `None` if none is named.
     """
@@ -87,12 +75,12 @@ class OrbitResults:
     other_point: Mapping[str, arb]
     half_period: arb
     period: arb
-    level_name: str
-    level: arb | None
-    stability: Stability
-    distance_name: str
-    least: Extremum | None
-    greatest: Extremum | None
+    stability: Stability = stored(flat=True)
+    level_name: str = ""
+    level: arb | None = None
+    distance_name: str = stored("distance_from", default="")
+    least: Extremum | None = stored("least_distance", default=None)
+    greatest: Extremum | None = stored("greatest_distance", default=None)
 
     @property
     def parameter(self) -> arb:
@@ -103,40 +91,6 @@ class OrbitResults:
         balls += [value for value in (self.level,) if value is not None]
         balls += [extremum.distance for extremum in (self.least, self.greatest) if extremum is not None]
         return min((ball for ball in balls if excludes_zero(ball)), key=count_certain_digits)
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact balls with decimals beside them."""
-        entry: dict[str, Any] = {
-            "point": balls_to_json(self.point),
-            "other_point": balls_to_json(self.other_point),
-            "half_period": ball_to_json(self.half_period),
-            "period": ball_to_json(self.period),
-            **self.stability.to_json(),
-        }
-        if self.level is not None:
-            entry |= {"level_name": self.level_name, "level": ball_to_json(self.level)}
-        if self.least is not None and self.greatest is not None:
-            entry |= {"distance_from": self.distance_name, "least_distance": self.least.to_json()}
-            entry["greatest_distance"] = self.greatest.to_json()
-        return entry
-
-    @classmethod
-    def from_json(cls, entry: Mapping[str, Any]) -> OrbitResults:
-        """The same. Raises `KeyError` or `ValueError` for what is none."""
-        level = entry.get("level")
-        far = "distance_from" in entry
-        return cls(
-            {name: ball_from_json(ball) for name, ball in entry["point"].items()},
-            {name: ball_from_json(ball) for name, ball in entry["other_point"].items()},
-            ball_from_json(entry["half_period"]),
-            ball_from_json(entry["period"]),
-            entry.get("level_name", ""),
-            None if level is None else ball_from_json(level),
-            Stability.from_json(entry),
-            entry.get("distance_from", ""),
-            Extremum.from_json(entry["least_distance"]) if far else None,
-            Extremum.from_json(entry["greatest_distance"]) if far else None,
-        )
 
 
 @dataclass(frozen=True)
@@ -305,9 +259,9 @@ def _results(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures,
         {name: function.value(where) for name, function in at.items()},
         half_period,
         2 * half_period,
+        stability_of(_own_derivatives(candidate, list(at.values()), where), found.back),
         "" if level is None else system.first_integral_name or "H",
         level,
-        stability_of(_own_derivatives(candidate, list(at.values()), where), found.back),
         "" if found.distance is None else str(system.distance_name),
         least,
         greatest,
