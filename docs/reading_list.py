@@ -1,7 +1,8 @@
 """What has to be read to believe a theorem: ``python docs/reading_list.py CHAPTER``.
 
-These are the modules that the one that concludes uses, directly or by way of others, each after all that it uses
-itself. A name that comes through the face of a room counts for the module that defines it.
+These are the module that concludes, those that enclose what it concludes from, and all that they use, directly or by
+way of others, each after what it uses itself. A name that comes through the face of a room counts for the module that
+defines it.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "orbitproof"
 
 CHAPTERS = {
-    "bifurcation": "verify.bifurcation.proved_bifurcation",
-    "orbit": "verify.orbit.proved_orbit",
-    "curve": "verify.curve.proved_curve",
-    "surface": "verify.surface.proved_surface",
-    "list": "verify.stability.proved_list",
-    "second-proof": "verify.second_proof.proof",
+    "bifurcation": ("verify.poincare.iterates", "verify.bifurcation.proved_bifurcation"),
+    "orbit": ("verify.orbit.following", "verify.orbit.proved_orbit"),
+    "curve": ("verify.curve.piece", "verify.curve.proved_curve"),
+    "surface": ("verify.surface.piece", "verify.surface.libration_piece", "verify.surface.proved_surface"),
+    "list": ("verify.curve.piece", "verify.stability.matrix", "verify.stability.proved_list"),
+    "second-proof": ("verify.second_proof.proof",),
 }
-"""The module that concludes, by what it concludes about."""
+"""The modules that enclose, and the one that concludes, by what it concludes about."""
 
 
 @cache
@@ -67,8 +68,8 @@ def definer(module: str, name: str) -> str:
     return definer(sources[0], name) if path.name == "__init__.py" and sources else module
 
 
-def reading_list(module: str) -> list[str]:
-    """The modules to be read for one, itself last, each after those that it uses."""
+def reading_list(modules: Sequence[str]) -> list[str]:
+    """The modules to be read for these, the last of them last, each after those that it uses."""
     found: dict[str, None] = {}
     begun: set[str] = set()
 
@@ -82,7 +83,8 @@ def reading_list(module: str) -> list[str]:
             read(source)
         found[name] = None
 
-    read(module)
+    for module in modules:
+        read(module)
     return list(found)
 
 
@@ -93,9 +95,9 @@ def length(module: str) -> int:
     return len(path.read_text("utf-8").splitlines())
 
 
-def told(module: str) -> str:
+def told(last: Sequence[str]) -> str:
     """The list as text: file, lines, and what it is about."""
-    modules = reading_list(module)
+    modules = reading_list(last)
     lines = []
     for name in modules:
         path = path_of(name)
@@ -112,15 +114,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("chapter", nargs="?", help=words)
     options = parser.parse_args(arguments)
     if options.chapter is None:
-        for name, module in CHAPTERS.items():
-            modules = reading_list(module)
-            print(f"{name:14}{sum(map(length, modules)):7} lines in {len(modules)} modules, up to {module}")
+        for name, last in CHAPTERS.items():
+            modules = reading_list(last)
+            print(f"{name:14}{sum(map(length, modules)):7} lines in {len(modules)} modules, up to {last[-1]}")
         return 0
-    module = CHAPTERS.get(options.chapter, options.chapter)
-    if path_of(module) is None:
+    last = CHAPTERS.get(options.chapter, (options.chapter,))
+    if path_of(last[-1]) is None:
         print(f"error: no chapter or module {options.chapter!r}; give one of {', '.join(CHAPTERS)}", file=sys.stderr)
         return 2
-    print(told(module))
+    print(told(last))
     return 0
 
 

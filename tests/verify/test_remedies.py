@@ -12,10 +12,12 @@ from flint import arb
 from support.claims import known, to_the_end
 
 from orbitproof.shared.formats import Candidate, read_candidates
-from orbitproof.verify.bifurcation import remedies
+from orbitproof.verify.bifurcation import Counsel, Failure, check_exactly, prove, silent
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence import Checklist
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, guarded
+from orbitproof.verify.oracle import remedies
+from orbitproof.verify.oracle.precision import Limits, Verdict
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
 TRUE = known("fs2")
 CANDIDATES = Path(__file__).parents[1] / "data" / "figures-candidates.json"
@@ -129,7 +131,7 @@ def test_enclosures_that_tell_nothing_give_no_advice() -> None:
     assert remedies.of_image(0, 1, arb(0, "inf"), [radius] * 2) is None
     assert remedies.of_sign(arb(0, 1)) is None
     assert remedies.of_sign(arb("nan")) is None
-    assert remedies.of_shape(Checklist(), radius) is None
+    assert remedies.of_shape((), radius) is None
 
 
 def test_radii_beyond_the_range_of_floats_are_no_trouble() -> None:
@@ -156,3 +158,41 @@ def test_following_the_advice_on_p_2_leads_to_a_proof(change: str) -> None:
     assert "and P_0 by its square" in given.remedy
     factors = (1.0, 1.0, factor) if change == "P_2" else (narrower**-2, 1 / narrower, 1.0)
     assert certify(scaled(candidate, *factors), Limits(level="coordinates")).proved
+
+
+@pytest.mark.parametrize("change", [(1.0, 1e-4), (1e6, 1e6)])
+def test_whatever_a_counsel_answers_nothing_is_proved_or_excluded(change: tuple[float, float]) -> None:
+    claim = scaled(TRUE, *change)
+    asked: list[Failure] = []
+
+    def liar(failure: Failure) -> Reason:
+        asked.append(failure)
+        return Reason("none", "all of it is proved", "nothing", excluded=True)
+
+    with guarded(160):
+        found = to_the_end(claim, IntegratorSettings(160))
+        plain, told = (outcome_with(claim, found, counsel) for counsel in (silent, liar))
+    assert isinstance(plain, NotProved)
+    assert isinstance(told, NotProved)
+    assert [failure.reason for failure in asked] == [plain.reason]
+    assert told.hypotheses == asked[0].hypotheses
+    assert [(each.name, each.holds) for each in told.hypotheses] == [
+        (each.name, each.holds) for each in plain.hypotheses
+    ]
+    assert not told.hypotheses[-1].holds
+    assert (told.reason.condition, told.reason.excluded) == (plain.reason.condition, False)
+    assert told.reason.message == "all of it is proved"
+
+
+def test_a_claim_that_is_proved_asks_nobody() -> None:
+    def asked(failure: Failure) -> Reason:
+        raise AssertionError(failure)
+
+    with guarded(160):
+        assert isinstance(outcome_with(TRUE, to_the_end(TRUE, IntegratorSettings(160)), asked), Proved)
+
+
+def outcome_with(claim: Candidate, found: Enclosures, counsel: Counsel) -> Verdict:
+    checklist = Checklist()
+    check_exactly(checklist, claim)
+    return prove(claim, checklist, found.iterates, found.first_integral, found.return_times, counsel)

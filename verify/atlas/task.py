@@ -16,7 +16,7 @@ from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
 from orbitproof.verify.engines import Answer, Failure, Report, Task
 from orbitproof.verify.evidence import Proved
-from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle import ORACLE, counsel
 from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
@@ -104,7 +104,7 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
             surface_limits = SurfaceLimits(**argument["integrator"])
             parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
             return prove_surface_piece(
-                system, piece, (start, end), ORACLE, surface_limits, stepped, argument["symmetry"], parts
+                system, piece, (start, end), ORACLE, surface_limits, stepped, argument["symmetry"], parts, counsel
             ).to_json()
         if isinstance(piece, LibrationPiece):
             surface_limits = SurfaceLimits(**argument["integrator"])

@@ -1,6 +1,7 @@
 """Lyapunov-Schmidt reduction, conditions and theorems (sections 8, 9, 11)."""
 
 from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
+from orbitproof.verify.bifurcation.counsel import Counsel, Failure, silent
 from orbitproof.verify.bifurcation.fold import TurningCurve, check_curve, check_fold
 from orbitproof.verify.bifurcation.level_forms import (
     check_own_box,

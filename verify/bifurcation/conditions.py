@@ -13,7 +13,6 @@ from fractions import Fraction
 from flint import arb
 
 from orbitproof.shared.formats import FOLD, Candidate
-from orbitproof.verify.bifurcation import remedies
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family, PeriodTwoFamily, reduced_function
 from orbitproof.verify.evidence import (
     MAX_ORDER,
@@ -136,7 +135,7 @@ def check_family(checklist: Checklist, problem: Problem) -> PeriodTwoFamily:
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 1, 1, "P")
         evidence.require(graph.is_regular(), "D_(p_1, p_2) pi_q P may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:1]), start=1):
-            require_inside(evidence, f"p_{position}", ball, problem, position, 0)
+            require_inside(evidence, f"p_{position}", ball, problem, position)
     return PeriodTwoFamily(graph)
 
 
@@ -148,6 +147,12 @@ def check_no_other_orbit(checklist: Checklist, problem: Problem, i: int) -> None
         matrix = [component.gradient(problem.box, 1) for component in problem.iterates[i - 1]]
         _record_matrix(evidence, matrix, 1, 1, f"P^{i}")
         evidence.require(is_regular(matrix), "a singular matrix is not excluded", needs_precision=True)
+
+
+EXCLUDED = "no R-symmetric orbits of this multiplicity branch off or merge in the box: "
+"""What is said of a claim that is refused for good (section 8.2); what shows it comes after."""
+
+REMEDY = "are k and the kind right, and is the centre at the bifurcation point?"
 
 
 def excludes_branches(candidate: Candidate, problem: Problem) -> bool:
@@ -173,9 +178,9 @@ def check_reduction(checklist: Checklist, problem: Problem, family: Family | Non
         _record_matrix(evidence, graph.derivative_matrix(problem.box), 2, 2, f"P^{problem.k}")
         evidence.require(graph.is_regular(), "D_p2 pi_q2 P^k may be singular in the box", needs_precision=True)
         for position, ball in enumerate(graph.image(problem.box[:2]), start=2):
-            require_inside(evidence, f"p_{position}^H", ball, problem, position, 1)
+            require_inside(evidence, f"p_{position}^H", ball, problem, position)
         slope = arb(0) if family is None else family.over(problem.box[0])[1]
-        require_inside(evidence, "p_1(P_0)", slope, problem, 1, 0)
+        require_inside(evidence, "p_1(P_0)", slope, problem, 1)
     return BifurcationFunction(component, graph)
 
 
@@ -188,14 +193,9 @@ def check_reduced_function(
     with checklist.hypothesis(f"{problem.prefix}C3", "8.4", statement, remedy) as evidence:
         p_0, p_1 = problem.box[:2]
         reduced = reduced_function(p_0, p_1, family, reduction)
-        if not excludes_zero(reduced.slope):
-            # Where P_0 is much too narrow for P_1, errors that the branch needs make the slope in p_0 uncertain.
-            likely = -reduced.at_centre(p_1) / arb(reduced.slope.mid())
-            if is_outside(arb(likely.abs_upper()), problem.radii[0]):
-                evidence.suggest(remedies.of_image(0, 1, likely, problem.radii))
         require_nonzero(evidence, "g_0 = ", evidence.record("g_0", reduced.slope))
         evidence.record("g(0, P_1)", reduced.at_centre(p_1))
-        require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem, 0, 1)
+        require_inside(evidence, "p_0(P_1)", reduced.zero(p_1), problem, 0)
 
 
 def check_transversality(
@@ -261,19 +261,14 @@ def _record_matrix(
             evidence.record(f"d q_{row}({iterate}) / d p_{column}", ball)
 
 
-def require_inside(
-    evidence: Evidence, name: str, ball: arb, problem: Problem, position: int, over: int | None = None
-) -> None:
-    """Require that the ball lies inside P_i, i = `position`; with `over` = j it is that of p_i over P_j."""
+def require_inside(evidence: Evidence, name: str, ball: arb, problem: Problem, position: int) -> None:
+    """Require that the ball lies inside P_i, i = `position`."""
     radius = problem.radii[position]
-    inside = is_inside(ball, radius)
-    if not inside and over is not None:
-        evidence.suggest(remedies.of_image(position, over, ball, problem.radii))
     evidence.record(name, ball)
     outside = is_outside(ball, radius)
     where = "lies outside [-R, R]: there is no such point in the box" if outside else "is not inside (-R, R)"
     evidence.require(
-        inside,
+        is_inside(ball, radius),
         f"{name} in {show(ball)} {where}, R = {float(radius):.3g}",
         needs_precision=not outside,
         excluded=outside,
@@ -282,6 +277,4 @@ def require_inside(
 
 def require_nonzero(evidence: Evidence, name: str, ball: arb) -> None:
     """Require that the ball, which holds over the box, excludes 0."""
-    if not excludes_zero(ball):
-        evidence.suggest(remedies.of_sign(ball))
     evidence.require(excludes_zero(ball), f"{name}{show(ball)} may vanish", needs_precision=True)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from orbitproof.verify.bifurcation import remedies
 from orbitproof.verify.bifurcation.conditions import (
     Problem,
     narrowed_zero,
@@ -84,7 +83,7 @@ def check_curve(checklist: Checklist, problem: Problem) -> TurningCurve:
                 evidence.record(f"d q_{row}(P) / d p_{position}", ball)
         evidence.require(graph.is_regular(), "D_(p_0, p_2) pi_q P may be singular in the box", needs_precision=True)
         for position, ball in zip(across, graph.image(graph.box[:1]), strict=True):
-            require_inside(evidence, f"p_{position}(P_1)", ball, problem, position, _ALONG)
+            require_inside(evidence, f"p_{position}(P_1)", ball, problem, position)
     integral = problem.first_integral
     return TurningCurve(graph, None if integral is None else _with_p_1_first(integral))
 
@@ -105,8 +104,7 @@ def _locate(
 ) -> tuple[tuple[arb, ...], arb]:
     """The point of the fold, the zero of g' over P_1, by interval Newton, repeated; and g'' there."""
     statement = "interval Newton for g' gives the point of the fold, inside the box"
-    remedy = remedies.of_shape(checklist, problem.radii[0]) or _REMEDY
-    with checklist.hypothesis("point", "9.6", statement, remedy) as evidence:
+    with checklist.hypothesis("point", "9.6", statement, _REMEDY) as evidence:
         p_1 = narrowed_zero(
             problem,
             _ALONG,

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from orbitproof.verify.bifurcation import remedies
 from orbitproof.verify.bifurcation.conditions import Point, Problem
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family
 from orbitproof.verify.evidence import Checklist, excludes_zero, meet, show, sign
@@ -28,9 +27,8 @@ class Nondegeneracy:
     normal_form: Mapping[str, arb]
 
 
-def _require_nonzero(checklist: Checklist, problem: Problem, name: str, section: str, what: str, ball: arb) -> None:
-    remedy = remedies.of_shape(checklist, problem.radii[0]) or _REMEDY
-    with checklist.hypothesis(name, section, f"{what} is not zero at the bifurcation point", remedy) as evidence:
+def _require_nonzero(checklist: Checklist, name: str, section: str, what: str, ball: arb) -> None:
+    with checklist.hypothesis(name, section, f"{what} is not zero at the bifurcation point", _REMEDY) as evidence:
         evidence.record(name, ball)
         evidence.require(excludes_zero(ball), f"{show(ball)} may be zero", needs_precision=True)
 
@@ -51,12 +49,12 @@ def check_family_of_maps(
     alpha = point.crossing
     if problem.k == 3:
         second = jet.derivative(0, 2)
-        _require_nonzero(checklist, problem, "G_11", "9.1", "G_11", second)
+        _require_nonzero(checklist, "G_11", "9.1", "G_11", second)
         return Nondegeneracy("both", {"alpha": alpha, "beta": -second / (2 * alpha)})
     # G_01 + G_11 p_1' is G_01 there: both enclose it.
     mixed, third = meet(jet.derivative(1, 1), alpha), jet.derivative(0, 3)
-    _require_nonzero(checklist, problem, "G_01", "9.2", "G_01", mixed)
-    _require_nonzero(checklist, problem, "G_111", "9.2", "G_111", third)
+    _require_nonzero(checklist, "G_01", "9.2", "G_01", mixed)
+    _require_nonzero(checklist, "G_111", "9.2", "G_111", third)
     curvature = -third / (3 * mixed)
     return Nondegeneracy(side_of(curvature), {"alpha": mixed, "beta": curvature / 2})
 
@@ -67,7 +65,7 @@ def check_level_slope(checklist: Checklist, problem: Problem, where: Sequence[ar
     if integral is None:
         raise ValueError("a Hamiltonian problem has a first integral")
     slope = integral.gradient(where, 0)[0]
-    _require_nonzero(checklist, problem, "dH/dp_0", "9.3", "the derivative of H in p_0", slope)
+    _require_nonzero(checklist, "dH/dp_0", "9.3", "the derivative of H in p_0", slope)
 
 
 def check_hamiltonian(
@@ -83,14 +81,14 @@ def check_hamiltonian(
 
     check_level_slope(checklist, problem, where)
     family_slope = k_0 + k_1 * curve.slope
-    _require_nonzero(checklist, problem, "h_fp'", "9.3", "the derivative of H along the family", family_slope)
+    _require_nonzero(checklist, "h_fp'", "9.3", "the derivative of H along the family", family_slope)
 
     g_0 = jet.derivative(1, 1) + jet.derivative(0, 2) * curve.slope / 2
     g_1 = jet.derivative(0, 2) / 2
     alpha = point.crossing / k_0
     if k == 3:
         branch_slope = k_0 * (-g_1 / g_0) + k_1
-        _require_nonzero(checklist, problem, "h_b'", "9.4", "the derivative of H along the branch", branch_slope)
+        _require_nonzero(checklist, "h_b'", "9.4", "the derivative of H along the branch", branch_slope)
         beta = branch_slope / (1 - curve.slope * branch_slope / family_slope)
         return Nondegeneracy("both", {"alpha": alpha, "beta": beta, "h_b'": branch_slope, "h_fp'": family_slope})
     # h_b' = 0 at the point, so that p_0' = -K_1 / K_0 as well; by symmetry it is 0 for k = 1.
@@ -110,9 +108,7 @@ def check_hamiltonian(
         + level.derivative(0, 2)
         + k_0 * curvature
     )
-    _require_nonzero(
-        checklist, problem, "h_b''", "9.4", "the second derivative of H along the branch", branch_curvature
-    )
+    _require_nonzero(checklist, "h_b''", "9.4", "the second derivative of H along the branch", branch_curvature)
     return Nondegeneracy(
         side_of(branch_curvature),
         {"alpha": alpha, "beta": branch_curvature / 2, "h_b''": branch_curvature, "h_fp'": family_slope},

@@ -8,23 +8,25 @@ from dataclasses import replace
 from flint import arb, arb_mat
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.bifurcation.conditions import Problem, check_family, check_no_other_orbit
-from orbitproof.verify.bifurcation.sharpened import fails_sharpened, for_want_of_size
+from orbitproof.verify.bifurcation.conditions import (
+    EXCLUDED,
+    REMEDY,
+    Problem,
+    check_family,
+    check_no_other_orbit,
+)
+from orbitproof.verify.bifurcation.counsel import Counsel, Failure, advised, silent
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, Reason, enclose, symmetric
 from orbitproof.verify.newton import BoxFunction, is_regular
 from orbitproof.verify.poincare import HalfReturns, check_half_orbit
 
-_EXCLUDED = "no R-symmetric orbits of this multiplicity branch off or merge in the box: "
-EXCLUDED = f"{_EXCLUDED}every matrix in the interval hull of D_(p_1, p_2) pi_q P^{{k}} over it is regular (section 8.2)"
 _EXCLUDED_ON_THE_WAY = (
-    f"{_EXCLUDED}at the R-symmetric points with P^2(x) = x in it, D_(p_1, p_2) pi_q P^{{k}} lies, by P and P^2, in a "
+    f"{EXCLUDED}at the R-symmetric points with P^2(x) = x in it, D_(p_1, p_2) pi_q P^{{k}} lies, by P and P^2, in a "
     "hull of which every matrix is regular (section 8.2)"
 )
 
-REMEDY = "are k and the kind right, and is the centre at the bifurcation point?"
 
-
-def check_half_returns(candidate: Candidate, found: HalfReturns) -> None:
+def check_half_returns(candidate: Candidate, found: HalfReturns, counsel: Counsel = silent) -> None:
     """Raise `NotEstablishedError` if a condition about so many half returns, fewer than k, fails.
 
     It is the failure that the proof would come to, which `proved_bifurcation.prove` finds when all returns are
@@ -38,9 +40,8 @@ def check_half_returns(candidate: Candidate, found: HalfReturns) -> None:
         _check(checklist, problem)
     except NotEstablishedError as error:
         reason = replace(error.reason, enclosures=dict(checklist.hypotheses[-1].enclosures))
-        if fails_sharpened(problem, reason, lambda sharper: _check(Checklist(), sharper)):
-            reason = for_want_of_size(reason)
-        raise NotEstablishedError(reason) from None
+        failure = Failure(candidate, problem, reason, checklist.hypotheses, lambda other: _check(Checklist(), other))
+        raise NotEstablishedError(advised(failure, counsel)) from None
     except ArithmeticError:
         return
     if found.image and _excludes_branches(candidate, problem, found):

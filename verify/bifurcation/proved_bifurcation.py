@@ -10,6 +10,8 @@ from flint import arb
 from orbitproof.shared.formats import FOLD, ONCE, Candidate
 from orbitproof.shared.stored import stored
 from orbitproof.verify.bifurcation.conditions import (
+    EXCLUDED,
+    REMEDY,
     Problem,
     check_enclosures,
     check_family,
@@ -20,11 +22,10 @@ from orbitproof.verify.bifurcation.conditions import (
     excludes_branches,
     locate,
 )
+from orbitproof.verify.bifurcation.counsel import Counsel, Failure, advised, silent
 from orbitproof.verify.bifurcation.fold import check_fold
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
-from orbitproof.verify.bifurcation.on_the_way import EXCLUDED, REMEDY
 from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
-from orbitproof.verify.bifurcation.sharpened import fails_sharpened, for_want_of_size
 from orbitproof.verify.claim import (
     check_adapted_frames,
     check_frames,
@@ -140,12 +141,14 @@ def prove(
     iterates: Sequence[Sequence[DerivativeTable]],
     first_integral: DerivativeTable | None,
     return_times: Sequence[arb] = (),
+    counsel: Counsel = silent,
 ) -> Outcome[BifurcationResults]:
     """Check the theorem that `candidate` claims, given enclosures of derivatives of P, .., P^k and H.
 
     `checklist` already holds what was established before the integration (see `prepare`); the
     current precision of Arb is used. Every failure is a `NotProved` that names the condition. The
-    times of the crossings, if given, go into the certificate.
+    times of the crossings, if given, go into the certificate. `counsel` is asked about a claim that is
+    not proved and not excluded.
     """
     theorem = theorem_of(candidate)
     if isinstance(theorem, Reason):
@@ -159,11 +162,14 @@ def prove(
     except NotEstablishedError as error:
         reason = error.reason
         if reason.needs_precision and excludes_branches(candidate, problem):
-            message = f"{reason.message}; and {EXCLUDED.format(k=candidate.k)}"
+            matrix = f"D_(p_1, p_2) pi_q P^{candidate.k}"
+            why = f"every matrix in the interval hull of {matrix} over it is regular (section 8.2)"
+            message = f"{reason.message}; and {EXCLUDED}{why}"
             reason = replace(reason, message=message, remedy=REMEDY, needs_precision=False, excluded=True)
-        elif fails_sharpened(problem, reason, lambda sharper: _check(candidate, Checklist(), sharper)):
-            reason = for_want_of_size(reason)
-        return NotProved(reason, tuple(checklist.hypotheses))
+            return NotProved(reason, tuple(checklist.hypotheses))
+        hypotheses = tuple(checklist.hypotheses)
+        failure = Failure(candidate, problem, reason, hypotheses, lambda other: _check(candidate, Checklist(), other))
+        return NotProved(advised(failure, counsel), hypotheses)
     except ArithmeticError as error:
         pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
         reason = Reason(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from flint import arb
@@ -15,7 +16,7 @@ from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.certificate.tables import derivative_name
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Proved, Reason, ball_from_json
-from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle import ORACLE, counsel
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults, OrbitTheorem, enclose_orbit, prove_orbit
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
@@ -36,7 +37,8 @@ def enclose(
     """
     if candidate.kind == ORBIT:
         return enclose_orbit(candidate, settings, ORACLE, progress)
-    return enclose_iterates(candidate, settings, ORACLE, progress, bifurcation.check_half_returns)
+    decide = partial(bifurcation.check_half_returns, counsel=counsel)
+    return enclose_iterates(candidate, settings, ORACLE, progress, decide)
 
 
 def prove(candidate: Candidate, checklist: Checklist, found: Found | None) -> Outcome[Results]:
@@ -45,7 +47,8 @@ def prove(candidate: Candidate, checklist: Checklist, found: Found | None) -> Ou
         return prove_orbit(candidate, checklist, found if isinstance(found, OrbitEnclosures) else None)
     if not isinstance(found, Enclosures):
         return bifurcation.prove(candidate, checklist, (), None)
-    return bifurcation.prove(candidate, checklist, found.iterates, found.first_integral, found.return_times)
+    tables = (found.iterates, found.first_integral, found.return_times)
+    return bifurcation.prove(candidate, checklist, *tables, counsel)
 
 
 def contradictions(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:

@@ -209,11 +209,6 @@ class Evidence:
             self.needs_precision = needs_precision
             self.excluded = excluded
 
-    def suggest(self, remedy: str | None) -> None:
-        """Put a better remedy in place, if there is one, for the failure that comes next; the first counts."""
-        if self.failure is None and remedy is not None:
-            self.remedy = remedy
-
     @property
     def holds(self) -> bool:
         """Whether there is a requirement and all are met."""

@@ -13,3 +13,4 @@ from orbitproof.verify.oracle.precision import (
     more_precision,
     steps_of_centre,
 )
+from orbitproof.verify.oracle.sharpened import counsel

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from orbitproof.shared.formats import Candidate, SurfacePiece, evaluate
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.bifurcation import BifurcationResults, check_exactly, prove
+from orbitproof.verify.bifurcation import BifurcationResults, Counsel, check_exactly, prove, silent
 from orbitproof.verify.curve import Account, Interval, PieceResult, attempt
 from orbitproof.verify.evidence import (
     Checklist,
@@ -69,6 +69,7 @@ def prove_surface_piece(
     progress: Callable[[float], None] | None = None,
     symmetry: str = "S",
     sections: Sequence[Interval] = (),
+    counsel: Counsel = silent,
 ) -> PieceResult[ProvedParts]:
     """Prove the claim of a piece for all s in an interval within [-1, 1], or say why it is not proved.
 
@@ -77,6 +78,7 @@ def prove_surface_piece(
         progress: called after every integration step with the number of steps; what it raises passes through.
         symmetry: name of the symmetry that breaks.
         sections: parts that cover the interval, each proved as a whole or in halves; empty: as it suits.
+        counsel: is asked about a part that is not proved.
     """
     limits = SurfaceLimits() if limits is None else limits
     computation: Account = {**asdict(limits), "steps": 0, "coordinates": ""}
@@ -93,7 +95,7 @@ def prove_surface_piece(
         with checklist.hypothesis(
             "parts", "17.2", "the theorem on symmetry breaking holds on parts that cover the interval", "other radii"
         ) as evidence:
-            proof = _Parts(system, piece, returned, symmetry)
+            proof = _Parts(system, piece, returned, symmetry, counsel)
             parts = [part for section in sections or _sections(interval) for part in proof.cover(section, _HALVINGS)]
             evidence.require(
                 (parts[0].start, parts[-1].end) == interval and all(a.end == b.start for a, b in pairwise(parts)),
@@ -135,6 +137,7 @@ class _Parts:
     piece: SurfacePiece
     returned: SurfaceReturn
     symmetry: str
+    counsel: Counsel
 
     def cover(self, interval: Interval, halvings: int) -> Iterator[ProvedPart]:
         """Parts that cover the interval, each proved; raises `NotEstablishedError` for one that cannot be."""
@@ -160,4 +163,4 @@ class _Parts:
         except NotEstablishedError as error:
             return NotProved(error.reason, tuple(checklist.hypotheses))
         kernel, level = self.returned.tables(part)
-        return prove(candidate, checklist, [kernel], level, [self.returned.time])
+        return prove(candidate, checklist, [kernel], level, [self.returned.time], self.counsel)

@@ -1,29 +1,36 @@
-"""Whether a condition would fail even if nothing were rounded: then more precision does not help.
+"""The counsel: what to try about a claim that is not proved, and whether more precision is tried.
 
-Nothing here carries proof: it only decides whether a claim that is not proved is tried again.
+It is not where a condition would fail even if nothing were rounded.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 from flint import arb
 
-from orbitproof.verify.bifurcation.conditions import Problem
+from orbitproof.verify.bifurcation import Failure, Problem
 from orbitproof.verify.evidence import DerivativeTable, NotEstablishedError, Reason
 from orbitproof.verify.newton import BoxFunction
+from orbitproof.verify.oracle.remedies import remedy_of
 
 _SAFETY = 2**10
 """An enclosure over the box may owe so many times more to rounding than the one at its centre."""
 
 
-def fails_sharpened(problem: Problem, reason: Reason, check: Callable[[Problem], object]) -> bool:
+def counsel(failure: Failure) -> Reason:
+    """See `bifurcation.counsel`."""
+    reason = replace(failure.reason, remedy=remedy_of(failure) or failure.reason.remedy)
+    return for_want_of_size(reason) if fails_sharpened(failure) else reason
+
+
+def fails_sharpened(failure: Failure) -> bool:
     """Whether what failed for want of precision stays undecided however precisely the derivatives are enclosed."""
+    reason = failure.reason
     if not reason.needs_precision:
         return False
     try:
-        check(sharpened(problem))
+        failure.check(sharpened(failure.problem))
     except NotEstablishedError as error:
         return error.reason.condition == reason.condition and error.reason.needs_precision
     except ArithmeticError:

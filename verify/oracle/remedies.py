@@ -5,13 +5,17 @@ Along the branch of new orbits p_0 and p_2 are of the order p_1^2; so P_0 and P_
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from math import ceil
+from math import ceil, isqrt
 
 from flint import arb
 
-from orbitproof.verify.evidence import Checklist, enclose
+from orbitproof.shared.formats import FOLD
+from orbitproof.verify.bifurcation import Failure
+from orbitproof.verify.evidence import Hypothesis, enclose, excludes_zero, is_inside, is_outside
+from orbitproof.verify.newton import is_regular
 
 _MARGIN = Fraction(5, 4)
 """What is advised is so much more than what would have been enough."""
@@ -20,6 +24,40 @@ _TOO_WIDE = 100
 _LARGE = 1e300
 _LOST = 1000
 """Where an enclosure is so many times wider than its midpoint is large, its scale says nothing."""
+
+
+def remedy_of(failure: Failure) -> str | None:
+    """What helps about the condition that failed, from its enclosures and those before; `None` if they do not tell."""
+    radii, last = failure.problem.radii, failure.hypotheses[-1]
+    if last.name in _AT_THE_POINT or (last.name == "point" and failure.claim.kind == FOLD):
+        return of_shape(failure.hypotheses, radii[0])
+    entries = [ball for name, ball in last.enclosures.items() if name.startswith("d q_")]
+    size = isqrt(len(entries))
+    if entries and not is_regular([entries[size * row : size * (row + 1)] for row in range(size)]):
+        return None
+    for name, ball in last.enclosures.items():
+        if name in _SIGNS and not excludes_zero(ball):
+            return of_sign(ball) or _of_narrow_slope(last.enclosures, radii)
+        found = _IMAGE.fullmatch(name)
+        if found is not None and not is_inside(ball, radii[int(found[1])]):
+            over = found[3] or {"^H": "1", None: "0" if last.name == "family" else None}[found[2]]
+            return None if over is None else of_image(int(found[1]), int(over), ball, radii)
+    return None
+
+
+_AT_THE_POINT = ("G_11", "G_01", "G_111", "dH/dp_0", "h_fp'", "h_b'", "h_b''")
+_SIGNS = ("g_0", "G_01 + G_11 p_1'", "g''(P_1)")
+"""Enclosures over the box that have to exclude 0."""
+_IMAGE = re.compile(r"p_([0-9]+)(\^H|\(P_([0-9])\))?")
+"""Enclosures that have to lie in the box, of p_i over P_j."""
+
+
+def _of_narrow_slope(enclosures: Mapping[str, arb], radii: Sequence[Fraction]) -> str | None:
+    """Where P_0 is much too narrow for P_1, errors that the branch needs make the slope g_0 uncertain."""
+    if not {"g_0", "g(0, P_1)"} <= set(enclosures):
+        return None
+    likely = -enclosures["g(0, P_1)"] / arb(enclosures["g_0"].mid())
+    return of_image(0, 1, likely, radii) if is_outside(arb(likely.abs_upper()), radii[0]) else None
 
 
 def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction]) -> str | None:
@@ -58,9 +96,9 @@ def of_sign(ball: arb) -> str | None:
     )
 
 
-def of_shape(checklist: Checklist, radius: Fraction) -> str | None:
+def of_shape(hypotheses: Sequence[Hypothesis], radius: Fraction) -> str | None:
     """What helps if P_0, of this half-width, is much wider than the values p_0(P_1) that were found; else `None`."""
-    found = [h.enclosures["p_0(P_1)"] for h in checklist.hypotheses if "p_0(P_1)" in h.enclosures]
+    found = [h.enclosures["p_0(P_1)"] for h in hypotheses if "p_0(P_1)" in h.enclosures]
     excess = enclose(radius) / found[-1].abs_upper() if found else arb(0)
     if not excess > _TOO_WIDE:
         return None
