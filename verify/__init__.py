@@ -1,28 +1,11 @@
 """Proofs of bifurcations of symmetric periodic orbits, in ball arithmetic (docs/method.md).
 
-`certify` takes claims, `Candidate` values, and gives a `Certificate` for each; `write` and `read` are their files,
-`recheck` checks them again. Whole branches are proved by the command ``orbitproof verify atlas``. Nothing here imports
-`orbitproof.explore`.
+`certify` takes claims, `Candidate` values, and gives a `Certificate` for each; `certify_atlas` takes an `Atlas`, a
+curve or surface in pieces, and gives an `AtlasCertificate`. `write`, `read`, `write_atlas` and `read_atlas` are their
+files, `recheck` checks them again, `places` says where orbits lie on a curve. Nothing here imports
+`orbitproof.explore`. What a name takes is loaded when it is first used.
 """
 
-from orbitproof.shared.formats import InputError
-from orbitproof.verify.certificate import Certificate, Computation, Finding, Recheck
-from orbitproof.verify.evidence import Hypothesis, Reason, bounds, certain_digits, decimal_interval
-from orbitproof.verify.scripting import certify, read, recheck, write
+import lazy_loader
 
-__all__ = [
-    "Certificate",
-    "Computation",
-    "Finding",
-    "Hypothesis",
-    "InputError",
-    "Reason",
-    "Recheck",
-    "bounds",
-    "certain_digits",
-    "certify",
-    "decimal_interval",
-    "read",
-    "recheck",
-    "write",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -6,17 +6,15 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from orbitproof.shared.formats import Candidate, InputError
-from orbitproof.verify.certificate import (
-    Certificate,
-    Limits,
-    Recheck,
-    certify_all,
-    read_certificates,
-    recheck_all,
-    write_certificates,
-)
-from orbitproof.verify.engines import GIBIBYTE, CheckLimits, Display
+from orbitproof.shared.formats import Atlas, Candidate, InputError
+from orbitproof.verify.atlas import AtlasCertificate, Placed, read_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
+from orbitproof.verify.run import GIBIBYTE, CheckLimits, Display
+from orbitproof.verify.run.branch_checks import examined, places_on_apart, with_places
+from orbitproof.verify.run.branch_tasks import RunLimits
+from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
+from orbitproof.verify.run.rows import RowRun, recheck_all
+from orbitproof.verify.run.workplace import Workplace
 
 
 def certify(
@@ -27,6 +25,8 @@ def certify(
     max_precision: int = Limits.max_precision,
     timeout: float | None = None,
     level: str = Limits.level,
+    output: str | Path | None = None,
+    scheduler: str | None = None,
     quiet: bool = False,
 ) -> list[Certificate]:
     """Prove what can be proved.
@@ -41,6 +41,9 @@ def certify(
         max_precision: bits that are never exceeded.
         timeout: seconds for each claim, or `None`.
         level: parameter of Hamiltonian claims: "integral", "coordinates", or "auto" for what suits the claim.
+        output: a file that keeps each certificate as soon as it is there; what is proved in it already is not proved
+            again, so that the same call goes on after an interrupt.
+        scheduler: address of a dask scheduler, whose cluster proves in place of `jobs`.
         quiet: nothing on standard error; else progress with the time that is left.
 
     Returns the certificates in the order of the claims.
@@ -76,21 +79,62 @@ def certify(
         if names.count(name) > 1:
             raise InputError(f"claims: id {name!r} appears twice; give each candidate its own id")
     limits = Limits(max_precision, digits, timeout, level)
-    display = Display({claim.id: float(claim.k) for claim in candidates}, quiet)
-    found: dict[str, Certificate] = {}
+    run = RowRun(candidates, candidates, limits, None if output is None else Path(output))
+    run.prove(Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet))
+    return [run.done[name] for name in names]
 
-    def finished(certificate: Certificate) -> None:
-        found[certificate.id] = certificate
-        display.finish(certificate.id, f"{certificate.verdict}, {certificate.computation.seconds:.1f} s")
 
-    with display.shown():
-        certify_all(candidates, limits, _jobs(jobs), display.advance, finished)
-    return [found[name] for name in names]
+def certify_atlas(
+    claim: Atlas,
+    *,
+    complete: int | None = None,
+    bifurcations: Iterable[Certificate] = (),
+    jobs: int = 1,
+    timeout: float | None = None,
+    max_splits: int = RunLimits.max_splits,
+    precision: int | None = None,
+    order: int | None = None,
+    width: int | None = None,
+    output: str | Path | None = None,
+    scheduler: str | None = None,
+    quiet: bool = False,
+) -> AtlasCertificate:
+    """Prove a whole branch, piece by piece: a curve, a libration family, a surface.
+
+    A piece that fails is tried with more precision, then split in two. Nothing that is wrong with a claim raises: it is
+    not proved, and its certificate says why.
+
+    Arguments:
+        claim: an atlas, from `shared.read_atlas`.
+        complete: with it, all resonances 1:1 to 1:`complete` on a curve, and where its orbits are linearly stable.
+        bifurcations: certificates that are looked for on a curve, each with an id of its own.
+        jobs: processes side by side.
+        timeout: seconds for an interval of a piece, or `None`.
+        max_splits: how often an interval is halved at most.
+        precision, order, width: of the first attempt: bits, degree in time, degree along the curve.
+        output: a file that keeps every result as soon as it is there; the same call goes on from it.
+        scheduler: address of a dask scheduler, whose cluster proves in place of `jobs`.
+        quiet: nothing on standard error; else progress with the time that is left.
+
+    Raises `InputError` for what cannot be asked of this atlas. After an interrupt (`KeyboardInterrupt`) no process is
+    left, and `output` holds what was done.
+    """
+    given = list(bifurcations)
+    for name in repeated(given):
+        raise InputError(f"bifurcations: id {name!r} appears twice; give each certificate once")
+    if given and claim.is_surface:
+        raise InputError("bifurcations: a surface is about all bifurcations over it; leave them out")
+    limits = limits_of(claim, complete, max_splits, timeout, precision=precision, order=order, width=width)
+    run = started(claim, limits, None if output is None else Path(output))
+    workplace = Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet)
+    prove_pieces(run, workplace)
+    return conclude_run(run, given, workplace)
 
 
 def recheck(
-    certificates: Certificate | Iterable[Certificate],
+    certificates: Certificate | AtlasCertificate | Iterable[Certificate | AtlasCertificate],
     *,
+    curve: AtlasCertificate | None = None,
     integrate: bool = False,
     jobs: int = 1,
     timeout: float | None = None,
@@ -103,7 +147,8 @@ def recheck(
     all that it does.
 
     Arguments:
-        certificates: from `certify` or `read`, each with an id of its own.
+        certificates: from `certify`, `certify_atlas`, `read` or `read_atlas`, each with an id of its own.
+        curve: what places of certificates on a curve rest on; it is checked as far as they are.
         integrate: enclose again, at another precision and order, and prove again from that.
         jobs: processes side by side.
         timeout: seconds for each check; without one 300, and four hours with `integrate`.
@@ -114,13 +159,15 @@ def recheck(
     `findings` what is not, `obstacle` why it cannot be checked. Raises `InputError` if an id appears twice,
     `ValueError` for a limit that makes no sense.
     """
-    limits = CheckLimits(timeout, int(memory * GIBIBYTE))
-    entries = [certificates] if isinstance(certificates, Certificate) else list(certificates)
-    names = [entry.id for entry in entries]
+    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
+    limits = workplace.row_checks
+    given = [certificates] if isinstance(certificates, (Certificate, AtlasCertificate)) else list(certificates)
+    names = [entry.id for entry in given]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
-    display = Display(dict.fromkeys(names, 1.0), quiet)
+    rows = [entry for entry in given if isinstance(entry, Certificate)]
+    display = Display({entry.id: 1.0 for entry in rows}, quiet)
     found: dict[str, Recheck] = {}
 
     def finished(result: Recheck) -> None:
@@ -128,8 +175,26 @@ def recheck(
         display.finish(result.id, result.word)
 
     with display.shown():
-        recheck_all(entries, integrate, _jobs(jobs), display.advance, finished, limits)
+        recheck_all(rows, integrate, workplace.jobs, display.advance, finished, limits)
+    if curve is not None or any("place" in entry.to_json() for entry in rows):
+        found = with_places(curve, rows, found, integrate, workplace)
+    for entry in given:
+        if isinstance(entry, AtlasCertificate):
+            found[entry.id] = examined(entry.document, (), integrate, workplace)
     return [found[name] for name in names]
+
+
+def places(curve: AtlasCertificate, orbits: Iterable[Certificate], *, timeout: float | None = None) -> list[Placed]:
+    """Where certified orbits lie on a curve that is proved (sections 15.8 and 19.6).
+
+    Arguments:
+        curve: its certificate is checked up to its conclusion first, and so is each orbit's.
+        timeout: seconds for that; without one, an hour.
+
+    Returns for each orbit its certificate with the place, if it is shown, and a line that says where, or why it is not
+    shown.
+    """
+    return places_on_apart(curve, list(orbits), Workplace(timeout=timeout).branch_checks)
 
 
 def read(path: str | Path) -> list[Certificate]:
@@ -144,6 +209,16 @@ def read(path: str | Path) -> list[Certificate]:
 give the path of a certificates file
     """
     return list(read_certificates(Path(path)).values())
+
+
+def read_atlas(path: str | Path) -> AtlasCertificate:
+    """The certificate of a branch. Raises `InputError` if the file is none, or was changed after it was written."""
+    return read_atlas_certificate(Path(path))
+
+
+def write_atlas(path: str | Path, certificate: AtlasCertificate) -> None:
+    """Write the certificate of a branch, whole or not at all. Raises `InputError` if it cannot be written."""
+    write_atlas_certificate(Path(path), certificate.document)
 
 
 def write(path: str | Path, certificates: Sequence[Certificate]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
-from orbitproof.verify.engines import CHECK_SECONDS, GIBIBYTE, LONG_CHECK_SECONDS, ArgumentParser, positive_seconds
+from orbitproof.verify.run import CHECK_SECONDS, GIBIBYTE, LONG_CHECK_SECONDS, ArgumentParser, positive_seconds
 
 _EXAMPLES = """\
 examples:

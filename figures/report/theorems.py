@@ -18,10 +18,12 @@ from orbitproof.shared.formats import (
     stated_format,
 )
 from orbitproof.shared.systems import SYSTEMS
-from orbitproof.verify.atlas import SCHEMA, atlas_of, conclusion_apart
+from orbitproof.verify.atlas import SCHEMA, atlas_of
 from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, recheck_all, systems_with
-from orbitproof.verify.engines import LONG_CHECK_SECONDS, CheckLimits, Display
+from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, systems_with
+from orbitproof.verify.run import LONG_CHECK_SECONDS, CheckLimits, Display
+from orbitproof.verify.run.branch_checks import conclusion_apart
+from orbitproof.verify.run.rows import recheck_all
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_statement
 
 

@@ -170,7 +170,7 @@ def write_report(
     from orbitproof.figures.report.theorems import check_files
     from orbitproof.figures.report.writers import format_of
     from orbitproof.figures.report.writers import write_report as write
-    from orbitproof.verify.engines import GIBIBYTE, CheckLimits, Display
+    from orbitproof.verify.run import GIBIBYTE, CheckLimits, Display
 
     targets = [Path(output) for output in ([outputs] if isinstance(outputs, (str, Path)) else outputs)]
     for output in targets:

@@ -22,7 +22,7 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import Limits
-from orbitproof.verify.certificate.side_by_side import certify_all
+from orbitproof.verify.run.rows import certify_all
 
 TRUE: dict[str, Any] = {
     "id": "true",

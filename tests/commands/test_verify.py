@@ -20,10 +20,10 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify, not_proved
-from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.evidence.balls_as_text import ball_from_json, count_certain_digits
 from orbitproof.verify.evidence.outcome import Reason
 from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.run.rows import certify_all
 
 ROOT = Path(__file__).resolve().parents[2]
 

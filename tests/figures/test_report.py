@@ -25,10 +25,10 @@ from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of
 from orbitproof.figures.report.theorems import CheckedAtlas, CheckedRow, Refused, check_files
 from orbitproof.shared.systems import BRANCH_SYSTEMS
-from orbitproof.verify.atlas.__main__ import main as verify_atlas
 from orbitproof.verify.certificate import Certificate, Limits, digest, write_certificates
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import bounds, interval_text
+from orbitproof.verify.run.branch_command import main as verify_atlas
 from orbitproof.verify.words import equations
 
 LIMITS = Limits(max_precision=256)

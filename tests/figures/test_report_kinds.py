@@ -27,10 +27,10 @@ from orbitproof.figures.report.theorems import CheckedAtlas, check_files
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import Atlas, read_candidates
 from orbitproof.verify.atlas import AtlasCertificate
-from orbitproof.verify.atlas.__main__ import main as verify_atlas
 from orbitproof.verify.certificate import Limits, write_certificates
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import bounds
+from orbitproof.verify.run.branch_command import main as verify_atlas
 
 LIMITS = Limits(max_precision=256)
 

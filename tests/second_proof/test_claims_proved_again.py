@@ -17,9 +17,9 @@ from flint import arb, ctx
 from orbitproof.shared.numbers import format_dyadic
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.evidence import exact_value
+from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import NotProved, Proved, second_proof
 from orbitproof.verify.second_proof.statement import BadCertificate, exact
-from orbitproof.verify.second_proofs import compare
 
 FILE = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 CERTIFICATES = {c["id"]: c for c in json.loads(FILE.read_text(encoding="utf-8"))["certificates"]}

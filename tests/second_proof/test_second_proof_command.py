@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from support.runs import SEES_PROCESSES, is_running, started, wait_until, workers
 
-from orbitproof.verify import second_proofs
 from orbitproof.verify.__main__ import main
+from orbitproof.verify.run import second_proofs
 
 DATA = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 DOUBLING, TOUCHING, LONG = "falkner-skan-odd-k2-1", "falkner-skan-odd-k3-1", "earth-moon-L1-halo-k1-1"

@@ -13,15 +13,15 @@ from flint import ctx
 from support.claims import known
 from support.faulty_worker import EXCEPTIONS, certify_task
 
-import orbitproof.verify.certificate.side_by_side
+import orbitproof.verify.run.rows
 from orbitproof.shared.processes import GRACE_SECONDS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import enclose_iterates
+from orbitproof.verify.run.rows import certify_all
 
 CERTIFY = import_module("orbitproof.verify.certificate.certify")
 RECHECK = import_module("orbitproof.verify.certificate.rechecking")
@@ -114,7 +114,7 @@ def run(ids: list[str], jobs: int, timeout: float | None = None) -> dict[str, Ce
 def test_a_fault_in_a_worker_costs_its_row_only(
     jobs: int, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(orbitproof.verify.certificate.side_by_side, "certify_task", certify_task)
+    monkeypatch.setattr(orbitproof.verify.run.rows, "certify_task", certify_task)
     rows = run([*EXCEPTIONS, "FLINT", "sound"], jobs)
     for name in EXCEPTIONS:
         assert rows[name].reason.condition == "integration"
@@ -126,7 +126,7 @@ def test_a_fault_in_a_worker_costs_its_row_only(
 
 
 def test_a_step_that_never_ends_is_ended_at_the_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(orbitproof.verify.certificate.side_by_side, "certify_task", certify_task)
+    monkeypatch.setattr(orbitproof.verify.run.rows, "certify_task", certify_task)
     rows = run(["endless", "sound"], 1, timeout=3.0)
     reason = rows["endless"].reason
     assert reason.condition == "time"

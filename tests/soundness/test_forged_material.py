@@ -23,15 +23,15 @@ import orbitproof.verify.certificate.rechecking as rechecking
 from orbitproof import verify
 from orbitproof.figures.report.content import report_of
 from orbitproof.figures.report.theorems import check_files
+from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.formats.documents import validator
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE
-from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of, told
-from orbitproof.verify.atlas.recheck import Means, recheck_atlas
+from orbitproof.verify.atlas.recheck import Means, ProvedBefore, recheck_atlas
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     Certificate,
@@ -45,8 +45,9 @@ from orbitproof.verify.certificate import (
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.tables import ball_to_text
-from orbitproof.verify.engines import Answer, Task
 from orbitproof.verify.evidence import Proved, Stop, ball_from_json, ball_to_json
+from orbitproof.verify.run.branch_command import main
+from orbitproof.verify.run.branch_tasks import task_again
 
 
 @pytest.fixture(scope="module")
@@ -384,9 +385,12 @@ def test_an_interval_that_no_answer_comes_back_of_is_not_confirmed() -> None:
     document = atlas_certificate(atlas, results)
     for first in (0, 1):
 
-        def prove(tasks: Sequence[Task], finished: Callable[[Answer], str], first: int = first) -> None:
-            for task in tasks[first:]:
-                finished(Answer(task, honest(document["results"])(task.argument, lambda fraction, label: None), 0.0))
+        def prove(
+            atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Any], str], first: int = first
+        ) -> None:
+            for each in intervals[first:]:
+                argument = task_again(atlas, each, None).argument
+                finished(each.name, honest(document["results"])(argument, lambda fraction, label: None))
 
         check = recheck_atlas(document, (), True, Means(lambda entries, integrate: [], prove))
         assert check.stands == (first == 0), check.why

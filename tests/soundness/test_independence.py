@@ -49,7 +49,7 @@ def test_imports_of_the_proof_side_are_its_dependencies_and_the_standard_library
 def test_the_verifier_runs_where_the_search_side_cannot_be_imported() -> None:
     code = f"""
 import sys
-import orbitproof.verify.__main__, orbitproof.verify.atlas.__main__
+import orbitproof.verify.__main__, orbitproof.verify.run.branch_command
 assert not {SEARCH_SIDE!r} & {{name.removeprefix("orbitproof.").split(".")[0] for name in sys.modules}}
 for name in {sorted(SEARCH_SIDE | {"orbitproof.explore", "orbitproof.figures"})!r}:
     try:

@@ -23,15 +23,18 @@ from orbitproof.shared.formats import InputError, documents, read_document, stat
 from orbitproof.shared.interrupts import run_command
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP, Program, record
-from orbitproof.verify import second_proofs
-from orbitproof.verify.__main__ import _parser, main
-from orbitproof.verify.atlas import AtlasCertificate, apart, atlas_of, conclusion_apart, places_on_apart
-from orbitproof.verify.atlas import __main__ as atlas_command
-from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, rechecking, side_by_side
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.atlas import AtlasCertificate, atlas_of
+from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, rechecking
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
-from orbitproof.verify.engines import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits
 from orbitproof.verify.evidence import ball_to_json
+from orbitproof.verify.run import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits, second_proofs
+from orbitproof.verify.run import branch_checks as apart
+from orbitproof.verify.run import branch_command as atlas_command
+from orbitproof.verify.run import rows as side_by_side
+from orbitproof.verify.run.branch_checks import conclusion_apart, places_on_apart
+from orbitproof.verify.run.row_command import _parser
 
 HEAD = {"format": "orbitproof-certificates", "version": 1, "software": {}}
 INPUTS = [f"v{n} = {name}" for n, name in enumerate(("x", "y", "z", "vx", "vy", "vz", "mu"))]

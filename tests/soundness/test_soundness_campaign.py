@@ -36,9 +36,9 @@ from orbitproof.shared.claims import KINDS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.side_by_side import certify_all
 from orbitproof.verify.claim.frames import determinant
 from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.run.rows import certify_all
 
 OTHER_POINT = "point on Fix(R)"
 LIMITS = Limits(max_precision=224, timeout=30.0)

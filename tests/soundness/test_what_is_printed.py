@@ -25,14 +25,13 @@ from orbitproof.verify.certificate import (
     Limits,
     digest,
     recheck,
-    recheck_table,
-    verdict_table,
     write_certificates,
 )
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.levels import climb, differences, other_hypotheses
-from orbitproof.verify.engines import Display
 from orbitproof.verify.evidence import quoted, quoted_name
+from orbitproof.verify.run import Display
+from orbitproof.verify.run.row_tables import recheck_table, verdict_table
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,11 @@ from support.chain_cases import parabola
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats.atlas import write_atlas
 from orbitproof.shared.processes import Answer, Progress, Source
-from orbitproof.verify.atlas.__main__ import main
-from orbitproof.verify.atlas.run import AtlasRun
-from orbitproof.verify.atlas.task import RunLimits
-from orbitproof.verify.engines.processes import Finished, Work
-from orbitproof.verify.engines.progress import Display
+from orbitproof.verify.run.branch_command import main
+from orbitproof.verify.run.branch_tasks import RunLimits
+from orbitproof.verify.run.branches import AtlasRun
+from orbitproof.verify.run.processes import Finished, Work
+from orbitproof.verify.run.progress import Display
 
 ROOT = Path(__file__).resolve().parents[2]
 CURVE, _ = parabola()

@@ -10,13 +10,13 @@ from typing import Any
 
 from flint import fmpz
 
-import orbitproof.verify.certificate.side_by_side
+import orbitproof.verify.run.rows
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.processes import Report
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.side_by_side import certify_task as sound_task
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare.iterates import enclose_iterates
+from orbitproof.verify.run.rows import certify_task as sound_task
 
 EXCEPTIONS: dict[str, type[Exception]] = {
     kind.__name__: kind for kind in (MemoryError, TypeError, AssertionError, RecursionError, OSError, IndexError)
@@ -39,5 +39,5 @@ def integrate(candidate: Candidate, settings: Any, *arguments: Any) -> Any:
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
     """In place of `verify.certificate.side_by_side.certify_task`."""
-    orbitproof.verify.certificate.side_by_side.certify = partial(certify, integrate=integrate)  # type: ignore[assignment]
+    orbitproof.verify.run.rows.certify = partial(certify, integrate=integrate)  # type: ignore[assignment]
     return sound_task(argument, report)

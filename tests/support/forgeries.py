@@ -20,10 +20,10 @@ from orbitproof.shared.formats.atlas import read_atlas
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.atlas.recheck import Means, recheck_atlas
+from orbitproof.verify.atlas.recheck import Means, ProvedBefore, recheck_atlas
 from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck, rechecking
 from orbitproof.verify.certificate.certificate import make_certificate
-from orbitproof.verify.engines import Answer, Task
+from orbitproof.verify.run.branch_tasks import task_again
 from orbitproof.verify.surface import conclude_surface
 
 DATA = Path(__file__).parents[1] / "data"
@@ -61,10 +61,11 @@ def atlas_certificate(atlas: Atlas, results: Sequence[Document], rests_on: Seque
 def checked(document: Mapping[str, Any], prover: Prover | None = None, given: Sequence[Certificate] = ()) -> Recheck:
     """The certificate of an atlas, checked up to its conclusion, or with a `prover` up to the integration."""
 
-    def prove(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
+    def prove(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Document], str]) -> None:
         assert prover is not None
-        for task in tasks:
-            finished(Answer(task, prover(task.argument, lambda fraction, label: None), 0.0))
+        for each in intervals:
+            argument = task_again(atlas, each, None).argument
+            finished(each.name, prover(argument, lambda fraction, label: None))
 
     means = Means(lambda entries, integrate: [recheck(entry, integrate) for entry in entries], prove)
     return recheck_atlas(document, given, prover is not None, means)

@@ -21,10 +21,10 @@ from support.runs import started, wait_until
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.verify.atlas.__main__ import _parser, main
 from orbitproof.verify.atlas.certificate import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.atlas.splitting import interval_of
 from orbitproof.verify.certificate.certificate import digest
+from orbitproof.verify.run.branch_command import _parser, main
+from orbitproof.verify.run.splitting import interval_of
 
 
 def certificate_of(atlas: Atlas, work: Any) -> dict[str, Any]:
@@ -178,9 +178,8 @@ def test_results_of_other_software_are_not_kept(tmp_path: Path, capsys: Any) -> 
 def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_path: Path, capsys: Any) -> None:
     source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
     call = f"main({[source, '-o', str(target)]!r}, atlas_work.endless)"
-    code = (
-        f"from support import atlas_work; from orbitproof.verify.atlas.__main__ import main; raise SystemExit({call})"
-    )
+    imports = "from support import atlas_work; from orbitproof.verify.run.branch_command import main"
+    code = f"{imports}; raise SystemExit({call})"
     places = [str(ROOT / "tests"), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(places)}
     with started(["-c", code], env=environment) as run:
@@ -246,7 +245,7 @@ def test_a_full_disk_ends_the_run_in_one_line(tmp_path: Path, capsys: Any, monke
     def full(*arguments: Any) -> None:
         raise InputError(f"{target}: cannot be written (No space left on device); free space")
 
-    monkeypatch.setattr("orbitproof.verify.atlas.__main__.write_atlas_certificate", full)
+    monkeypatch.setattr("orbitproof.verify.run.branch_command.write_atlas_certificate", full)
     assert main([source, "-o", str(target)], atlas_work.proving) == 2
     errors = capsys.readouterr().err
     assert errors.splitlines()[-1].startswith(f"error: {target}: cannot be written")

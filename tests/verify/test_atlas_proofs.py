@@ -13,11 +13,11 @@ from support import atlas_work
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats.atlas import read_atlas, write_atlas
 from orbitproof.shared.formats.candidates import candidate_from_json
-from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import read_atlas_certificate
 from orbitproof.verify.certificate.certificate import write_certificates
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.run.branch_command import main
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
 

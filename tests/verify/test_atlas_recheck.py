@@ -12,13 +12,14 @@ from support.atlas_runs import CURVE, go
 from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, forged, honest, of_parabola
 
-from orbitproof.shared.processes import Answer, Task
+from orbitproof.shared.claims import Atlas
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.recheck import Means, _contradictions, recheck_atlas
+from orbitproof.verify.atlas.recheck import Means, ProvedBefore, _contradictions, recheck_atlas
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck
 from orbitproof.verify.certificate.certify import certify, not_proved
 from orbitproof.verify.evidence import Reason
+from orbitproof.verify.run.branch_tasks import task_again
 
 
 def document() -> dict[str, Any]:
@@ -36,12 +37,12 @@ def without_integrating(changed: Mapping[str, Any]) -> Recheck:
 def checked(change: Callable[[dict[str, Any]], None]) -> Recheck:
     """Check again with a prover whose results on the second piece are changed."""
 
-    def prove(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
-        for task in tasks:
-            result = atlas_work.proving(task.argument, lambda fraction, label: None)
+    def prove(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Any], str]) -> None:
+        for each in intervals:
+            result = atlas_work.proving(task_again(atlas, each, None).argument, lambda fraction, label: None)
             if result["piece"] == "p001":
                 change(result)
-            finished(Answer(task, result, 0.25))
+            finished(each.name, result)
 
     return recheck_atlas(document(), (), True, Means(lambda entries, integrate: (), prove))
 
@@ -53,7 +54,9 @@ def test_an_integration_that_finds_the_same_confirms() -> None:
 def test_an_atlas_of_which_nothing_is_proved_does_not_pass_the_last_level() -> None:
     conclusion = conclusion_of(CURVE, (), (), lambda entries: (), None)
     nothing = make_atlas_certificate(CURVE, (), conclusion)
-    found = recheck_atlas(nothing, (), True, Means(lambda entries, integrate: (), lambda tasks, finished: None))
+    found = recheck_atlas(
+        nothing, (), True, Means(lambda entries, integrate: (), lambda atlas, intervals, finished: None)
+    )
     assert (found.stands, found.level) == (True, Level.CONCLUSION)
     assert "nothing was integrated again: it stores no proved intervals" in found.notes
     assert checked(lambda result: None).level is Level.INTEGRATION
@@ -152,9 +155,10 @@ def test_what_another_integration_finds_about_a_bifurcation_on_the_curve_is_said
     assert [entry["on_curve"] for entry in carried["conclusion"]["bifurcations"]] == [True, False]
     integrated: list[str] = []
 
-    def prove(tasks: Sequence[Task], finished: Callable[[Answer], str]) -> None:
-        for task in tasks:
-            finished(Answer(task, honest(results)(task.argument, lambda fraction, label: None), 0.25))
+    def prove(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Any], str]) -> None:
+        for each in intervals:
+            argument = task_again(atlas, each, None).argument
+            finished(each.name, honest(results)(argument, lambda fraction, label: None))
 
     def examined(entries: Sequence[Certificate], integrate: bool, *found: Finding, **changes: Any) -> list[Recheck]:
         integrated.extend(entry.id for entry in entries if integrate)

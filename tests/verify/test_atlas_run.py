@@ -19,11 +19,11 @@ from support.chain_cases import symmetric_loop
 
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.processes import Answer, Task
-from orbitproof.verify.atlas.__main__ import main
 from orbitproof.verify.atlas.certificate import read_atlas_certificate
-from orbitproof.verify.atlas.splitting import covers, halves, interval_of, plan, whole
-from orbitproof.verify.atlas.task import RunLimits
-from orbitproof.verify.engines.processes import Processes
+from orbitproof.verify.run.branch_command import main
+from orbitproof.verify.run.branch_tasks import RunLimits
+from orbitproof.verify.run.processes import Processes
+from orbitproof.verify.run.splitting import covers, halves, interval_of, plan, whole
 
 
 @given(st.lists(st.booleans(), max_size=6))
@@ -163,9 +163,7 @@ def test_a_cluster_without_workers_or_with_other_software_is_refused(
     with distributed.LocalCluster(n_workers=0, **options) as cluster:
         assert "has no workers" in refused(capsys, source, "--scheduler", cluster.scheduler_address)
     with distributed.LocalCluster(n_workers=1, **options) as cluster:
-        monkeypatch.setattr(
-            "orbitproof.verify.engines.cluster.software", lambda: {"source": f"of process {os.getpid()}"}
-        )
+        monkeypatch.setattr("orbitproof.verify.run.cluster.software", lambda: {"source": f"of process {os.getpid()}"})
         assert "install the same version everywhere" in refused(
             capsys, source, "--scheduler", cluster.scheduler_address
         )

@@ -12,10 +12,10 @@ from support import atlas_work
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Task
-from orbitproof.verify.engines import cluster
-from orbitproof.verify.engines.cluster import connected
-from orbitproof.verify.engines.processes import Engine, Processes
 from orbitproof.verify.evidence import software
+from orbitproof.verify.run import cluster
+from orbitproof.verify.run.cluster import connected
+from orbitproof.verify.run.processes import Engine, Processes
 
 HERE = software()
 OTHER = {**HERE, "orbitproof": "0"}

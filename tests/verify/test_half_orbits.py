@@ -27,7 +27,7 @@ from orbitproof.shared.formats import (
     read_atlas,
     read_candidates,
 )
-from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, reusable
+from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate
 from orbitproof.verify.certificate.certificate import Certificate, digest
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.rechecking import recheck
@@ -38,6 +38,7 @@ from orbitproof.verify.evidence.outcome import Proved as PieceProved
 from orbitproof.verify.functions.functions import bounded
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.run.branches import reusable
 from orbitproof.verify.second_proof.proof import Proved, second_proof
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.words.curve import curve_in_words

@@ -1,7 +1,13 @@
-"""Proving an atlas: ``orbitproof verify atlas``."""
+"""Certificates of atlases: what is proved of curves and surfaces in pieces, written down and checked again."""
 
-from orbitproof.verify.atlas.apart import conclusion_apart, places_on_apart, recheck_places_apart
-from orbitproof.verify.atlas.certificate import SCHEMA, AtlasCertificate, read_atlas_certificate
-from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.places import check_of_conclusion, places_on, recheck_places
-from orbitproof.verify.atlas.recheck import Means, atlas_of, order_of, recheck_atlas
+from orbitproof.verify.atlas.certificate import (
+    SCHEMA,
+    AtlasCertificate,
+    make_atlas_certificate,
+    read_atlas_certificate,
+    write_atlas_certificate,
+)
+from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
+from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_on, recheck_places
+from orbitproof.verify.atlas.recheck import Means, ProvedBefore, atlas_of, order_of, recheck_atlas
+from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, interval_of

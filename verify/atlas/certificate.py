@@ -18,15 +18,12 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.shared.systems import record
-from orbitproof.verify.atlas.splitting import NOT_FOR_SPLITTING, Settings, condition_of, interval_of, made_with
+from orbitproof.verify.atlas.results import Result, interval_of
 from orbitproof.verify.certificate import Certificate, digest, system_names
-from orbitproof.verify.evidence import software
+from orbitproof.verify.evidence import Reason, software
 from orbitproof.verify.words import branch_in_full
 
 SCHEMA = "atlas-certificate"
-
-Result = Mapping[str, Any]
-"""What was found on one interval of a piece; the definition ``result`` of the schema."""
 
 
 def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: bool = False) -> dict[str, Any]:
@@ -100,9 +97,11 @@ def make_atlas_certificate(
     return {**certificate, "digest": digest(certificate)}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class AtlasCertificate:
-    """A certificate as it was read: its atlas, and the document.
+    """A certificate of a branch: its atlas, and the document.
+
+    It says what its maker wrote; whether that follows is what `recheck` decides.
 
     Attributes:
         atlas: the claim.
@@ -112,10 +111,39 @@ class AtlasCertificate:
     atlas: Atlas
     document: Mapping[str, Any]
 
+    def __repr__(self) -> str:
+        pieces = f"{len(self.atlas.pieces)} piece{'s' if len(self.atlas.pieces) > 1 else ''}"
+        return f"<AtlasCertificate {self.id!r}: {self.document['verdict']}, {pieces}>"
+
+    @property
+    def id(self) -> str:
+        """That of the atlas."""
+        return self.atlas.id
+
     @property
     def is_proved(self) -> bool:
         """Whether it says "proved"."""
         return bool(self.document["verdict"] == "proved")
+
+    @property
+    def theorem(self) -> str | None:
+        """What its maker says is proved, in the maker's words; `None` if nothing is."""
+        theorem: str | None = self.document["statement"].get("theorem")
+        return theorem
+
+    @property
+    def reason(self) -> Reason | None:
+        """Why it is not proved, in words of the run that made it; `None` if it is."""
+        reason = self.document["reason"]
+        return None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"])
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all bifurcations asked about are on the curve, and a list that was asked for leaves nothing out."""
+        conclusion = self.document["conclusion"] or {}
+        listed = conclusion.get("complete", {})
+        on_curve = all(entry["on_curve"] for entry in conclusion.get("bifurcations", ()))
+        return on_curve and not (listed.get("gaps") or listed.get("undecided"))
 
     @property
     def results(self) -> Sequence[Result]:
@@ -178,35 +206,3 @@ def _filled(text: str, empty: str, lines: Sequence[str], indent: str, outer: str
         return text
     content = ",\n".join(indent + line for line in lines)
     return text.replace(empty, f"{empty[:-1]}\n{content}\n{outer}]", 1)
-
-
-def reusable(
-    certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Settings], stability: bool = False
-) -> list[Result]:
-    """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
-
-    They must come from this software, and be about a piece that has not changed; if `stability` is asked for, they
-    must have looked at it. What failed for want of time or memory, or with other settings, is tried again.
-    """
-    before = certificate.atlas
-    same_claim = (
-        before.system == atlas.system
-        and before.parameters == atlas.parameters
-        and before.claim.symmetry == atlas.claim.symmetry
-        and before.claim.crossings == atlas.claim.crossings
-    )
-    if not same_claim or certificate.document["software"] != software():
-        return []
-    unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
-    return [
-        result
-        for result in certificate.results
-        if result["piece"] in unchanged
-        and ("stability" in result or not stability if result["verdict"] == "proved" else _is_final(result, attempts))
-    ]
-
-
-def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
-    return condition_of(result) not in (*NOT_FOR_SPLITTING, "time") and any(
-        made_with(result, settings) for settings in attempts
-    )

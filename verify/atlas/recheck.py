@@ -15,13 +15,12 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
-from orbitproof.shared.formats import Atlas, atlas_from_json, validate_document
+from orbitproof.shared.formats import AnyPiece, Atlas, atlas_from_json, validate_document
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
-from orbitproof.verify.atlas.certificate import SCHEMA, Result, make_atlas_certificate
+from orbitproof.verify.atlas.certificate import SCHEMA, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
-from orbitproof.verify.atlas.splitting import covers, interval_of
-from orbitproof.verify.atlas.task import RunLimits, result_of, task_of
+from orbitproof.verify.atlas.results import Result, Settings, covers, interval_of
 from orbitproof.verify.certificate import (
     NOT_INTEGRATED,
     UNCHECKED_REASON,
@@ -45,8 +44,7 @@ from orbitproof.verify.certificate import (
     systems_with,
     unknown_reason,
 )
-from orbitproof.verify.curve import CurveTheorem, PieceLimits
-from orbitproof.verify.engines import Answer, Task
+from orbitproof.verify.curve import CurveTheorem, Interval, PieceLimits
 from orbitproof.verify.evidence import ball_from_json, quoted_name
 from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.surface import SurfaceLimits, SurfaceTheorem, unshown
@@ -67,19 +65,42 @@ Document = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
+class ProvedBefore:
+    """An interval that a certificate says is proved, to be proved again.
+
+    Attributes:
+        name: of the interval, in messages.
+        piece, interval: what is to be proved.
+        settings: of the integrator, others than before.
+        stability: whether the stability of its orbits is enclosed as well.
+        parts: of a surface, the parts of the interval that were proved one by one.
+        steps: how many the integration took.
+        stated: what the certificate states of a system that is not known here; `None` if it is known.
+    """
+
+    name: str
+    piece: AnyPiece
+    interval: Interval
+    settings: Settings
+    stability: bool
+    parts: tuple[Interval, ...]
+    steps: int
+    stated: Mapping[str, Any] | None
+
+
+@dataclass(frozen=True)
 class Means:
     """How a check has done what takes time.
 
     Attributes:
         check: certificates of bifurcations, again, in their order; with another integration if that is asked for.
-        prove: does tasks, in any order, and calls the second argument with each answer; for the integration only.
-        timeout: seconds for an interval, or `None`.
+        prove: proves intervals of the pieces of an atlas again, in any order, and calls the third argument with the
+            name and the result of each; for the integration only.
         placing: shows which bifurcation is looked for on a curve.
     """
 
     check: Callable[[Sequence[Certificate], bool], Sequence[Recheck]]
-    prove: Callable[[Sequence[Task], Callable[[Answer], str]], None] | None = None
-    timeout: float | None = None
+    prove: Callable[[Atlas, Sequence[ProvedBefore], Callable[[str, Result], str]], None] | None = None
     placing: Placing = lambda names: nullcontext(lambda name: None)
 
     def conclude(
@@ -214,19 +235,18 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
     findings: dict[str, list[Finding]] = {}
     contradictions: list[Finding] = []
     for more in (_MORE, _MORE_OF_SAME_WIDTH):
-        tasks, before = _tasks(document, atlas, means.timeout, more)
-        examination.precision = min((task.argument["integrator"]["precision"] for task in tasks), default=0)
+        intervals, before = _intervals(document, atlas, more)
+        examination.precision = min((interval.settings["precision"] for interval in intervals), default=0)
 
-        def finished(answer: Answer, before: Mapping[str, Result] = before) -> str:
-            name, fresh = answer.task.name, result_of(answer)
+        def finished(name: str, fresh: Result, before: Mapping[str, Result] = before) -> str:
             contradictions.extend(_contradictions(before[name], fresh))
             results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh))
             return f"{fresh['verdict']} again"
 
-        if remaining := [task for task in tasks if findings.get(task.name, True)]:
+        if remaining := [interval for interval in intervals if findings.get(interval.name, True)]:
             # What is not answered is not confirmed.
-            findings.update({task.name: [Finding(task.name, "was not integrated again")] for task in remaining})
-            means.prove(remaining, finished)
+            findings.update({each.name: [Finding(each.name, "was not integrated again")] for each in remaining})
+            means.prove(atlas, remaining, finished)
     # What was not brought to an end says nothing of the interval.
     ended = {name: result for name, result in results.items() if result.get("reason", {}).get("condition") in _ENDED}
     found = [finding for name, entries in findings.items() if name not in ended for finding in entries]
@@ -252,34 +272,32 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
             raise CannotBeCheckedError(f"bifurcation {shown(check.id)}: {check.obstacle}")
 
 
-def _tasks(
-    document: Document, atlas: Atlas, timeout: float | None, more: Mapping[str, int]
-) -> tuple[list[Task], dict[str, Result]]:
-    """The proved intervals as tasks with other settings, and the stored result of each by the name of its task."""
+def _intervals(
+    document: Document, atlas: Atlas, more: Mapping[str, int]
+) -> tuple[list[ProvedBefore], dict[str, Result]]:
+    """The proved intervals, to be proved with other settings, and the stored result of each by its name."""
     pieces = {piece.id: piece for piece in atlas.pieces}
     names = asdict(SurfaceLimits() if atlas.is_surface else PieceLimits())
-    tasks, before = [], {}
+    is_stated = document["statement"]["atlas"]["system"] == atlas.system.name not in BRANCH_SYSTEMS
+    intervals, before = [], {}
     for number, result in enumerate(entry for entry in document["results"] if entry["verdict"] == "proved"):
         made = result["computation"]
-        settings = {name: int(made.get(name, value)) + more.get(name, 0) for name, value in names.items()}
-        steps = max(1, int(made.get("steps", 1)))
-        task = task_of(
-            atlas,
-            pieces[result["piece"]],
-            interval_of(result),
-            settings,
-            RunLimits({}, timeout, stability="stability" in result),
-            steps,
-        )
-        argument = dict(task.argument)
-        if document["statement"]["atlas"]["system"] == atlas.system.name not in BRANCH_SYSTEMS:
-            argument["stated"] = _stated(document)
-        if "parts" in result:
-            argument["parts"] = [part["interval"] for part in result["parts"]]
         name = f"{number + 1}: {result['piece']} [{', '.join(result['interval'])}]"
-        tasks.append(Task(name, argument))
+        settings = {name: int(made.get(name, value)) + more.get(name, 0) for name, value in names.items()}
+        intervals.append(
+            ProvedBefore(
+                name,
+                pieces[result["piece"]],
+                interval_of(result),
+                settings,
+                "stability" in result,
+                tuple(interval_of(part) for part in result.get("parts", ())),
+                max(1, int(made.get("steps", 1))),
+                _stated(document) if is_stated else None,
+            )
+        )
         before[name] = result
-    return tasks, before
+    return intervals, before
 
 
 def _stated(document: Document) -> dict[str, Any]:

@@ -35,8 +35,6 @@ from orbitproof.verify.certificate.rechecking import (
     digest_findings,
     recheck,
 )
-from orbitproof.verify.certificate.side_by_side import certify_all, expected_work, recheck_all
 from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
 from orbitproof.verify.certificate.tables import tables_from_json
-from orbitproof.verify.certificate.verdicts import recheck_table, verdict_table
 from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits

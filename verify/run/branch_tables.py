@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from orbitproof.verify.atlas.run import AtlasRun
-from orbitproof.verify.engines import aligned
+from orbitproof.verify.run import aligned
+from orbitproof.verify.run.branches import AtlasRun
 
 _HEADERS = ("piece", "kind", "verdict", "intervals", "coordinates", "steps", "time")
 
 
-def piece_table(run: AtlasRun, kept: frozenset[str] = frozenset()) -> str:
-    """One row for each piece; `kept` names those that an earlier run had settled."""
+def piece_table(run: AtlasRun) -> str:
+    """One row for each piece; "kept" are those that an earlier run had settled."""
     rows = [_HEADERS]
     for piece in run.atlas.pieces:
         results = run.results_of(piece.id)
@@ -25,7 +25,7 @@ def piece_table(run: AtlasRun, kept: frozenset[str] = frozenset()) -> str:
         rows.append(
             (
                 piece.id, piece.kind.replace("_", " "), verdict, str(len(proved) or ""), coordinates, str(steps or ""),
-                "kept" if piece.id in kept else f"{seconds:.1f} s" if results else "",
+                "kept" if piece.id in run.kept else f"{seconds:.1f} s" if results else "",
             )
         )  # fmt: skip
     total = sum(float(result["computation"]["seconds"]) for result in run.results)

@@ -11,12 +11,13 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import AnyPiece, Atlas, LibrationPiece, SurfacePiece, piece_from_json
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
-from orbitproof.verify.atlas.splitting import Settings
+from orbitproof.verify.atlas.recheck import ProvedBefore
+from orbitproof.verify.atlas.results import Settings
 from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
-from orbitproof.verify.engines import Answer, Failure, Report, Task
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.oracle import ORACLE, counsel
+from orbitproof.verify.run import Answer, Failure, Report, Task
 from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
@@ -80,6 +81,17 @@ def task_of(
             "expected_steps": steps,
         },
     )
+
+
+def task_again(atlas: Atlas, before: ProvedBefore, timeout: float | None) -> Task:
+    """The task of proving an interval again that a certificate says is proved; `timeout` in seconds."""
+    limits = RunLimits({}, timeout, stability=before.stability)
+    argument = dict(task_of(atlas, before.piece, before.interval, before.settings, limits, before.steps).argument)
+    if before.stated is not None:
+        argument["stated"] = before.stated
+    if before.parts:
+        argument["parts"] = [[format_exact(end) for end in part] for part in before.parts]
+    return Task(before.name, argument)
 
 
 class _OutOfTimeError(Exception):

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.formats import AnyPiece
-from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.atlas.results import Settings, condition_of, covers, interval_of
 from orbitproof.verify.curve import Interval
 
 _OVERLAP = Fraction(1, 64)
@@ -26,9 +26,6 @@ FOR_SPLITTING = ("time", "collision", "section", "crossing count", "stability")
 
 _SPLITS_FOR_LIST = 2
 """How often an interval that is proved is halved at most for what a list leaves open on it."""
-
-Settings = Mapping[str, int]
-"""Of the integrator, by name, as they stand in a result's ``computation``."""
 
 
 @dataclass(frozen=True)
@@ -130,27 +127,3 @@ def _asked(piece: AnyPiece, interval: Interval) -> Interval:
 def made_with(result: Mapping[str, Any], settings: Settings) -> bool:
     """Whether a result comes from these settings of the integrator."""
     return all(result["computation"].get(name) == value for name, value in settings.items())
-
-
-def covers(intervals: Sequence[Interval], wanted: Interval) -> bool:
-    """Whether closed intervals cover another one."""
-    reached, end = wanted
-    for first, last in sorted(intervals):
-        if first > reached:
-            break
-        reached = max(reached, last)
-        if reached >= end:
-            return True
-    return False
-
-
-def interval_of(result: Mapping[str, Any]) -> Interval:
-    """The interval of s that a result is about."""
-    start, end = result["interval"]
-    return parse_exact(start), parse_exact(end)
-
-
-def condition_of(result: Mapping[str, Any]) -> str:
-    """What stopped a proof, in one word; empty if the result does not say."""
-    reason = result.get("reason")
-    return str(reason.get("condition", "")) if isinstance(reason, Mapping) else ""

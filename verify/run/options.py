@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from orbitproof.shared.processes import GRACE_SECONDS
-from orbitproof.verify.engines.checks import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits
+from orbitproof.verify.run.checks import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits
 
 
 class ArgumentParser(argparse.ArgumentParser):

@@ -18,8 +18,8 @@ from typing import Any
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Progress, Source, Task
-from orbitproof.verify.engines.processes import Engine, Finished, Processes, Work, on_text
 from orbitproof.verify.evidence import software
+from orbitproof.verify.run.processes import Engine, Finished, Processes, Work, on_text
 
 _CONNECT_SECONDS = 10
 _TASKS_PER_WORKER = 2

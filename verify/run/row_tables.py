@@ -8,8 +8,8 @@ from orbitproof.shared.formats import Candidate
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.levels import MEANINGS, Level, Recheck
-from orbitproof.verify.engines import aligned
 from orbitproof.verify.evidence import certain_digits
+from orbitproof.verify.run import aligned
 
 _SHOWN_DIGITS = 34
 _HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")

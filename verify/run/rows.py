@@ -7,17 +7,25 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
+from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, check_writable
 from orbitproof.shared.processes import answers
-from orbitproof.verify.certificate.certificate import Certificate, repeated
+from orbitproof.verify.certificate.certificate import (
+    Certificate,
+    is_proof_of,
+    read_certificates,
+    repeated,
+    write_certificates,
+)
 from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
 from orbitproof.verify.certificate.levels import Recheck, not_checked, not_finished
 from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.engines import Answer, CheckLimits, Engine, Failure, Processes, Progress, Report, Task
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.oracle.precision import Limits, first_precision
+from orbitproof.verify.run import Answer, CheckLimits, Display, Engine, Failure, Processes, Progress, Report, Task
+from orbitproof.verify.run.workplace import Workplace
 
 Finished = Callable[[Certificate], None]
 
@@ -61,6 +69,88 @@ def certify_all(
 def expected_work(candidate: Candidate, limits: Limits) -> float:
     """What a proof takes, in units that do not matter: one integration more for each crossing."""
     return float(candidate.crossings * candidate.k * first_precision(candidate, limits.digits) ** 2)
+
+
+class RowRun:
+    """The certificates of candidates so far: those of an earlier run that count, and those that are made.
+
+    Attributes:
+        selected: the candidates that are asked about.
+        certificates: by id; those of other candidates of the same file too, which stay in it.
+        kept: ids of the selected that an earlier run proved.
+        fresh: ids of those that this run is done with.
+    """
+
+    def __init__(
+        self,
+        everything: Sequence[Candidate],
+        selected: Sequence[Candidate],
+        limits: Limits,
+        output: Path | None = None,
+        again: bool = False,
+        replace: bool = False,
+    ) -> None:
+        """`output` is the file that keeps the certificates of `everything`.
+
+        With `again` all selected are made anew, with `replace` nothing that is in the file is kept. Raises
+        `InputError` if the file cannot be written, or holds something else: nothing of it is overwritten.
+        """
+        self.selected = selected
+        self._everything, self._limits, self._output = everything, limits, output
+        self.certificates: dict[str, Certificate] = {}
+        if output is not None:
+            check_writable(output)
+            if output.exists() and not replace:
+                self.certificates = _earlier(output, everything)
+        earlier = {} if again else self.certificates
+        self.kept = frozenset(c.id for c in selected if c.id in earlier and is_proof_of(earlier[c.id], c))
+        self.fresh: set[str] = set()
+
+    @property
+    def done(self) -> dict[str, Certificate]:
+        """The certificates of those selected that are finished, by id."""
+        finished = self.kept | self.fresh
+        return {name: certificate for name, certificate in self.certificates.items() if name in finished}
+
+    def prove(self, workplace: Workplace) -> None:
+        """Prove what is left; what ends it, an interrupt too, leaves what is done here and in the file."""
+        pending = [candidate for candidate in self.selected if candidate.id not in self.kept]
+        work = {candidate.id: expected_work(candidate, self._limits) for candidate in pending}
+        display = Display(work, workplace.quiet)
+        if self.kept:
+            count = f"{len(self.kept)} of {len(self.selected)}"
+            display.message(f"{count} proved already, kept (--fresh verifies again)")
+
+        def finished(certificate: Certificate) -> None:
+            self.certificates[certificate.id] = certificate
+            self.fresh.add(certificate.id)
+            self.save()
+            display.finish(certificate.id, f"{certificate.verdict}, {certificate.computation.seconds:.1f} s")
+
+        with workplace.engine(self._limits.timeout) as engine, display.shown():
+            certify_all(pending, self._limits, workplace.jobs, display.advance, finished, engine)
+
+    def save(self) -> None:
+        """Write the file, if there is one."""
+        if self._output is not None and self.certificates:
+            names = (candidate.id for candidate in self._everything)
+            write_certificates(self._output, [self.certificates[n] for n in names if n in self.certificates])
+
+
+def _earlier(path: Path, candidates: Sequence[Candidate]) -> dict[str, Certificate]:
+    """The certificates of an earlier run. Nothing that belongs to other candidates is overwritten."""
+    try:
+        result = read_certificates(path)
+    except InputError as error:
+        raise InputError(f"{error}; or replace the file with --fresh") from None
+    known = {candidate.id for candidate in candidates}
+    foreign = [name for name in result if name not in known]
+    if foreign:
+        raise InputError(
+            f"{path}: holds certificates of other candidates ({foreign[0]!r}); "
+            "choose another output, or replace the file with --fresh"
+        )
+    return result
 
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:

@@ -24,7 +24,8 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.verify import second_proof as folder
-from orbitproof.verify.engines import (
+from orbitproof.verify.evidence import ball_from_json, guarded
+from orbitproof.verify.run import (
     ArgumentParser,
     CheckLimits,
     Display,
@@ -34,7 +35,6 @@ from orbitproof.verify.engines import (
     positive_seconds,
     whole,
 )
-from orbitproof.verify.evidence import ball_from_json, guarded
 from orbitproof.verify.second_proof import (
     BadCertificate,
     CannotFollow,

@@ -1,0 +1,174 @@
+"""Checks of curves and surfaces, and of places on curves, in processes of their own with limits of time and memory."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+from orbitproof.shared.formats import SURFACE, Atlas
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    Means,
+    Placed,
+    Placing,
+    ProvedBefore,
+    Result,
+    check_of_conclusion,
+    places_on,
+    recheck_atlas,
+    recheck_places,
+)
+from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
+from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Report, Work, apart
+from orbitproof.verify.run.branch_tasks import prove_task, result_of, task_again
+from orbitproof.verify.run.rows import recheck_all
+from orbitproof.verify.run.workplace import Workplace
+
+
+def examined(
+    document: Mapping[str, Any],
+    given: Sequence[Certificate],
+    integrate: bool,
+    workplace: Workplace,
+    work: Work = prove_task,
+) -> Recheck:
+    """The certificate of a branch checked again, up to its conclusion, or with `integrate` to the end.
+
+    `given` are certificates of bifurcations from elsewhere, which have to be those that the file carries.
+    """
+    # What follows is done here; it takes what this has taken, and integrations have processes of their own.
+    concluded = conclusion_apart(document, workplace.branch_checks, given)
+    if not (integrate and concluded.stands):
+        return concluded
+    limit = workplace.branch_checks.with_integration
+
+    def prove_again(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Result], str]) -> None:
+        display = Display(dict.fromkeys([each.name for each in intervals], 1.0), workplace.quiet)
+        waiting = deque(task_again(atlas, each, limit) for each in intervals)
+
+        def answered(answer: Answer) -> None:
+            display.finish(answer.task.name, finished(answer.task.name, result_of(answer)))
+
+        with workplace.engine(limit, workplace.memory) as engine, display.shown():
+            engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)
+
+    means = Means(
+        lambda entries, again: checked_side_by_side(entries, again, workplace), prove_again, placing(workplace.quiet)
+    )
+    return recheck_atlas(document, given, integrate, means)
+
+
+def is_about_surface(document: Mapping[str, Any]) -> bool:
+    """Whether the certificate of a branch is about a surface, as far as it says."""
+    claim = document["statement"]["atlas"].get("claim")
+    return isinstance(claim, dict) and claim.get("kind") == SURFACE
+
+
+def checked_side_by_side(entries: Sequence[Certificate], integrate: bool, workplace: Workplace) -> Sequence[Recheck]:
+    """Certificates of bifurcations, checked again, in their order."""
+    checks: dict[str, Recheck] = {}
+    if not entries:
+        return []
+    display = Display({entry.id: 1.0 for entry in entries}, workplace.quiet)
+
+    def finished(check: Recheck) -> None:
+        checks[check.id] = check
+        display.finish(check.id, "certificate stands" if check.stands_without_place else "certificate does not stand")
+
+    with display.shown():
+        recheck_all(entries, integrate, workplace.jobs, display.advance, finished, workplace.branch_checks)
+    return [checks[entry.id] for entry in entries]
+
+
+def placing(quiet: bool) -> Placing:
+    """Shows which certificates are looked for on a curve, one after the other."""
+
+    @contextmanager
+    def shown_while(names: Sequence[str]) -> Iterator[Callable[[str], None]]:
+        display = Display(dict.fromkeys(names, 1.0), quiet)
+        begun: list[str] = []
+
+        def begin(name: str) -> None:
+            for before in begun[-1:]:
+                display.finish(before, "looked for on the curve")
+            begun.append(name)
+
+        with display.shown():
+            yield begin
+            begin("")
+
+    return shown_while
+
+
+def conclusion_apart(document: Mapping[str, Any], limits: CheckLimits, given: Sequence[Certificate] = ()) -> Recheck:
+    """As `check_of_conclusion`; what is not brought to an end cannot be checked."""
+    name = str(document["id"])
+    result = apart(_conclusion, name, (document, given), limits)
+    return not_checked(name, str(document["verdict"]), result) if isinstance(result, Failure) else result
+
+
+def places_on_apart(curve: AtlasCertificate, orbits: Sequence[Certificate], limits: CheckLimits) -> list[Placed]:
+    """As `places_on`; what is not brought to an end is not shown."""
+    name = str(curve.document["id"])
+    result = apart(_places, name, (curve, orbits), limits)
+    if isinstance(result, Failure):
+        words = f"not shown to lie on {shown(name)}: {result.message}"
+        return [Placed(entry.with_place(None), f"{shown(entry.id)}: {words}") for entry in orbits]
+    return list(result)
+
+
+def recheck_places_apart(
+    curve: AtlasCertificate | None,
+    examined: Recheck | None,
+    certificates: Sequence[Certificate],
+    checks: Mapping[str, Recheck],
+    limits: CheckLimits,
+) -> dict[str, Recheck]:
+    """As `recheck_places`, each certificate by itself; what is not brought to an end cannot be checked."""
+    found = dict(checks)
+    for entry in certificates:
+        check = checks.get(entry.id)
+        if check is None or not check.stands_without_place or "place" not in entry.to_json():
+            continue
+        result = apart(_place, entry.id, (curve, examined, entry, check), limits)
+        if isinstance(result, Failure):
+            obstacle = not_checked(entry.id, entry.verdict, result).obstacle
+            result = replace(check, obstacle=f"its place: {obstacle}", level=min(check.level, Level.FORM))
+        found[entry.id] = result
+    return found
+
+
+def _conclusion(argument: tuple[Mapping[str, Any], Sequence[Certificate]], report: Report) -> Recheck:
+    return check_of_conclusion(*argument)
+
+
+def _places(argument: tuple[AtlasCertificate, Sequence[Certificate]], report: Report) -> list[Placed]:
+    return places_on(*argument)
+
+
+def _place(argument: tuple[AtlasCertificate | None, Recheck | None, Certificate, Recheck], report: Report) -> Recheck:
+    curve, examined, entry, check = argument
+    return recheck_places(curve, examined, [entry], {entry.id: check})[entry.id]
+
+
+def with_places(
+    curve: AtlasCertificate | None,
+    certificates: Sequence[Certificate],
+    checks: Mapping[str, Recheck],
+    integrate: bool,
+    workplace: Workplace,
+) -> dict[str, Recheck]:
+    """The checks with those of the places on curves that certificates carry.
+
+    Args:
+        curve: the certificate that the places rest on, which is checked as far as the others; without it they cannot
+            be checked.
+    """
+    if curve is None:
+        return recheck_places_apart(None, None, certificates, checks, workplace.row_checks)
+    checked = None if curve.atlas.is_surface else examined(curve.document, (), integrate, workplace)
+    return recheck_places_apart(curve, checked, certificates, checks, workplace.row_checks)

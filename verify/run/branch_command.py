@@ -1,0 +1,141 @@
+"""Command line for whole branches: ``orbitproof verify atlas atlas.json -o certificate.json``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from orbitproof.shared.formats import InputError, read_atlas, read_document
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas import SCHEMA
+from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole
+from orbitproof.verify.run.branch_checks import examined, is_about_surface
+from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
+from orbitproof.verify.run.branch_tasks import RunLimits, prove_task
+from orbitproof.verify.run.branches import (
+    LARGEST_ORDER,
+    MOST_SPLITS,
+    AtlasRun,
+    chosen_bifurcations,
+    conclude_run,
+    limits_of,
+    prove_pieces,
+    started,
+)
+from orbitproof.verify.run.row_tables import recheck_table
+from orbitproof.verify.run.workplace import Workplace
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify atlas atlas.json
+      prove every piece, and that neighbours are the same curve; print the theorem
+  orbitproof verify atlas atlas.json -o curve.json --jobs 2
+      the same on two cores, with a certificate; if interrupted, the same command goes on
+  orbitproof verify atlas atlas.json -o curve.json --bifurcations certificates.json --only "earth-moon-L1-*"
+      also which of the certified bifurcations lie on the curve
+  orbitproof verify atlas atlas.json -o curve.json --complete 12
+      also all resonances 1:1 to 1:12 on the curve, and where its orbits are linearly stable
+  orbitproof verify atlas atlas.json -o curve.json --scheduler tcp://192.0.2.1:8786
+      hand the pieces to a cluster (dask.distributed)
+  orbitproof verify atlas --recheck curve.json
+      check that all it states follows from what the certificate carries
+  orbitproof verify atlas --recheck --integrate curve.json --jobs 2
+      and prove every interval, and the bifurcations on the curve, again in another way
+
+A piece that fails is tried with more precision, then split in two; what was proved is kept.
+exit codes: 0 the theorem is proved, every bifurcation asked about lies on the curve, and the list leaves out
+nothing; 1 not; 2 bad input; 130 interrupted. "not proved" never means "shown to be false"
+"""
+
+
+def _parser() -> ArgumentParser:
+    words = "Prove a whole branch of symmetric periodic orbits, piece by piece, from its atlas."
+    parser = ArgumentParser("orbitproof verify atlas", words, _EXAMPLES)
+    parser.add_argument("file", type=Path, help="atlas (JSON); with --recheck, certificate of an atlas")
+    parser.add_argument("-o", "--output", type=Path, help="certificate; results are saved as they come")
+    words = "certificates files: say which of these bifurcations lie on the curve"
+    parser.add_argument("--bifurcations", type=Path, nargs="+", default=[], metavar="FILE", help=words)
+    parser.add_argument("--only", nargs="+", metavar="ID", help="of these bifurcations (with * and ? as in file names)")
+    words = "also list all resonances 1:1 to 1:K on the curve, and where its orbits are linearly stable"
+    parser.number("--complete", "K", words, whole(1, LARGEST_ORDER), None)
+    words = "halve an interval at most N times (default: %(default)s)"
+    parser.number("--max-splits", "N", words, whole(0, MOST_SPLITS), RunLimits.max_splits)
+    for name, what in (
+        ("precision", "bits"),
+        ("order", "degree of the expansions in time"),
+        ("width", "degree of the expansions along the curve"),
+    ):
+        parser.number(f"--{name}", "N", f"{what}, for the first attempt (default: as it suits)", whole(1), None)
+    parser.run_options("pieces", "--timeout", "an interval of a piece", LONG_CHECK_SECONDS)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None, work: Work = prove_task) -> int:
+    """Run the command line; returns the exit code. `work` is what a process does for each interval."""
+    options = _parser().parse_args(arguments)
+    workplace = Workplace(options.jobs, options.scheduler, options.timeout, options.memory, options.quiet)
+    try:
+        return _recheck(options, workplace, work) if options.recheck else _run(options, workplace, work)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    atlas = read_atlas(options.file)
+    given = {name: getattr(options, name) for name in ("precision", "order", "width")}
+    limits = limits_of(atlas, options.complete, options.max_splits, options.timeout, **given)
+    bifurcations = chosen_bifurcations(options.bifurcations, options.only, atlas.is_surface)
+    run = started(atlas, limits, options.output, options.fresh)
+    interrupted = False
+    try:
+        prove_pieces(run, workplace, work)
+    except KeyboardInterrupt:
+        interrupted = True
+    except InputError:
+        if run.results:
+            print(piece_table(run), flush=True)
+        raise
+    print(piece_table(run), flush=True)
+    if interrupted:
+        return _interrupted(options, run)
+    try:
+        certificate = conclude_run(run, bifurcations, workplace)
+    except KeyboardInterrupt:
+        return _interrupted(options, run)
+    print(f"\n{conclusion_text(certificate.document)}", flush=True)
+    return 0 if certificate.is_proved and certificate.is_whole else 1
+
+
+def _interrupted(options: argparse.Namespace, run: AtlasRun) -> int:
+    done = len(run.atlas.pieces) - len(run.pending)
+    saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
+    print(f"interrupted: {done} of {len(run.atlas.pieces)} pieces finished{saved}", file=sys.stderr)
+    return INTERRUPTED
+
+
+def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
+    """Whether the certificate stands: its form, its conclusion, and with --integrate what it was made from."""
+    for name in ("output", "fresh", "complete"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: --recheck writes no file; leave it out")
+    document = read_document(options.file, SCHEMA)
+    given = chosen_bifurcations(options.bifurcations, options.only, is_about_surface(document))
+    try:
+        found = examined(document, given, options.integrate, workplace, work)
+    except KeyboardInterrupt:
+        print("interrupted: nothing is known yet", file=sys.stderr)
+        return INTERRUPTED
+    print(recheck_table([found.id], {found.id: found}), flush=True)
+    for finding in found.findings[:1]:
+        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
+    return 0 if found.stands else 1
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(main))

@@ -1,0 +1,286 @@
+"""A run over an atlas: its pieces side by side, those that fail split in two, results kept as they come."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from orbitproof.shared.formats import AnyPiece, Atlas, InputError, Piece, check_writable, select_ids
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    conclusion_of,
+    make_atlas_certificate,
+    read_atlas_certificate,
+    write_atlas_certificate,
+)
+from orbitproof.verify.atlas.results import Result, Settings, condition_of, interval_of
+from orbitproof.verify.certificate import Certificate, read_certificates
+from orbitproof.verify.curve import Interval
+from orbitproof.verify.evidence import exact_interval_text, software
+from orbitproof.verify.run import Answer, Display, Engine, Task, Work
+from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
+from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, prove_task, result_of, task_of
+from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, made_with, plan, whole
+from orbitproof.verify.run.workplace import Workplace
+from orbitproof.verify.stability import open_on
+
+_STEPS_AT_FIRST = 16
+"""The number of integration steps that progress reckons with before the first result."""
+
+Saved = Callable[[Sequence[Result]], None]
+"""Called with all results so far, after each one."""
+
+
+class AtlasRun:
+    """The results of an atlas so far, and what is left to do.
+
+    A piece of which one interval cannot be proved is given up: the rest of it would not make the curve whole.
+    """
+
+    def __init__(
+        self, atlas: Atlas, limits: RunLimits, earlier: Sequence[Result] = (), output: Path | None = None
+    ) -> None:
+        """`earlier` are results that count already; `output` is the file that keeps them."""
+        self.atlas = atlas
+        self.limits = limits
+        self.output = output
+        self._attempts = attempts_of(atlas, limits)
+        self._results: dict[str, list[Result]] = {piece.id: [] for piece in atlas.pieces}
+        for result in earlier:
+            self._results[result["piece"]].append(result)
+        self._pieces = {piece.id: piece for piece in atlas.pieces}
+        self._lacking: dict[int, tuple[Result, str]] = {}
+        self._begun: set[tuple[str, Interval, int]] = set()
+        self._told: set[str] = set()
+        self._plans = {piece.id: self._plan(piece) for piece in atlas.pieces}
+        self.kept = frozenset(self._plans) - frozenset(self.pending)
+        """Ids of the pieces that an earlier run had settled."""
+
+    @property
+    def results(self) -> list[Result]:
+        """All results, by pieces."""
+        return [result for results in self._results.values() for result in results]
+
+    @property
+    def pending(self) -> list[str]:
+        """Ids of the pieces of which something is to be tried yet."""
+        return [name for name, state in self._plans.items() if not state.is_settled]
+
+    def plan_of(self, piece: str) -> Plan:
+        """What is left to do for a piece."""
+        return self._plans[piece]
+
+    def results_of(self, piece: str) -> Sequence[Result]:
+        """The results of a piece."""
+        return self._results[piece]
+
+    def run(self, engine: Engine, display: Display, saved: Saved, work: Work = prove_task) -> None:
+        """Prove what is left; what `saved` raises ends the run."""
+
+        def progress(name: str, fraction: float, label: str) -> None:
+            display.advance(name, self._share(name, fraction), label)
+
+        def finished(answer: Answer) -> None:
+            result = result_of(answer)
+            name = answer.task.name
+            self._results[name].append(result)
+            self._plans[name] = self._plan(self._pieces[name])
+            saved(self.results)
+            self._tell(display, name, result)
+
+        engine.run(work, self._next, progress, finished)
+
+    def _plan(self, piece: AnyPiece) -> Plan:
+        return plan(piece, self._results[piece.id], self._attempts, self.limits.max_splits, self._lacks)
+
+    def _lacks(self, result: Result) -> str:
+        """What a list of resonances leaves open on a proved interval."""
+        piece = self._pieces[result["piece"]]
+        if not self.limits.stability or not isinstance(piece, Piece):
+            return ""
+        if id(result) not in self._lacking:
+            # The result is kept with it, so that its identity is not given to another one.
+            self._lacking[id(result)] = (result, open_on(piece, result, self.limits.order))
+        return self._lacking[id(result)][1]
+
+    def _next(self) -> Task | None:
+        """The first interval along the curve that nobody works on; so halves come before pieces further on."""
+        for name, state in self._plans.items():
+            if state.is_settled:
+                continue
+            for interval, attempt in state.missing:
+                if (name, interval, attempt) not in self._begun:
+                    self._begun.add((name, interval, attempt))
+                    settings = self._attempts[attempt]
+                    return task_of(self.atlas, self._pieces[name], interval, settings, self.limits, self._steps())
+        return None
+
+    def _steps(self) -> int:
+        steps = [int(result["computation"].get("steps", 0)) for result in self.results if result["verdict"] == "proved"]
+        return max(steps, default=_STEPS_AT_FIRST)
+
+    def _share(self, name: str, fraction: float) -> float:
+        """The part of a piece that is done, if an interval of it is done to `fraction`."""
+        start, end = whole(self._pieces[name])
+        state = self._plans[name]
+        done = sum(float(last - first) for first, last in state.proved) / float(end - start)
+        longest = max((float(last - first) for (first, last), _ in state.missing), default=0.0) / float(end - start)
+        return done + fraction * longest
+
+    def _tell(self, display: Display, name: str, result: Mapping[str, Any]) -> None:
+        state = self._plans[name]
+        if name in self._told:
+            return
+        if state.is_settled:
+            self._told.add(name)
+            results = self._results[name]
+            seconds = sum(float(entry["computation"]["seconds"]) for entry in results)
+            number = sum(entry["verdict"] == "proved" for entry in results)
+            inside = f" in {number} intervals" if number > 1 else ""
+            verdict = f"proved{inside}" if state.is_proved else f"not proved: {result['reason']['message']}"
+            display.finish(name, f"{verdict}, {seconds:.1f} s")
+            return
+        if result["verdict"] != "proved":
+            start, end = interval_of(result)
+            message = result["reason"]["message"]
+            again = any(interval == (start, end) for interval, _ in state.missing)
+            word = "again with more precision" if again else "split"
+            display.message(f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}: {message}")
+        display.advance(name, self._share(name, 0.0), "next interval")
+
+
+def reusable(
+    certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Settings], stability: bool = False
+) -> list[Result]:
+    """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
+
+    They must come from this software, and be about a piece that has not changed; if `stability` is asked for, they
+    must have looked at it. What failed for want of time or memory, or with other settings, is tried again.
+    """
+    before = certificate.atlas
+    same_claim = (
+        before.system == atlas.system
+        and before.parameters == atlas.parameters
+        and before.claim.symmetry == atlas.claim.symmetry
+        and before.claim.crossings == atlas.claim.crossings
+    )
+    if not same_claim or certificate.document["software"] != software():
+        return []
+    unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
+    return [
+        result
+        for result in certificate.results
+        if result["piece"] in unchanged
+        and ("stability" in result or not stability if result["verdict"] == "proved" else _is_final(result, attempts))
+    ]
+
+
+def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
+    return condition_of(result) not in (*NOT_FOR_SPLITTING, "time") and any(
+        made_with(result, settings) for settings in attempts
+    )
+
+
+MOST_SPLITS, LARGEST_ORDER = 20, 99
+
+
+def limits_of(
+    atlas: Atlas,
+    complete: int | None = None,
+    max_splits: int = RunLimits.max_splits,
+    timeout: float | None = None,
+    **integrator: int | None,
+) -> RunLimits:
+    """How to prove the pieces of an atlas.
+
+    Args:
+        complete: with it, all resonances up to this order are wanted too.
+        integrator: precision, order, width for the first attempt, if not the default.
+
+    Raises `InputError` for what cannot be asked of this atlas.
+    """
+    if complete is not None and atlas.is_surface:
+        raise InputError("--complete: lists what is on a curve, and this atlas is about a surface; leave it out")
+    if complete is not None and atlas.system.fixed_level is not None:
+        raise InputError("--complete: no list is claimed on a fixed level of a first integral; leave it out")
+    given = {name: value for name, value in integrator.items() if value is not None}
+    limits = RunLimits(given, timeout, max_splits, complete is not None, complete or 1)
+    try:
+        attempts_of(atlas, limits)
+    except ValueError as error:
+        raise InputError(f"--precision, --order, --width: {error}; give larger numbers") from None
+    return limits
+
+
+def started(atlas: Atlas, limits: RunLimits, output: Path | None = None, fresh: bool = False) -> AtlasRun:
+    """A run that keeps its results in a file, and begins with what an earlier one left there unless `fresh`.
+
+    Raises `InputError` if the file cannot be written, or holds something else: nothing of it is overwritten.
+    """
+    if output is None:
+        return AtlasRun(atlas, limits)
+    check_writable(output)
+    if not output.exists() or fresh:
+        return AtlasRun(atlas, limits, (), output)
+    try:
+        before = read_atlas_certificate(output)
+    except InputError as error:
+        raise InputError(f"{error}; or replace the file with --fresh") from None
+    if before.atlas.id != atlas.id:
+        raise InputError(
+            f"{output}: holds the certificate of another atlas ({before.atlas.id!r}); "
+            "choose another output, or replace the file with --fresh"
+        )
+    earlier = reusable(before, atlas, attempts_of(atlas, limits), limits.stability)
+    return AtlasRun(atlas, limits, earlier, output)
+
+
+def prove_pieces(run: AtlasRun, workplace: Workplace, work: Work = prove_task) -> None:
+    """Prove what is left. What ends it, an interrupt too, leaves the results so far in the run and in its file."""
+    display = Display(dict.fromkeys(run.pending, 1.0), workplace.quiet)
+    if run.kept:
+        count = f"{len(run.kept)} of {len(run.atlas.pieces)}"
+        display.message(f"{count} pieces settled already, kept (--fresh proves again)")
+
+    def saved(results: Sequence[Result]) -> None:
+        if run.output is not None:
+            write_atlas_certificate(run.output, make_atlas_certificate(run.atlas, results, None))
+
+    with workplace.engine(workplace.timeout) as engine, display.shown():
+        run.run(engine, display, saved, work)
+
+
+def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: Workplace) -> AtlasCertificate:
+    """What the results give together, as a certificate, in the run's file too.
+
+    The certificates of bifurcations are checked again first, side by side, and looked for on the curve.
+    """
+    conclusion = conclusion_of(
+        run.atlas,
+        run.results,
+        bifurcations,
+        lambda entries: checked_side_by_side(entries, False, workplace),
+        run.limits.order if run.limits.stability else None,
+        placing(workplace.quiet),
+    )
+    certificate = make_atlas_certificate(run.atlas, run.results, conclusion, bifurcations)
+    if run.output is not None:
+        write_atlas_certificate(run.output, certificate)
+    return AtlasCertificate(run.atlas, certificate)
+
+
+def chosen_bifurcations(files: Sequence[Path], only: Sequence[str] | None, is_surface: bool) -> list[Certificate]:
+    """The certificates asked about, in the order of the files. Raises `InputError`."""
+    if only is not None and not files:
+        raise InputError("--only: chooses among bifurcations; give their certificates with --bifurcations")
+    if files and is_surface:
+        raise InputError("--bifurcations: a surface is about all bifurcations over it; leave them out")
+    found: dict[str, Certificate] = {}
+    for path in files:
+        for name, certificate in read_certificates(path).items():
+            if name in found:
+                raise InputError(f"{path}: {name!r} is in another file too; give each certificate once")
+            found[name] = certificate
+    chosen = select_ids(found, None if only is None else list(only), "bifurcation", or_none=True)
+    return [found[name] for name in chosen]

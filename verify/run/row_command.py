@@ -1,0 +1,176 @@
+"""Command line of the verifier: ``orbitproof verify candidates.json -o certificates.json``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from orbitproof.shared.formats import ORBIT, InputError, read_candidates, select_ids
+from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.systems import shown
+from orbitproof.verify.certificate import (
+    GREATEST_PRECISION,
+    LEAST_PRECISION,
+    LEVELS,
+    Certificate,
+    Limits,
+    Recheck,
+    read_certificates,
+)
+from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Display, whole
+from orbitproof.verify.run.row_tables import recheck_table, verdict_table
+from orbitproof.verify.run.rows import RowRun, recheck_all
+from orbitproof.verify.run.workplace import Workplace
+
+_DESCRIPTION = """\
+Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous verification of candidate boxes.
+
+commands:
+  orbitproof verify FILE ..         certificates of bifurcations, from candidates (this page)
+  orbitproof verify atlas FILE ..   certificates of whole branches, from atlases (orbitproof verify atlas --help)
+  orbitproof verify --second-proof FILE ..
+                                    certified bifurcations proved once more, by code that shares nothing with the first
+"""
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify candidates.json
+      prove what can be proved and print the table
+  orbitproof verify candidates.json -o certificates.json --jobs 2
+      the same on two cores, certificates in a file; if interrupted, the same command goes on
+  orbitproof verify candidates.json -o certificates.json --only "L1 k=4" --max-precision 2048
+      one row again, with more bits
+  orbitproof verify candidates.json -o certificates.json --curve curve.json
+      and for each orbit say where it lies on a curve that is proved
+  orbitproof verify candidates.json -o certificates.json --scheduler tcp://192.0.2.1:8786
+      hand the candidates to a cluster (dask.distributed)
+  orbitproof verify --recheck certificates.json
+      check that every certificate follows from the enclosures that it carries, without integrating
+  orbitproof verify --recheck --integrate certificates.json --jobs 2
+      and integrate again, at another precision and order
+
+exit codes: 0 everything proved, 1 something not proved, 2 bad input, 130 interrupted
+with --recheck: 0 every certificate stands as it is, 1 one does not, 2 bad input, 130 interrupted
+"not proved" never means "shown to be false"
+"""
+
+
+def _parser() -> ArgumentParser:
+    parser = ArgumentParser("orbitproof verify", _DESCRIPTION, _EXAMPLES)
+    parser.add_argument("file", type=Path, help="candidates file (JSON); with --recheck, certificates file")
+    parser.add_argument("-o", "--output", type=Path, help="certificates file; rows are saved as they finish")
+    parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
+    bits, words = whole(LEAST_PRECISION, GREATEST_PRECISION), "never use more bits (default: %(default)s)"
+    parser.number("--max-precision", "BITS", words, bits, Limits.max_precision)
+    words = "certain digits of the parameter to aim for (default: %(default)s)"
+    parser.number("--digits", "N", words, whole(1), Limits.digits)
+    words = (
+        "parameter of Hamiltonian rows: the level of the first integral, a coordinate of Fix(R) following from it "
+        "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)"
+    )
+    parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
+    words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
+    parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
+    parser.run_options("candidates", "--row-timeout", "a candidate", CHECK_SECONDS)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    workplace = Workplace(options.jobs, options.scheduler, options.row_timeout, options.memory, options.quiet)
+    try:
+        return _recheck(options, workplace) if options.recheck else _run(options, workplace)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+def _run(options: argparse.Namespace, workplace: Workplace) -> int:
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    curve = None
+    if options.curve is not None:
+        # Only now: curves take a moment to load.
+        from orbitproof.verify.atlas import read_atlas_certificate
+
+        curve = read_atlas_certificate(options.curve)
+    everything = read_candidates(options.file)
+    known = {candidate.id: candidate for candidate in everything}
+    selected = [known[name] for name in select_ids(known, options.only, "candidate")]
+    limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
+    # With --only, --fresh means the selected rows; those of the others stay in the file.
+    run = RowRun(everything, selected, limits, options.output, options.fresh, options.fresh and options.only is None)
+    interrupted = False
+    unsaved: InputError | None = None
+    try:
+        run.prove(workplace)
+    except KeyboardInterrupt:
+        interrupted = True
+    except InputError as error:
+        if not run.fresh:
+            raise
+        unsaved = error
+    print(verdict_table(selected, run.done, run.kept), flush=True)
+    if curve is not None:
+        from orbitproof.verify.run.branch_checks import places_on_apart
+
+        orbits = [run.done[c.id] for c in selected if c.kind == ORBIT and c.id in run.done]
+        # The time of a candidate is no limit for checking the curve.
+        for placed in places_on_apart(curve, orbits, Workplace(memory=options.memory).branch_checks):
+            print(placed.line, flush=True)
+            run.certificates[placed.certificate.id] = placed.certificate
+        run.save()
+    if unsaved is not None:
+        raise unsaved
+    if interrupted:
+        saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
+        print(f"interrupted: {len(run.done)} of {len(selected)} candidates finished{saved}", file=sys.stderr)
+        return INTERRUPTED
+    return 0 if all(run.done[candidate.id].proved for candidate in selected) else 1
+
+
+def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
+    for name in ("output", "fresh"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: --recheck writes no file; leave it out")
+    if options.scheduler is not None:
+        raise InputError("--scheduler: certificates are checked again on this machine; give --jobs instead")
+    stored = read_certificates(options.file)
+    selected = [stored[name] for name in select_ids(stored, options.only, "certificate")]
+    display = Display({entry.id: _work(entry, options.integrate) for entry in selected}, options.quiet)
+    done: dict[str, Recheck] = {}
+
+    def finished(result: Recheck) -> None:
+        done[result.id] = result
+        display.finish(result.id, "stands" if result.stands_without_place else "does not stand")
+
+    interrupted = False
+    try:
+        with display.shown():
+            recheck_all(selected, options.integrate, workplace.jobs, display.advance, finished, workplace.row_checks)
+    except KeyboardInterrupt:
+        interrupted = True
+    if not interrupted and (options.curve is not None or any("place" in entry.to_json() for entry in selected)):
+        # Only now: curves take a moment to load.
+        from orbitproof.verify.atlas import read_atlas_certificate
+        from orbitproof.verify.run.branch_checks import with_places
+
+        curve = None if options.curve is None else read_atlas_certificate(options.curve)
+        done = with_places(curve, selected, done, options.integrate, workplace)
+    print(recheck_table([entry.id for entry in selected], done), flush=True)
+    if interrupted:
+        print(f"interrupted: {len(done)} of {len(selected)} certificates checked", file=sys.stderr)
+        return INTERRUPTED
+    failed = [result for result in done.values() if not result.stands]
+    for result in failed:
+        for finding in result.findings[:1]:
+            print(f"FAILED {shown(result.id)}: {finding.place}: {finding.message}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _work(certificate: Certificate, integrate: bool) -> float:
+    """A measure of the work that checking again takes: the time of the first integration."""
+    return certificate.computation.seconds + 0.1 if integrate else 1.0
