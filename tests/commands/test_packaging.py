@@ -16,7 +16,7 @@ import pytest
 from support.claims import known
 
 from orbitproof.shared import write_candidates
-from orbitproof.verify.evidence.sources import source_digest
+from orbitproof.verify.evidence.sources import ON_WHICH_NOTHING_RESTS, source_digest
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("shared", "explore", "verify", "figures")
@@ -130,6 +130,35 @@ def test_the_digest_of_the_sources_covers_every_level(copy: Path, tmp_path: Path
         after = source_digest([("verify", verify)])
         assert after != before, place
         before = after
+
+
+SHARED = ("claims/atlas.py", "formats/atlas.py", "systems/system.py", "numbers.py", "codec.py", "stored.py")
+MOVED_ONLY = ("oracle/more.py", "words/more.py", "run/more.py", "run/rows.py", "second_proof/more.py", "scripting.py")
+
+
+@pytest.mark.parametrize("package", ["verify", "shared"])
+def test_the_digest_of_a_proof_covers_what_it_rests_on_and_nothing_else(
+    package: str, copy: Path, tmp_path: Path
+) -> None:
+    folder = shutil.copytree(copy / package, tmp_path / package)
+    before = [source_digest([(package, folder)], left_out) for left_out in (ON_WHICH_NOTHING_RESTS, ())]
+    rooms = [path.name for path in folder.iterdir() if path.is_dir() and (path / "__init__.py").exists()]
+    known = {place.split("/")[1] for place in ON_WHICH_NOTHING_RESTS if place.startswith(package)}
+    rests = [f"{room}/more.py" for room in rooms if room not in known] if package == "verify" else list(SHARED)
+    assert len(rests) > 5
+    moved = MOVED_ONLY if package == "verify" else ("processes.py", "interrupts.py")
+    for place in (*rests, *moved):
+        file = folder / place
+        file.write_text((file.read_text("utf-8") if file.exists() else "") + "value = 1\n", "utf-8")
+        after = [source_digest([(package, folder)], left_out) for left_out in (ON_WHICH_NOTHING_RESTS, ())]
+        assert (after[0] != before[0]) == (place in rests), place
+        assert after[1] != before[1], place
+        before = after
+
+
+def test_what_nothing_rests_on_is_there(copy: Path) -> None:
+    for place in ON_WHICH_NOTHING_RESTS:
+        assert (copy / place).exists(), place
 
 
 def run(folder: Path, site: Path, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:

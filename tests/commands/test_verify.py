@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from flint import ctx
 
-import orbitproof.verify.__main__
+import orbitproof.verify.run.rows
 from orbitproof.shared.formats.candidates import candidate_from_json
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
@@ -81,7 +81,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[str]:
             names.append(candidate.id)
             finished(not_proved(candidate, Reason("stub", "message", "remedy"), 0.0))
 
-    monkeypatch.setattr(orbitproof.verify.__main__, "certify_all", stub)
+    monkeypatch.setattr(orbitproof.verify.run.rows, "certify_all", stub)
     return names
 
 
@@ -186,7 +186,7 @@ def test_finished_rows_survive_an_interrupt(tmp_path: Path, capsys: Any, monkeyp
         finished(certify(candidates[0], limits))
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(orbitproof.verify.__main__, "certify_all", interrupted)
+    monkeypatch.setattr(orbitproof.verify.run.rows, "certify_all", interrupted)
     assert main([write(source, HOPELESS, TRUE, FALSE), "-o", str(target), "--quiet"]) == INTERRUPTED
     output, errors = capsys.readouterr()
     assert list(read(target)) == [HOPELESS["id"]]

@@ -16,8 +16,8 @@ from matplotlib.lines import Line2D
 from support.picture_texts import unreadable
 
 import orbitproof.figures.commands.data as data_command
-import orbitproof.verify.__main__
 import orbitproof.verify.run.branch_command
+import orbitproof.verify.run.row_command
 from orbitproof.explore.commands.arguments import parser as explore_parser
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.collection.data_folder import DataFolder, MissingData
@@ -119,7 +119,7 @@ def test_commands_of_the_steps_are_accepted_and_write_into_the_folder(step: Step
         package, rest = "verify atlas", rest[1:]
     parsers = {
         "explore": explore_parser,
-        "verify": orbitproof.verify.__main__._parser,
+        "verify": orbitproof.verify.run.row_command._parser,
         "verify atlas": orbitproof.verify.run.branch_command._parser,
     }
     parser = parsers[package]()

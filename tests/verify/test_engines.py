@@ -12,12 +12,12 @@ from support import atlas_work
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Task
-from orbitproof.verify.evidence import software
+from orbitproof.verify.evidence import installed
 from orbitproof.verify.run import cluster
 from orbitproof.verify.run.cluster import connected
 from orbitproof.verify.run.processes import Engine, Processes
 
-HERE = software()
+HERE = installed()
 OTHER = {**HERE, "orbitproof": "0"}
 LESS = dict(list(HERE.items())[:-1])
 MORE = {**HERE, "another": "1"}

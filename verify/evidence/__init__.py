@@ -62,4 +62,4 @@ from orbitproof.verify.evidence.outcome import (
     show,
 )
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
-from orbitproof.verify.evidence.sources import software
+from orbitproof.verify.evidence.sources import ON_WHICH_NOTHING_RESTS, installed, software

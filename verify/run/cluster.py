@@ -18,7 +18,7 @@ from typing import Any
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Progress, Source, Task
-from orbitproof.verify.evidence import software
+from orbitproof.verify.evidence import installed
 from orbitproof.verify.run.processes import Engine, Finished, Processes, Work, on_text
 
 _CONNECT_SECONDS = 10
@@ -67,7 +67,7 @@ class Cluster:
 def run_on_worker(work: Work, argument: str) -> str:
     """Do a task in a process of the cluster; text in, text out."""
     with _one_task:
-        return json.dumps({"software": software(), "result": on_text(work, argument, _no_report)})
+        return json.dumps({"software": installed(), "result": on_text(work, argument, _no_report)})
 
 
 def _no_report(fraction: float, label: str) -> None:
@@ -80,7 +80,7 @@ def _result(future: Any) -> Mapping[str, Any] | Failure:
     except Exception as error:
         return Failure("process", f"the cluster has no result for it ({type(error).__name__})")
     # Workers may join during a run.
-    if answer["software"] != software():
+    if answer["software"] != installed():
         return Failure("process", "a worker of the cluster has another version of the software")
     result: Mapping[str, Any] = json.loads(answer["result"])
     return result
@@ -122,7 +122,7 @@ def connected(address: str) -> Iterator[Cluster]:
 
 def _check(client: Any, address: str) -> None:
     try:
-        versions: Mapping[str, Mapping[str, str]] = client.run(software)
+        versions: Mapping[str, Mapping[str, str]] = client.run(installed)
     except Exception as error:
         raise InputError(
             f"--scheduler {address}: a worker cannot run the verifier ({type(error).__name__}); "
@@ -130,7 +130,7 @@ def _check(client: Any, address: str) -> None:
         ) from None
     if not versions:
         raise InputError(f"--scheduler {address}: has no workers; start some with: dask worker {address}")
-    here = software()
+    here = installed()
     for worker, version in versions.items():
         for name in sorted({*here, *version}):
             if here.get(name) != version.get(name):
