@@ -245,7 +245,7 @@ def test_a_full_disk_ends_the_run_in_one_line(tmp_path: Path, capsys: Any, monke
     def full(*arguments: Any) -> None:
         raise InputError(f"{target}: cannot be written (No space left on device); free space")
 
-    monkeypatch.setattr("orbitproof.verify.run.branch_command.write_atlas_certificate", full)
+    monkeypatch.setattr("orbitproof.verify.run.branches.write_atlas_certificate", full)
     assert main([source, "-o", str(target)], atlas_work.proving) == 2
     errors = capsys.readouterr().err
     assert errors.splitlines()[-1].startswith(f"error: {target}: cannot be written")
