@@ -2,7 +2,8 @@
 
 `certify` takes claims, `Candidate` values, and gives a `Certificate` for each; `certify_atlas` takes an `Atlas`, a
 curve or surface in pieces, and gives an `AtlasCertificate`. `write`, `read`, `write_atlas` and `read_atlas` are their
-files, `recheck` checks them again, `places` says where orbits lie on a curve. Nothing here imports
+files, `recheck` checks them again, `places` says where orbits lie on a curve, `prove_again` proves
+rows once more in another way. Nothing here imports
 `orbitproof.explore`. What a name takes is loaded when it is first used.
 """
 

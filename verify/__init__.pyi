@@ -9,10 +9,12 @@ from .evidence.balls_as_text import certain_digits as certain_digits
 from .evidence.balls_as_text import decimal_interval as decimal_interval
 from .evidence.outcome import Hypothesis as Hypothesis
 from .evidence.outcome import Reason as Reason
+from .run.second_proofs import Comparison as Comparison
 from .scripting import InputError as InputError
 from .scripting import certify as certify
 from .scripting import certify_atlas as certify_atlas
 from .scripting import places as places
+from .scripting import prove_again as prove_again
 from .scripting import read as read
 from .scripting import read_atlas as read_atlas
 from .scripting import recheck as recheck

@@ -14,6 +14,7 @@ from orbitproof.verify.run.branch_checks import examined, places_on_apart, with_
 from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
 from orbitproof.verify.run.rows import RowRun, recheck_all
+from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
 from orbitproof.verify.run.workplace import Workplace
 
 
@@ -195,6 +196,37 @@ def places(curve: AtlasCertificate, orbits: Iterable[Certificate], *, timeout: f
     shown.
     """
     return places_on_apart(curve, list(orbits), Workplace(timeout=timeout).branch_checks)
+
+
+def prove_again(
+    certificates: Certificate | Iterable[Certificate],
+    *,
+    output: str | Path | None = None,
+    jobs: int = 1,
+    timeout: float | None = None,
+    memory: float = CheckLimits.memory / GIBIBYTE,
+    quiet: bool = False,
+) -> list[Comparison]:
+    """Prove certified bifurcations once more, by code that shares nothing with the first proof, and compare.
+
+    Arguments:
+        certificates: of bifurcations, each with an id of its own.
+        output: a file that keeps each second proof as soon as it is there; the same call goes on from it.
+        jobs, timeout, memory, quiet: as for `recheck`.
+
+    Returns for each a verdict, "agrees", "disagrees" or "cannot follow", and what agrees, where, or why not. Raises
+    `InputError` if an id appears twice or a certificate is not well formed.
+    """
+    entries = [certificates] if isinstance(certificates, Certificate) else list(certificates)
+    for name in repeated(entries):
+        raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
+    workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
+    known = {entry.id: entry.to_json() for entry in entries}
+    if problem := problem_of(known, CheckLimits(memory=workplace.memory)):
+        raise InputError(f"certificates: {problem}")
+    proofs = SecondProofs(known, None if output is None else Path(output))
+    proofs.prove(workplace)
+    return [Comparison(proofs.rows[name]["verdict"], proofs.rows[name]["reason"]) for name in known]
 
 
 def read(path: str | Path) -> list[Certificate]:

@@ -23,6 +23,7 @@ from orbitproof.shared.formats import InputError, check_writable, read_document,
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
+from orbitproof.shared.systems import shown
 from orbitproof.verify import second_proof as folder
 from orbitproof.verify.evidence import ball_from_json, guarded
 from orbitproof.verify.run import (
@@ -35,6 +36,7 @@ from orbitproof.verify.run import (
     positive_seconds,
     whole,
 )
+from orbitproof.verify.run.workplace import Workplace
 from orbitproof.verify.second_proof import (
     BadCertificate,
     CannotFollow,
@@ -199,42 +201,61 @@ def fingerprint(certificate: Mapping[str, Any]) -> str:
     return digest.hexdigest()
 
 
+class SecondProofs:
+    """The rows of second proofs so far: those of an earlier run that count, and those that are made.
+
+    Attributes:
+        rows: by id, as the file has them.
+        pending: ids of the certificates that no row is about.
+    """
+
+    def __init__(self, certificates: Mapping[str, Row], output: Path | None = None, fresh: bool = False) -> None:
+        """`output` is the file that keeps them. Raises `InputError` if it holds something else."""
+        self._certificates, self._output = certificates, output
+        self.rows: dict[str, Row] = {} if output is None else _earlier(output)
+        marks = {name: fingerprint(certificate) for name, certificate in certificates.items()}
+        self.pending = [n for n, mark in marks.items() if fresh or self.rows.get(n, {}).get("fingerprint") != mark]
+        for name in self.pending:
+            self.rows.pop(name, None)
+
+    def prove(self, workplace: Workplace) -> None:
+        """Prove what is left; what ends it, an interrupt too, leaves what is done here and in the file."""
+        display = Display(dict.fromkeys(self.pending, 1.0), workplace.quiet)
+        total = len(self._certificates)
+        if len(self.pending) < total:
+            display.message(f"{total - len(self.pending)} of {total} rows are there already, kept")
+        tasks = iter([Task(name, self._certificates[name]) for name in self.pending])
+
+        def finished(answer: Answer) -> None:
+            row = answer.result
+            if isinstance(row, Failure):
+                # Without a fingerprint: the next run tries it again.
+                row = {"id": answer.task.name, "verdict": "cannot follow", "reason": row.message}
+            self.rows[answer.task.name] = dict(row)
+            if self._output is not None:
+                _save(self._output, self.rows)
+            display.finish(answer.task.name, f"{row['verdict']}, {answer.seconds:.1f} s")
+
+        engine = Processes(workplace.jobs, workplace.timeout, workplace.memory)
+        with display.shown():
+            engine.run(prove_row, lambda: next(tasks, None), display.advance, finished)
+
+
 def _run(options: argparse.Namespace) -> int:
     certificates = _selected(options)
-    rows = {} if options.output is None else _earlier(options.output)
-    marks = {name: fingerprint(certificate) for name, certificate in certificates.items()}
-    stale = [name for name, mark in marks.items() if options.fresh or rows.get(name, {}).get("fingerprint") != mark]
-    for name in stale:
-        rows.pop(name, None)
-    display = Display(dict.fromkeys(stale, 1.0), options.quiet)
-    if len(stale) < len(certificates):
-        display.message(f"{len(certificates) - len(stale)} of {len(certificates)} rows are there already, kept")
-
-    def finished(answer: Answer) -> None:
-        row = answer.result
-        if isinstance(row, Failure):
-            # Without a fingerprint: the next run tries it again.
-            row = {"id": answer.task.name, "verdict": "cannot follow", "reason": row.message}
-        rows[answer.task.name] = dict(row)
-        if options.output is not None:
-            _save(options.output, rows)
-        display.finish(answer.task.name, f"{row['verdict']}, {answer.seconds:.1f} s")
-
-    tasks = iter([Task(name, certificates[name]) for name in stale])
+    proofs = SecondProofs(certificates, options.output, options.fresh)
     interrupted = False
     try:
-        with display.shown():
-            engine = Processes(options.jobs, options.row_timeout, options.memory)
-            engine.run(prove_row, lambda: next(tasks, None), display.advance, finished)
+        proofs.prove(Workplace(options.jobs, None, options.row_timeout, options.memory, options.quiet))
     except KeyboardInterrupt:
         interrupted = True
-    print("\n".join(_table(list(certificates), rows)), flush=True)
+    print("\n".join(_table(list(certificates), proofs.rows)), flush=True)
     if interrupted:
         saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
-        done = sum(name in rows for name in certificates)
+        done = sum(name in proofs.rows for name in certificates)
         print(f"interrupted: {done} of {len(certificates)} rows finished{saved}", file=sys.stderr)
         return INTERRUPTED
-    return 0 if all(rows[name]["verdict"] == "agrees" for name in certificates) else 1
+    return 0 if all(proofs.rows[name]["verdict"] == "agrees" for name in certificates) else 1
 
 
 def _selected(options: argparse.Namespace) -> dict[str, Row]:
@@ -242,11 +263,17 @@ def _selected(options: argparse.Namespace) -> dict[str, Row]:
     path: Path = options.file
     certificates: dict[str, Row] = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
     chosen = {name: certificates[name] for name in select_ids(certificates, options.only, "certificate")}
-    problem = apart(_first_problem, "statements", list(chosen.items()), CheckLimits(memory=options.memory))
-    # What reading does not survive is the failure of its own row.
-    if isinstance(problem, str) and problem:
+    problem = problem_of(chosen, CheckLimits(memory=options.memory))
+    if problem:
         raise InputError(f"{path}: {problem}; write the certificate again")
     return chosen
+
+
+def problem_of(certificates: Mapping[str, Row], limits: CheckLimits) -> str:
+    """Which of these is not well formed, and why; empty if none is. Read in a process of its own."""
+    problem = apart(_first_problem, "statements", list(certificates.items()), limits)
+    # What reading does not survive is the failure of its own row.
+    return problem if isinstance(problem, str) else ""
 
 
 def _first_problem(certificates: Sequence[tuple[str, Row]], _: Report) -> str:
@@ -281,9 +308,13 @@ def _save(path: Path, rows: Mapping[str, Row]) -> None:
 def _table(names: Sequence[str], rows: Mapping[str, Row]) -> list[str]:
     missing = {"verdict": "not tried", "reason": ""}
     found = [(name, rows.get(name, missing)) for name in names]
-    cells = [[name, row["verdict"], row.get("side", "-"), f"{row.get('cpu_seconds', '-')}"] for name, row in found]
+    cells = [
+        [shown(name), row["verdict"], row.get("side", "-"), f"{row.get('cpu_seconds', '-')}"] for name, row in found
+    ]
     lines = aligned([["row", "verdict", "side", "CPU s"], *cells])
-    reasons = [f"{name}: {row['reason']}" for name, row in found if row["verdict"] not in ("agrees", "not tried")]
+    reasons = [
+        f"{shown(name)}: {row['reason']}" for name, row in found if row["verdict"] not in ("agrees", "not tried")
+    ]
     return lines + reasons
 
 

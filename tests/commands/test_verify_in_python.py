@@ -1,0 +1,115 @@
+"""Branches, places and second proofs from Python: what the commands do, as values."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.claims import known
+
+from orbitproof import verify
+from orbitproof.shared import InputError, read_atlas
+from orbitproof.verify.__main__ import main
+
+SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("python")
+
+
+@pytest.fixture(scope="module")
+def row() -> verify.Certificate:
+    (certificate,) = verify.certify(known("fs3"), quiet=True)
+    return certificate
+
+
+@pytest.fixture(scope="module")
+def curve(folder: Path, row: verify.Certificate) -> verify.AtlasCertificate:
+    return verify.certify_atlas(read_atlas(SOURCE), bifurcations=[row], output=folder / "curve.json", quiet=True)
+
+
+def told(document: Any) -> Any:
+    """Without how long it took."""
+    if isinstance(document, dict):
+        return {key: told(value) for key, value in document.items() if key not in ("seconds", "digest")}
+    return [told(value) for value in document] if isinstance(document, list) else document
+
+
+def test_a_branch_is_proved_as_by_the_command(curve: verify.AtlasCertificate, folder: Path, row: Any) -> None:
+    assert curve.is_proved
+    assert curve.is_whole
+    assert repr(curve) == f"<AtlasCertificate {curve.id!r}: proved, {len(curve.atlas.pieces)} pieces>"
+    assert (curve.theorem or "").startswith("Consider the Falkner-Skan equation")
+    assert (curve.reason, folder.joinpath("curve.json").exists()) == (None, True)
+    assert verify.read_atlas(folder / "curve.json").document == curve.document
+    verify.write(folder / "row.json", [row])
+    words = ["atlas", str(SOURCE), "-o", str(folder / "there.json"), "--bifurcations", str(folder / "row.json")]
+    assert main([*words, "--quiet"]) == 0
+    assert told(verify.read_atlas(folder / "there.json").document) == told(curve.document)
+
+
+def test_a_run_goes_on_from_its_file(curve: verify.AtlasCertificate, folder: Path, capsys: Any) -> None:
+    again = verify.certify_atlas(read_atlas(SOURCE), output=folder / "curve.json")
+    assert "pieces settled already, kept" in capsys.readouterr().err
+    assert again.results == curve.results
+    verify.write_atlas(folder / "curve.json", curve)
+    assert verify.read_atlas(folder / "curve.json").document == curve.document
+
+
+def test_rows_and_branches_are_checked_again_in_their_order(
+    curve: verify.AtlasCertificate, row: verify.Certificate
+) -> None:
+    first, second = verify.recheck([curve, row], quiet=True)
+    assert (first.id, second.id) == (curve.id, row.id)
+    assert first.stands
+    assert second.stands
+    document = json.loads(json.dumps(curve.document))
+    document["results"][0]["deviation"][0] = "0x1p-100"
+    (forged,) = verify.recheck(verify.AtlasCertificate(curve.atlas, document), quiet=True)
+    assert not forged.stands
+
+
+def test_a_row_is_no_orbit_with_a_place(curve: verify.AtlasCertificate, row: verify.Certificate) -> None:
+    (placed,) = verify.places(curve, [row])
+    assert row.id in placed.line
+    again = verify.recheck([placed.certificate], curve=curve, quiet=True)
+    assert all(check.stands for check in again)
+
+
+def test_what_cannot_be_asked_is_refused_in_a_line(row: verify.Certificate) -> None:
+    atlas = read_atlas(SOURCE)
+    for given, words in (
+        ({"bifurcations": [row, row]}, "appears twice"),
+        ({"precision": 1}, "give larger numbers"),
+    ):
+        with pytest.raises(InputError, match=words):
+            verify.certify_atlas(atlas, quiet=True, **given)
+    with pytest.raises(ValueError, match="jobs: 0"):
+        verify.certify_atlas(atlas, jobs=0, quiet=True)
+    with pytest.raises(InputError, match="appears twice"):
+        verify.prove_again([row, row], quiet=True)
+
+
+def test_rows_are_kept_in_a_file_as_they_come(folder: Path, capsys: Any) -> None:
+    (first,) = verify.certify(known("fs2"), output=folder / "rows.json", quiet=True)
+    assert verify.read(folder / "rows.json") == [first]
+    (second,) = verify.certify(known("fs2"), output=folder / "rows.json")
+    assert second == first
+    assert "1 of 1 proved already, kept" in capsys.readouterr().err
+    with pytest.raises(InputError, match="holds certificates of other candidates"):
+        verify.certify(known("fs3"), output=folder / "rows.json", quiet=True)
+
+
+def test_a_second_proof_agrees_and_a_changed_certificate_does_not(folder: Path) -> None:
+    (row,) = verify.certify(known("fs2"), quiet=True)
+    (found,) = verify.prove_again(row, output=folder / "again.json", quiet=True)
+    assert found.verdict == "agrees"
+    entry = row.to_json()
+    entry["results"]["side"] = "below" if entry["results"]["side"] == "above" else "above"
+    (other,) = verify.prove_again(verify.Certificate.from_json(entry), quiet=True)
+    assert other.verdict == "disagrees"
+    assert "side" in other.reason
