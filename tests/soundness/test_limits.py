@@ -31,7 +31,6 @@ from orbitproof.verify.claim.first_integral import derivative_terms, is_first_in
 from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits, second_proofs
 from orbitproof.verify.run import branch_checks as apart
-from orbitproof.verify.run import branch_command as atlas_command
 from orbitproof.verify.run import rows as side_by_side
 from orbitproof.verify.run.branch_checks import conclusion_apart, places_on_apart
 from orbitproof.verify.run.row_command import _parser
@@ -379,7 +378,7 @@ def test_an_interval_again_has_the_same_limit(tmp_path: Path, monkeypatch: pytes
         given.append(timeout)
         raise InputError("enough")
 
-    monkeypatch.setattr(atlas_command, "engine_of", engine_of)
+    monkeypatch.setattr(workplace, "engine_of", engine_of)
     path = tmp_path / "curve.json"
     path.write_text(json.dumps(atlas_certificate(*of_parabola())), "utf-8")
     for more in ([], ["--timeout", "9"]):
