@@ -29,7 +29,7 @@ from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, r
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
 from orbitproof.verify.evidence import ball_to_json
-from orbitproof.verify.run import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits, second_proofs
+from orbitproof.verify.run import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits, second_proofs, workplace
 from orbitproof.verify.run import branch_checks as apart
 from orbitproof.verify.run import rows as side_by_side
 from orbitproof.verify.run.branch_checks import conclusion_apart, places_on_apart
