@@ -34,6 +34,7 @@ from orbitproof.verify.certificate.levels import (
     overlap,
 )
 from orbitproof.verify.certificate.stated_system import systems_with
+from orbitproof.verify.certificate.stored_balls import to_json as results_to_json
 from orbitproof.verify.certificate.tables import tables_from_json, tables_to_json
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds
 from orbitproof.verify.oracle import more_precision
@@ -230,7 +231,7 @@ def test_each_result_is_confirmed_by_that_of_a_new_proof(kind: str, point: Certi
             {"name": each.name, "enclosures": {name: ball_to_json(ball) for name, ball in each.enclosures.items()}}
             for each in outcome.hypotheses
         ],
-        "results": outcome.results.to_json(),
+        "results": results_to_json(outcome.results),
     }
     assert not list(unconfirmed(stored, outcome, "again"))
     count = 0
