@@ -33,6 +33,7 @@ from orbitproof.shared.formats.candidates import (
 )
 from orbitproof.shared.formats.documents import (
     check_writable,
+    json_text,
     read_document,
     stated_format,
     validate_document,

@@ -6,7 +6,6 @@ line with file, field and remedy.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
@@ -16,7 +15,7 @@ from orbitproof.shared.claims import SURFACE, AnyPiece, Atlas, Claim, LibrationP
 from orbitproof.shared.codec import from_json, to_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.candidates import find_system, read_system
-from orbitproof.shared.formats.documents import read_document, validate_document, write_text
+from orbitproof.shared.formats.documents import json_text, read_document, validate_document, write_text
 from orbitproof.shared.formats.pieces import check_length, piece_from_json
 from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LINE, ReversibleSystem, fits
 
@@ -30,10 +29,7 @@ def write_atlas(path: Path, atlas: Atlas) -> None:
     """Write an atlas file, whole or not at all. Raises `InputError` if it cannot be written."""
     document = atlas_to_json(atlas)
     validate_document(document, "atlas", "atlas to be written")
-    rest = json.dumps({**document, "pieces": []}, indent=1, allow_nan=False)
-    # One piece a line: a list of numbers with one number a line is long and says nothing.
-    pieces = ",\n".join(f"  {json.dumps(entry, allow_nan=False)}" for entry in document["pieces"])
-    write_text(path, rest.replace('\n "pieces": []', f'\n "pieces": [\n{pieces}\n ]', 1) + "\n")
+    write_text(path, json_text(document, [("pieces",)]) + "\n")
 
 
 def atlas_from_json(

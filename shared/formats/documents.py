@@ -11,8 +11,8 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Iterator, Mapping
-from functools import cache
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import cache, partial
 from importlib import resources
 from itertools import islice
 from math import isfinite
@@ -268,6 +268,29 @@ def write_document(path: Path, document: Mapping[str, Any], name: str) -> None:
     """Validate `document` against the schema `name` and write it atomically as JSON."""
     validate_document(document, name, f"{name} to be written")
     write_text(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def json_text(
+    value: Any,
+    one_a_line: Collection[tuple[str, ...]] = (),
+    line: Callable[[Any], str] = partial(json.dumps, allow_nan=False),
+    path: tuple[str, ...] = (),
+) -> str:
+    """A document as text, with an entry a line of the arrays at these paths: a number a line is long and says nothing.
+
+    Args:
+        line: an entry of such an array on one line.
+        path: of the value in its document.
+    """
+    outer = " " * len(path)
+    if path in one_a_line and value:
+        entries = ",\n".join(f"{outer} {line(entry)}" for entry in value)
+        return f"[\n{entries}\n{outer}]"
+    if isinstance(value, Mapping) and any(place[: len(path)] == path for place in one_a_line):
+        members = (f"{json.dumps(key)}: {json_text(value[key], one_a_line, line, (*path, key))}" for key in value)
+        return "{\n" + ",\n".join(f"{outer} {member}" for member in members) + f"\n{outer}}}"
+    # No text in JSON holds a line break.
+    return json.dumps(value, indent=1, allow_nan=False).replace("\n", f"\n{outer}")
 
 
 def check_writable(path: Path) -> None:

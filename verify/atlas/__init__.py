@@ -3,6 +3,7 @@
 from orbitproof.verify.atlas.certificate import (
     SCHEMA,
     AtlasCertificate,
+    Lines,
     make_atlas_certificate,
     read_atlas_certificate,
     write_atlas_certificate,

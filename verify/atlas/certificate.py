@@ -13,6 +13,7 @@ from orbitproof.shared.formats import (
     InputError,
     atlas_from_json,
     atlas_to_json,
+    json_text,
     read_document,
     validate_document,
     write_text,
@@ -172,37 +173,33 @@ def read_atlas_certificate(path: Path) -> AtlasCertificate:
     return AtlasCertificate(atlas, document)
 
 
-_texts: dict[int, tuple[Any, str]] = {}
-"""Texts of results that were validated and written before, by identity: a run writes its file for every interval."""
+class Lines:
+    """Results as lines of a file: each is validated and written once, however often the file is."""
+
+    def __init__(self) -> None:
+        # With its text a result is kept, so that its identity is not given to another one.
+        self._known: dict[int, tuple[Any, str]] = {}
+
+    def __call__(self, entry: Any) -> str:
+        """An entry on one line."""
+        if id(entry) not in self._known:
+            self._known[id(entry)] = entry, json.dumps(entry, allow_nan=False)
+        return self._known[id(entry)][1]
+
+    def unknown(self, results: Sequence[Result]) -> list[Result]:
+        """Those that were not written yet."""
+        return [result for result in results if id(result) not in self._known]
 
 
-def write_atlas_certificate(path: Path, certificate: Mapping[str, Any]) -> None:
-    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
-    fresh = [result for result in certificate["results"] if id(result) not in _texts]
+_ONE_A_LINE = (("statement", "atlas", "pieces"), ("results",), ("rests_on",))
+
+
+def write_atlas_certificate(path: Path, certificate: Mapping[str, Any], lines: Lines | None = None) -> None:
+    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written.
+
+    `lines` are those of a run that writes its file for every interval.
+    """
+    lines = Lines() if lines is None else lines
+    fresh = lines.unknown(certificate["results"])
     validate_document({**certificate, "results": fresh}, SCHEMA, f"{SCHEMA} to be written")
-    for result in fresh:
-        # The result is kept with its text, so that its identity is not given to another one.
-        _texts[id(result)] = (result, json.dumps(result, allow_nan=False))
-    atlas = certificate["statement"]["atlas"]
-    pieces = [json.dumps(piece, allow_nan=False) for piece in atlas["pieces"]]
-    results = [_texts[id(result)][1] for result in certificate["results"]]
-    hollow = {
-        **certificate,
-        "statement": {**certificate["statement"], "atlas": {**atlas, "pieces": []}},
-        "results": [],
-        "rests_on": [],
-    }
-    text = json.dumps(hollow, indent=1, allow_nan=False)
-    # One piece, one result, one certificate a line; in this layout the keys at these depths occur once.
-    text = _filled(text, '\n   "pieces": []', pieces, "    ", "   ")
-    text = _filled(text, '\n "results": []', results, "  ", " ")
-    rests_on = [json.dumps(entry, allow_nan=False) for entry in certificate.get("rests_on", ())]
-    text = _filled(text, '\n "rests_on": []', rests_on, "  ", " ")
-    write_text(path, text + "\n")
-
-
-def _filled(text: str, empty: str, lines: Sequence[str], indent: str, outer: str) -> str:
-    if not lines:
-        return text
-    content = ",\n".join(indent + line for line in lines)
-    return text.replace(empty, f"{empty[:-1]}\n{content}\n{outer}]", 1)
+    write_text(path, json_text(certificate, _ONE_A_LINE, lines) + "\n")

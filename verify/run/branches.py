@@ -9,6 +9,7 @@ from typing import Any
 from orbitproof.shared.formats import AnyPiece, Atlas, InputError, Piece, check_writable, select_ids
 from orbitproof.verify.atlas import (
     AtlasCertificate,
+    Lines,
     conclusion_of,
     make_atlas_certificate,
     read_atlas_certificate,
@@ -243,9 +244,11 @@ def prove_pieces(run: AtlasRun, workplace: Workplace, work: Work = prove_task) -
         count = f"{len(run.kept)} of {len(run.atlas.pieces)}"
         display.message(f"{count} pieces settled already, kept (--fresh proves again)")
 
+    lines = Lines()
+
     def saved(results: Sequence[Result]) -> None:
         if run.output is not None:
-            write_atlas_certificate(run.output, make_atlas_certificate(run.atlas, results, None))
+            write_atlas_certificate(run.output, make_atlas_certificate(run.atlas, results, None), lines)
 
     with workplace.engine(workplace.timeout) as engine, display.shown():
         run.run(engine, display, saved, work)
