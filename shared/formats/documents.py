@@ -270,10 +270,13 @@ def write_document(path: Path, document: Mapping[str, Any], name: str) -> None:
     write_text(path, json.dumps(document, indent=1, allow_nan=False) + "\n")
 
 
+_on_one_line = partial(json.dumps, allow_nan=False)
+
+
 def json_text(
     value: Any,
     one_a_line: Collection[tuple[str, ...]] = (),
-    line: Callable[[Any], str] = partial(json.dumps, allow_nan=False),
+    line: Callable[[Any], str] = _on_one_line,
     path: tuple[str, ...] = (),
 ) -> str:
     """A document as text, with an entry a line of the arrays at these paths: a number a line is long and says nothing.
