@@ -24,7 +24,7 @@ from orbitproof.shared.claims import Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence.balls_as_text import exact_value
+from orbitproof.verify.evidence.decimals import exact_value
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates

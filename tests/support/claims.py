@@ -13,7 +13,7 @@ from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.systems.system import MASS_PARAMETERS
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence.balls_as_text import bounds
+from orbitproof.verify.evidence.decimals import bounds
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates

@@ -11,8 +11,8 @@ from flint import arb, ctx
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import CASES, ROOT, outcome_of, proof
 
-from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.evidence.decimals import bounds
 
 
 @pytest.fixture(autouse=True)

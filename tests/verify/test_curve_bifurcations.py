@@ -37,8 +37,8 @@ from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import prove_piece
-from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.evidence.decimals import bounds
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit.multipliers import Stability
 from orbitproof.verify.orbit.proved_orbit import OrbitResults

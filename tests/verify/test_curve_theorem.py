@@ -39,7 +39,7 @@ from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.curve.tube import read_tube
 from orbitproof.verify.evidence import enclose
-from orbitproof.verify.evidence.balls_as_text import bounds
+from orbitproof.verify.evidence.decimals import bounds
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.words import conclusion_in_words
 

@@ -28,8 +28,8 @@ from orbitproof.verify.certificate.certify import _forms, certify
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.claim.level import level_program, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.evidence import DerivativeTable
-from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import enclose
+from orbitproof.verify.evidence.decimals import bounds
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits, missing_bits
 from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_first_integral, enclose_iterates

@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from orbitproof.verify.evidence import DerivativeTable, indices_up_to
-from orbitproof.verify.evidence.balls_as_text import bounds
 from orbitproof.verify.evidence.comparisons import (
     EmptyIntersectionError,
     all_finite,
@@ -30,6 +29,7 @@ from orbitproof.verify.evidence.comparisons import (
     symmetric,
     up_to,
 )
+from orbitproof.verify.evidence.decimals import bounds
 from orbitproof.verify.newton.interval_newton import ImplicitGraph, is_regular, newton_image
 from orbitproof.verify.newton.jets import Jet, compose, implicit_jets, increment
 from orbitproof.verify.newton.taylor_forms import BoxFunction

@@ -25,7 +25,7 @@ from orbitproof.verify.certificate.certificate import Certificate, digest, read_
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
-from orbitproof.verify.evidence.balls_as_text import exact_value
+from orbitproof.verify.evidence.decimals import exact_value
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import Limits
 from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates

@@ -4,13 +4,10 @@ from orbitproof.verify.evidence.balls_as_text import (
     ball_from_json,
     ball_to_json,
     balls_to_json,
-    bounds,
     certain_digits,
     count_certain_digits,
-    decimal_interval,
     exact_interval_text,
     exact_text,
-    exact_value,
     interval_text,
     located,
     range_text,
@@ -34,6 +31,7 @@ from orbitproof.verify.evidence.comparisons import (
     total,
     up_to,
 )
+from orbitproof.verify.evidence.decimals import bounds, decimal_interval, exact_value
 from orbitproof.verify.evidence.derivatives import (
     MAX_ORDER,
     DerivativeTable,
@@ -54,12 +52,9 @@ from orbitproof.verify.evidence.outcome import (
     Reason,
     Stop,
     Theorem,
-    hypothesis_to_json,
     one_line,
-    outcome_to_json,
-    quoted,
-    quoted_name,
     show,
 )
+from orbitproof.verify.evidence.outcome_as_json import hypothesis_to_json, outcome_to_json, quoted, quoted_name
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
 from orbitproof.verify.evidence.sources import ON_WHICH_NOTHING_RESTS, installed, software

@@ -1,4 +1,4 @@
-"""Balls as text: exact for certificates, decimals rounded outward for people (section 10)."""
+"""Balls as text: exact for certificates, in decimals for people (section 10.2)."""
 
 from __future__ import annotations
 
@@ -9,23 +9,15 @@ from math import ceil, floor
 from flint import arb
 
 from orbitproof.shared.numbers import format_dyadic, format_rational, parse_exact
-
-_PLAIN = range(-7, 22)
-"""Decimal exponents that are written without an exponent."""
-
-
-def exact_value(point: arb) -> Fraction:
-    """The exact value of a ball of radius zero, for example a midpoint or a radius."""
-    mantissa, exponent = point.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-
-
-def bounds(ball: arb) -> tuple[Fraction, Fraction]:
-    """Exact lower and upper end of a finite ball. Raises `ValueError` for others."""
-    if not ball.is_finite():
-        raise ValueError("the ball is not finite")
-    middle, radius = exact_value(ball.mid()), exact_value(ball.rad())
-    return middle - radius, middle + radius
+from orbitproof.verify.evidence.decimals import (
+    bounds,
+    decimal,
+    decimal_interval,
+    exact_value,
+    floor_log10,
+    places_of,
+    ten,
+)
 
 
 def ball_to_json(ball: arb) -> dict[str, str]:
@@ -61,6 +53,11 @@ def ball_from_json(entry: Mapping[str, str]) -> arb:
     return ball
 
 
+def balls_to_json(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
+    """The JSON objects of those balls that are finite, by name."""
+    return {name: ball_to_json(ball) for name, ball in balls.items() if ball.is_finite()}
+
+
 _RADIUS_BITS = 30
 _LARGEST_EXPONENT = 1 << 16
 """Decimals of much larger or smaller numbers take seconds each."""
@@ -74,18 +71,6 @@ def _mantissa_exponent(value: Fraction) -> tuple[int, int]:
         shift = (abs(mantissa) & -abs(mantissa)).bit_length() - 1
         mantissa, exponent = mantissa >> shift, exponent + shift
     return mantissa, exponent
-
-
-def decimal_interval(ball: arb, digits: int = 40) -> str:
-    """``[lower, upper]`` in decimals, rounded outward, about two digits of the width visible.
-
-    At most `digits` significant digits are written; balls that are not finite are named.
-    """
-    if not ball.is_finite():
-        return "not finite"
-    lower, upper = bounds(ball)
-    places = _places(lower, upper, digits)
-    return f"[{_decimal(floor(lower * _ten(places)), places)}, {_decimal(ceil(upper * _ten(places)), places)}]"
 
 
 def interval_text(ball: arb, digits: int) -> str:
@@ -107,8 +92,8 @@ def range_text(ball: arb, digits: int) -> str:
     if not ball.is_finite():
         return "not finite"
     lower, upper = bounds(ball)
-    low, high = _places(lower, lower, digits), _places(upper, upper, digits)
-    return f"[{_decimal(floor(lower * _ten(low)), low)}, {_decimal(ceil(upper * _ten(high)), high)}]"
+    low, high = places_of(lower, lower, digits), places_of(upper, upper, digits)
+    return f"[{decimal(floor(lower * ten(low)), low)}, {decimal(ceil(upper * ten(high)), high)}]"
 
 
 def exact_interval_text(lower: Fraction, upper: Fraction, digits: int = 9, inward: bool = False) -> str:
@@ -118,18 +103,18 @@ def exact_interval_text(lower: Fraction, upper: Fraction, digits: int = 9, inwar
     `digits` significant digits are written, and more where it takes them to show two digits of the width.
     """
     size = max(abs(lower), abs(upper))
-    places = digits - 1 - _floor_log10(size) if size else 0
+    places = digits - 1 - floor_log10(size) if size else 0
     if lower < upper:
-        places = max(places, 1 - _floor_log10(upper - lower))
+        places = max(places, 1 - floor_log10(upper - lower))
     down, up = (ceil, floor) if inward and lower < upper else (floor, ceil)
-    return f"[{_short(down(lower * _ten(places)), places)}, {_short(up(upper * _ten(places)), places)}]"
+    return f"[{_short(down(lower * ten(places)), places)}, {_short(up(upper * ten(places)), places)}]"
 
 
 def _short(scaled: int, places: int) -> str:
-    """As `_decimal`, without zeros at the end."""
+    """As `decimal`, without zeros at the end."""
     while scaled and scaled % 10 == 0 and places > 0:
         scaled, places = scaled // 10, places - 1
-    return _decimal(scaled, places)
+    return decimal(scaled, places)
 
 
 def exact_text(value: Fraction) -> str:
@@ -148,8 +133,8 @@ def certain_digits(ball: arb, digits: int = 60) -> str:
     if not ball.is_finite():
         return "not finite"
     lower, upper = bounds(ball)
-    places = _places(lower, upper, digits)
-    left, right = _decimal(floor(lower * _ten(places)), places), _decimal(ceil(upper * _ten(places)), places)
+    places = places_of(lower, upper, digits)
+    left, right = decimal(floor(lower * ten(places)), places), decimal(ceil(upper * ten(places)), places)
     common = 0
     while common < min(len(left), len(right)) and left[common] == right[common]:
         common += 1
@@ -169,47 +154,4 @@ def count_certain_digits(ball: arb) -> int:
     radius, size = (upper - lower) / 2, abs(lower + upper) / 2
     if radius == 0:
         return 10**6
-    return max(0, _floor_log10(size / radius)) if size else 0
-
-
-def _ten(places: int) -> Fraction:
-    return Fraction(10) ** places
-
-
-def _floor_log10(value: Fraction) -> int:
-    """floor(log10(value)) for a positive value."""
-    guess = int((value.numerator.bit_length() - value.denominator.bit_length()) * 0.30103)
-    while _ten(guess) > value:
-        guess -= 1
-    while _ten(guess + 1) <= value:
-        guess += 1
-    return guess
-
-
-def _places(lower: Fraction, upper: Fraction, digits: int) -> int:
-    """Decimal places that show two digits of the width, but no more than `digits` significant digits."""
-    size = max(abs(lower), abs(upper))
-    if size == 0:
-        return 0
-    most = digits - 1 - _floor_log10(size)
-    return most if lower == upper else min(most, 1 - _floor_log10(upper - lower))
-
-
-def _decimal(scaled: int, places: int) -> str:
-    """The number scaled * 10^-places, exactly."""
-    sign, text = ("-" if scaled < 0 else ""), str(abs(scaled))
-    exponent = len(text) - 1 - places
-    if scaled == 0:
-        return "0"
-    if exponent in _PLAIN:
-        if places <= 0:
-            return sign + text + "0" * -places
-        text = text.rjust(places + 1, "0")
-        return f"{sign}{text[:-places]}.{text[-places:]}"
-    stem = text[0] + ("." + text[1:] if len(text) > 1 else "")
-    return f"{sign}{stem}e{exponent}"
-
-
-def balls_to_json(balls: Mapping[str, arb]) -> dict[str, dict[str, str]]:
-    """The JSON objects of those balls that are finite, by name."""
-    return {name: ball_to_json(ball) for name, ball in balls.items() if ball.is_finite()}
+    return max(0, floor_log10(size / radius)) if size else 0

@@ -21,6 +21,7 @@ from orbitproof.verify.evidence import (
     Reason,
     count_certain_digits,
     enclose,
+    excludes_zero,
     guarded,
     is_below,
     is_outside,
@@ -121,12 +122,24 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
     return max(0, denominator.bit_length() - numerator.bit_length())
 
 
+def _least_known(found: BifurcationResults | OrbitResults) -> arb:
+    """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
+    if isinstance(found, BifurcationResults):
+        return found.parameter
+    complex_numbers = (*found.stability.parameters, *found.stability.multipliers)
+    balls = [part for value in complex_numbers for part in (value.real, value.imag)]
+    balls += [*found.point.values(), *found.other_point.values(), found.period]
+    balls += [] if found.level is None else [found.level]
+    balls += [extremum.distance for extremum in (found.least, found.greatest) if extremum is not None]
+    return min((ball for ball in balls if excludes_zero(ball)), key=count_certain_digits)
+
+
 def more_precision(
     candidate: Candidate, precision: int, outcome: Verdict, previous: Verdict | None, limits: Limits
 ) -> int | None:
     """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
     if isinstance(outcome, Proved):
-        missing = limits.digits - count_certain_digits(outcome.results.parameter)
+        missing = limits.digits - count_certain_digits(_least_known(outcome.results))
         wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16
         tried = isinstance(previous, Proved)
         return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None

@@ -23,7 +23,6 @@ from orbitproof.verify.evidence import (
     Reason,
     all_finite,
     bounds,
-    count_certain_digits,
     dot,
     enclose,
     excludes_zero,
@@ -81,16 +80,6 @@ class OrbitResults:
     distance_name: str = stored("distance_from", default="")
     least: Extremum | None = stored("least_distance", default=None)
     greatest: Extremum | None = stored("greatest_distance", default=None)
-
-    @property
-    def parameter(self) -> arb:
-        """The number of the results that is known to the fewest digits, but for those that may be zero."""
-        complex_numbers = (*self.stability.parameters, *self.stability.multipliers)
-        parts = [part for value in complex_numbers for part in (value.real, value.imag)]
-        balls = [*self.point.values(), *self.other_point.values(), self.period, *parts]
-        balls += [value for value in (self.level,) if value is not None]
-        balls += [extremum.distance for extremum in (self.least, self.greatest) if extremum is not None]
-        return min((ball for ball in balls if excludes_zero(ball)), key=count_certain_digits)
 
 
 @dataclass(frozen=True)
