@@ -18,6 +18,7 @@ from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import Certificate, Level, Limits, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import bounds, exact_value
+from orbitproof.verify.oracle.precision import least_known
 from orbitproof.verify.orbit import OrbitResults
 
 DATA = Path(__file__).resolve().parents[1] / "data"
@@ -133,7 +134,7 @@ def test_multipliers_are_those_of_the_variational_equations(
 
 
 def test_all_numbers_have_the_digits_that_were_asked_for(orbit: OrbitResults) -> None:
-    low, high = bounds(orbit.parameter)
+    low, high = bounds(least_known(orbit))
     assert high - low < Fraction(1, 10**12) * abs(low)
 
 

@@ -122,7 +122,7 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
     return max(0, denominator.bit_length() - numerator.bit_length())
 
 
-def _least_known(found: BifurcationResults | OrbitResults) -> arb:
+def least_known(found: BifurcationResults | OrbitResults) -> arb:
     """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
     if isinstance(found, BifurcationResults):
         return found.parameter
@@ -139,7 +139,7 @@ def more_precision(
 ) -> int | None:
     """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
     if isinstance(outcome, Proved):
-        missing = limits.digits - count_certain_digits(_least_known(outcome.results))
+        missing = limits.digits - count_certain_digits(least_known(outcome.results))
         wanted = precision + ceil(missing * _BITS_PER_DIGIT) + 16
         tried = isinstance(previous, Proved)
         return wanted if missing > 0 and not tried and wanted <= limits.max_precision else None
