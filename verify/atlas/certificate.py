@@ -173,6 +173,21 @@ def read_atlas_certificate(path: Path) -> AtlasCertificate:
     return AtlasCertificate(atlas, document)
 
 
+def results_for(certificate: AtlasCertificate, atlas: Atlas) -> list[Result]:
+    """The stored results that are about an atlas: of this software, of the same claim, of pieces that are unchanged."""
+    before = certificate.atlas
+    same_claim = (
+        before.system == atlas.system
+        and before.parameters == atlas.parameters
+        and before.claim.symmetry == atlas.claim.symmetry
+        and before.claim.crossings == atlas.claim.crossings
+    )
+    if not same_claim or certificate.document["software"] != software():
+        return []
+    unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
+    return [result for result in certificate.results if result["piece"] in unchanged]
+
+
 class Lines:
     """Results as lines of a file: each is validated and written once, however often the file is."""
 

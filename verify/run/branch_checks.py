@@ -22,9 +22,10 @@ from orbitproof.verify.atlas import (
     recheck_atlas,
     recheck_places,
 )
+from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Report, Work, apart
-from orbitproof.verify.run.branch_tasks import prove_task, result_of, task_again
+from orbitproof.verify.run.branch_tasks import result_of, task_again
 from orbitproof.verify.run.rows import recheck_all
 from orbitproof.verify.run.workplace import Workplace
 

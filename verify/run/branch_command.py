@@ -11,10 +11,11 @@ from orbitproof.shared.formats import InputError, read_atlas, read_document
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import SCHEMA
+from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole
 from orbitproof.verify.run.branch_checks import examined, is_about_surface
 from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
-from orbitproof.verify.run.branch_tasks import RunLimits, prove_task
+from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import (
     LARGEST_ORDER,
     MOST_SPLITS,

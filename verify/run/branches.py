@@ -15,13 +15,15 @@ from orbitproof.verify.atlas import (
     read_atlas_certificate,
     write_atlas_certificate,
 )
+from orbitproof.verify.atlas.certificate import results_for
+from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, interval_of
 from orbitproof.verify.certificate import Certificate, read_certificates
 from orbitproof.verify.curve import Interval
-from orbitproof.verify.evidence import exact_interval_text, software
+from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work
 from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
-from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, prove_task, result_of, task_of
+from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, result_of, task_of
 from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, made_with, plan, whole
 from orbitproof.verify.run.workplace import Workplace
 from orbitproof.verify.stability import open_on
@@ -156,24 +158,13 @@ def reusable(
 ) -> list[Result]:
     """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
 
-    They must come from this software, and be about a piece that has not changed; if `stability` is asked for, they
-    must have looked at it. What failed for want of time or memory, or with other settings, is tried again.
+    If `stability` is asked for, they must have looked at it. What failed for want of time or memory, or with other
+    settings, is tried again.
     """
-    before = certificate.atlas
-    same_claim = (
-        before.system == atlas.system
-        and before.parameters == atlas.parameters
-        and before.claim.symmetry == atlas.claim.symmetry
-        and before.claim.crossings == atlas.claim.crossings
-    )
-    if not same_claim or certificate.document["software"] != software():
-        return []
-    unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
     return [
         result
-        for result in certificate.results
-        if result["piece"] in unchanged
-        and ("stability" in result or not stability if result["verdict"] == "proved" else _is_final(result, attempts))
+        for result in results_for(certificate, atlas)
+        if ("stability" in result or not stability if result["verdict"] == "proved" else _is_final(result, attempts))
     ]
 
 

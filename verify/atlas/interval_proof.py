@@ -1,0 +1,132 @@
+"""The proof of one interval of a piece: what is asked, and the result, both JSON (sections 15.2 and 17.2).
+
+What is asked says all that the proof is about, and the result is that of the piece that it names; where it is done, and
+by whom it is carried there and back, is another matter.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from orbitproof.shared.codec import to_json
+from orbitproof.shared.formats import AnyPiece, Atlas, LibrationPiece, SurfacePiece, piece_from_json
+from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
+from orbitproof.shared.processes import Report
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
+from orbitproof.verify.atlas.results import Settings
+from orbitproof.verify.certificate import systems_with
+from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.oracle import ORACLE, counsel
+from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
+from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
+
+_MOST_SHOWN = 0.95
+"""The number of steps is not known before; progress stops here until the interval is done."""
+
+
+def question(
+    atlas: Atlas,
+    piece: AnyPiece,
+    interval: Interval,
+    settings: Settings,
+    stability: bool,
+    timeout: float | None,
+    steps: int,
+) -> dict[str, Any]:
+    """What `prove_task` is asked: a piece of an atlas on an interval of s, with settings of the integrator.
+
+    `stability`: whether that of its orbits is enclosed as well; `timeout` in seconds; the expected number of `steps` is
+    for progress only.
+    """
+    return {
+        "system": describe(atlas.system),
+        "parameters": {name: format_rational(value) for name, value in atlas.parameters.items()},
+        "symmetry": atlas.claim.symmetry,
+        "crossings": atlas.claim.crossings,
+        "piece": to_json(piece),
+        "interval": [format_exact(end) for end in interval],
+        "integrator": dict(settings),
+        "stability": stability,
+        "timeout": timeout,
+        "expected_steps": steps,
+    }
+
+
+class _OutOfTimeError(Exception):
+    """Raised after a step at which the time is over."""
+
+
+def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
+    """What a process does: prove a piece on an interval; the JSON of the result."""
+    system = _system_of(argument)
+    piece = piece_from_json(argument["piece"], system, "piece")
+    start, end = (parse_exact(text) for text in argument["interval"])
+    began = time.monotonic()
+    timeout = argument["timeout"]
+
+    def stepped(steps: float) -> None:
+        report(min(steps / argument["expected_steps"], _MOST_SHOWN), f"step {steps:.0f}")
+        if timeout is not None and time.monotonic() - began > timeout:
+            raise _OutOfTimeError
+
+    try:
+        if isinstance(piece, SurfacePiece):
+            surface_limits = SurfaceLimits(**argument["integrator"])
+            parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
+            return prove_surface_piece(
+                system, piece, (start, end), ORACLE, surface_limits, stepped, argument["symmetry"], parts, counsel
+            ).to_json()
+        if isinstance(piece, LibrationPiece):
+            surface_limits = SurfaceLimits(**argument["integrator"])
+            return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).to_json()
+        parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
+        limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
+        more = {"crossings": crossings, **({"slope_bits": SLOPE_BITS} if argument.get("stability") else {})}
+        found = prove_piece(
+            system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more
+        )
+        result = found.to_json()
+        if argument.get("stability") and isinstance(found.outcome, Proved):
+            known = found.outcome.results
+            result["stability"] = stability_to_json(
+                system, parameters, piece, (known.start, known.end), limits, str(found.computation["coordinates"]),
+                ORACLE, argument["symmetry"], stepped, known.half_return, crossings,
+            )  # fmt: skip
+            result["computation"]["seconds"] = round(time.monotonic() - began, 3)
+        return result
+    except _OutOfTimeError:
+        condition, message = "time", f"the time limit of {timeout:g} s has passed"
+    except Exception as error:
+        # A defect costs one interval, not the run; it is retried by the next run.
+        condition, message = "process", " ".join(f"broke off: {type(error).__name__}: {error}".split())
+    return not_proved(argument, condition, message, time.monotonic() - began)
+
+
+def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:
+    """The system by its name or description, or, where it is not known, as a certificate states it."""
+    stated = argument.get("stated")
+    if stated is None:
+        return described(argument["system"])
+    claim = stated["claim"]
+    return systems_with(BRANCH_SYSTEMS, stated["statement"], claim)[str(claim["system"])]
+
+
+_REMEDIES = {
+    "process": "free memory, or give fewer --jobs",
+    "time": "give --timeout more seconds",
+    "memory": "give --memory more",
+}
+
+
+def not_proved(argument: Mapping[str, Any], condition: str, message: str, seconds: float) -> dict[str, Any]:
+    """The result of a task that was not brought to an end."""
+    return {
+        "piece": argument["piece"]["id"],
+        "interval": list(argument["interval"]),
+        "verdict": "not proved",
+        "reason": {"condition": condition, "message": message, "remedy": _REMEDIES[condition]},
+        "computation": {**argument["integrator"], "seconds": round(seconds, 3)},
+    }
