@@ -1,11 +1,11 @@
 from .families import FamilyFailure as FamilyFailure
+from .points import refine_at as refine_at
 from .refinement import RefinementFailure as RefinementFailure
 from .scripting import Orbit as Orbit
 from .scripting import OrbitFamily as OrbitFamily
 from .scripting import ResonantOrbit as ResonantOrbit
 from .scripting import families_of as families_of
 from .scripting import refine as refine
-from .scripting import refine_at as refine_at
 from .scripting import resonances as resonances
 from .scripting import trace as trace
 from .scripting import trace_from as trace_from

@@ -72,8 +72,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--id {name}: is in {options.output} already; choose another name")
 
     # Only now: JAX takes a moment to load.
+    from orbitproof.explore.points import refine_at
     from orbitproof.explore.refinement import RefinementFailure
-    from orbitproof.explore.scripting import refine_at
 
     try:
         found = refine_at(

@@ -37,7 +37,7 @@ def load_system(path: str | Path) -> ReversibleSystem:
 def define_system(description: Mapping[str, Any]) -> ReversibleSystem:
     """The system of a description: the keys of a system's file (docs/own-system.md), formulas as text or functions.
 
-    Raises `InputError`, one line that begins with the key, says what is wrong, and what to do.
+    Raises `InputError`, one line that says what is wrong.
 
     >>> from orbitproof import shared
     >>> shared.define_system({

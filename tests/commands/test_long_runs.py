@@ -213,8 +213,8 @@ def test_a_step_of_the_data_command_ends_with_it(sent: str, tmp_path: Path) -> N
         run.send_signal(getattr(signal, sent))
         _, errors = run.communicate(timeout=60)
         wait_until(lambda: not is_running(step))
-    # A signal that arrives inside a callback of JAX is told of by Python itself.
-    assert "Traceback" not in errors or "Exception ignored in" in errors
+    # A signal that arrives inside a callback of JAX is told of by Python itself, or by the C++ around it.
+    assert "Traceback" not in errors or "Exception ignored in" in errors or "what():" in errors
     if sent == "SIGTERM":
         assert run.returncode == 130
         assert "go on with: orbitproof figures data" in errors

@@ -29,7 +29,7 @@ def test_a_system_of_formulas_is_that_of_functions_and_of_a_file(tmp_path: Path)
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"R": {"x": -1}}, "^R: "),
+        ({"R": {"x": -1}}, r"^Fix\(R\) has the wrong dimension"),
         ({"sektion": "x"}, "^sektion: unknown"),
         ({"name": "cr3bp"}, "^name: 'cr3bp' is the name of"),
     ],

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import product
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -20,6 +19,7 @@ from support.forgeries import forged
 from support.springs import springs
 
 from orbitproof.shared.numbers import format_dyadic, parse_exact
+from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, recheck
 from orbitproof.verify.certificate import rechecking as chapter
 from orbitproof.verify.certificate.certify import certify
@@ -369,7 +369,7 @@ def test_a_level_coordinate_that_does_not_follow_is_refused() -> None:
 
 @pytest.mark.parametrize("digits", [1, 20, 60, 1000])
 def test_no_attempt_has_more_bits_than_the_limit(digits: int, point: Certificate) -> None:
-    found: Any = SimpleNamespace(parameter=arb("453.4425868", 2.0**-40))
+    found = BifurcationResults({}, "beta", arb("453.4425868", 2.0**-40), "above", {})
     outcome: Any = Proved.__new__(Proved)
     object.__setattr__(outcome, "results", found)
     for limit in (128, 192, 512, 4096):

@@ -2,5 +2,5 @@
 
 from orbitproof.verify.words.branches import BranchConclusion, branch_in_full, conclusion_in_words
 from orbitproof.verify.words.formulas import equations, setting
-from orbitproof.verify.words.in_full import in_full, theorem_in_words
 from orbitproof.verify.words.place import place_in_words
+from orbitproof.verify.words.row_in_full import in_full, theorem_in_words

@@ -1,0 +1,77 @@
+"""A bifurcation point from elsewhere, refined to a claim."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from orbitproof.explore.engines import Reporter
+from orbitproof.explore.families import kind_of
+from orbitproof.explore.names import given_parameters, label_of
+from orbitproof.explore.refinement import RefinementFailure, Task, refine_task
+from orbitproof.shared.formats import FOLD, KINDS, Candidate, InputError
+from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
+
+
+def refine_at(
+    system: ReversibleSystem,
+    point: Mapping[str, float],
+    k: int,
+    *,
+    parameters: Mapping[str, Fraction | int | str] | None = None,
+    kind: str | None = None,
+    symmetry: str | None = None,
+    crossings: int = 1,
+    digits: int = 50,
+    id: str | None = None,
+    quiet: bool = False,
+) -> Candidate:
+    """A claim about the bifurcation point near a point that you have from elsewhere, good to five digits or so.
+
+    Arguments:
+        system: one of `shared`, or your own from `shared.load_system` or `shared.define_system`.
+        point: on Fix(R), all of `system.centre_coordinates` by name.
+        k: multiplicity.
+        parameters: the fixed parameters, exact: `Fraction`, int, or text such as "0.1", "1/3", "earth-moon".
+        kind: one of `shared.KINDS`; by default the generic bifurcation at a 1:k resonance.
+        symmetry: for symmetry breaking, the symmetry that breaks; by default the only one.
+        crossings: how often the half orbit, from Fix(R) to Fix(R), meets the section, its end included.
+        digits: decimal digits of the centre.
+        id: of the claim; by default system and k.
+        quiet: nothing on standard error.
+
+    Raises `ValueError` for what is missing or unknown, `RefinementFailure`, one line, if Newton's method does not come
+    to a point.
+    """
+    wanted = system.centre_coordinates
+    if set(point) != set(wanted):
+        raise ValueError(f"point: {', '.join(point)}; give {', '.join(wanted)}")
+    if digits < 1:
+        raise ValueError(f"digits: {digits!r} is not positive")
+    if kind is not None and kind not in KINDS:
+        raise ValueError(f"kind: {kind!r} is unknown; there are {', '.join(KINDS)}")
+    words = [f"{key}={MASS_PARAMETERS.get(str(value), value)}" for key, value in (parameters or {}).items()]
+    try:
+        exact = given_parameters(system, None, words)
+    except InputError as error:
+        raise ValueError(str(error).replace("--parameter", "parameters").replace("--mass", "parameters: mu")) from None
+    name = id or f"{label_of(system, None, words) or system.name}-{kind if kind == FOLD else f'k{k}'}"
+    guess = tuple(float(point[each]) for each in wanted)
+    task = Task(
+        id=name,
+        system=system,
+        parameters=exact,
+        kind=kind or kind_of(k),
+        k=k,
+        symmetry=symmetry,
+        guess=guess,
+        digits=digits,
+        provenance={"float64_point": list(guess)},
+        crossings=crossings,
+    )
+    with Reporter(quiet) as report:
+        report.stage(f"refining {name}")
+        result = refine_task(task, report.update)
+    if result.candidate is None:
+        raise RefinementFailure(f"{name}: not refined: {result.failure}")
+    return result.candidate
