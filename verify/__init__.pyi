@@ -1,4 +1,6 @@
 from .atlas.certificate import AtlasCertificate as AtlasCertificate
+from .atlas.listed import ListedInterval as ListedInterval
+from .atlas.listed import ListedPoint as ListedPoint
 from .atlas.places import Placed as Placed
 from .certificate.certificate import Certificate as Certificate
 from .certificate.certificate import Computation as Computation

@@ -27,6 +27,7 @@ def certify(
     timeout: float | None = None,
     level: str = Limits.level,
     output: str | Path | None = None,
+    fresh: bool = False,
     scheduler: str | None = None,
     quiet: bool = False,
 ) -> list[Certificate]:
@@ -44,6 +45,7 @@ def certify(
         level: parameter of Hamiltonian claims: "integral", "coordinates", or "auto" for what suits the claim.
         output: a file that keeps each certificate as soon as it is there; what is proved in it already is not proved
             again, so that the same call goes on after an interrupt.
+        fresh: prove again all the same, and replace the file, whatever it holds.
         scheduler: address of a dask scheduler, whose cluster proves in place of `jobs`.
         quiet: nothing on standard error; else progress with the time that is left.
 
@@ -80,7 +82,7 @@ def certify(
         if names.count(name) > 1:
             raise InputError(f"claims: id {name!r} appears twice; give each candidate its own id")
     limits = Limits(max_precision, digits, timeout, level)
-    run = RowRun(candidates, candidates, limits, None if output is None else Path(output))
+    run = RowRun(candidates, candidates, limits, None if output is None else Path(output), fresh, fresh)
     run.prove(Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet))
     return [run.done[name] for name in names]
 
@@ -97,6 +99,7 @@ def certify_atlas(
     order: int | None = None,
     width: int | None = None,
     output: str | Path | None = None,
+    fresh: bool = False,
     scheduler: str | None = None,
     quiet: bool = False,
 ) -> AtlasCertificate:
@@ -114,11 +117,12 @@ def certify_atlas(
         max_splits: how often an interval is halved at most.
         precision, order, width: of the first attempt: bits, degree in time, degree along the curve.
         output: a file that keeps every result as soon as it is there; the same call goes on from it.
+        fresh: begin anew all the same, and replace the file, whatever it holds.
         scheduler: address of a dask scheduler, whose cluster proves in place of `jobs`.
         quiet: nothing on standard error; else progress with the time that is left.
 
-    Raises `InputError` for what cannot be asked of this atlas. After an interrupt (`KeyboardInterrupt`) no process is
-    left, and `output` holds what was done.
+    Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense. After an
+    interrupt (`KeyboardInterrupt`) no process is left, and `output` holds what was done.
     """
     given = list(bifurcations)
     for name in repeated(given):
@@ -126,7 +130,7 @@ def certify_atlas(
     if given and claim.is_surface:
         raise InputError("bifurcations: a surface is about all bifurcations over it; leave them out")
     limits = limits_of(claim, complete, max_splits, timeout, precision=precision, order=order, width=width)
-    run = started(claim, limits, None if output is None else Path(output))
+    run = started(claim, limits, None if output is None else Path(output), fresh)
     workplace = Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet)
     prove_pieces(run, workplace)
     return conclude_run(run, given, workplace)
@@ -202,6 +206,7 @@ def prove_again(
     certificates: Certificate | Iterable[Certificate],
     *,
     output: str | Path | None = None,
+    fresh: bool = False,
     jobs: int = 1,
     timeout: float | None = None,
     memory: float = CheckLimits.memory / GIBIBYTE,
@@ -212,6 +217,7 @@ def prove_again(
     Arguments:
         certificates: of bifurcations, each with an id of its own.
         output: a file that keeps each second proof as soon as it is there; the same call goes on from it.
+        fresh: prove again what is in it.
         jobs, timeout, memory, quiet: as for `recheck`.
 
     Returns for each a verdict, "agrees", "disagrees" or "cannot follow", and what agrees, where, or why not. Raises
@@ -224,7 +230,7 @@ def prove_again(
     known = {entry.id: entry.to_json() for entry in entries}
     if problem := problem_of(known, CheckLimits(memory=workplace.memory)):
         raise InputError(f"certificates: {problem}")
-    proofs = SecondProofs(known, None if output is None else Path(output))
+    proofs = SecondProofs(known, None if output is None else Path(output), fresh)
     proofs.prove(workplace)
     return [Comparison(proofs.rows[name]["verdict"], proofs.rows[name]["reason"]) for name in known]
 

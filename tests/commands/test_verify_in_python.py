@@ -67,6 +67,7 @@ def test_rows_and_branches_are_checked_again_in_their_order(
     assert (first.id, second.id) == (curve.id, row.id)
     assert first.stands
     assert second.stands
+    assert repr(first) == f"<Recheck {curve.id!r}: stands, level 2 conclusion>"
     document = json.loads(json.dumps(curve.document))
     document["results"][0]["deviation"][0] = "0x1p-100"
     (forged,) = verify.recheck(verify.AtlasCertificate(curve.atlas, document), quiet=True)
@@ -88,6 +89,9 @@ def test_what_cannot_be_asked_is_refused_in_a_line(row: verify.Certificate) -> N
     ):
         with pytest.raises(InputError, match=words):
             verify.certify_atlas(atlas, quiet=True, **given)
+    for wrong in ({"complete": 0}, {"complete": 100}, {"max_splits": -1}, {"timeout": -1.0}):
+        with pytest.raises(ValueError, match=f"{next(iter(wrong))}: {next(iter(wrong.values()))}"):
+            verify.certify_atlas(atlas, quiet=True, **wrong)
     with pytest.raises(ValueError, match="jobs: 0"):
         verify.certify_atlas(atlas, jobs=0, quiet=True)
     with pytest.raises(InputError, match="appears twice"):
@@ -102,6 +106,9 @@ def test_rows_are_kept_in_a_file_as_they_come(folder: Path, capsys: Any) -> None
     assert "1 of 1 proved already, kept" in capsys.readouterr().err
     with pytest.raises(InputError, match="holds certificates of other candidates"):
         verify.certify(known("fs3"), output=folder / "rows.json", quiet=True)
+    (third,) = verify.certify(known("fs2"), output=folder / "rows.json", fresh=True, quiet=True)
+    assert third != first
+    assert (third.proved, str(third.parameter)) == (first.proved, str(first.parameter))
 
 
 def test_a_second_proof_agrees_and_a_changed_certificate_does_not(folder: Path) -> None:

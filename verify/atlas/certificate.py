@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from orbitproof.shared.formats import (
     Atlas,
@@ -19,12 +19,15 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.shared.systems import record
+from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, interval_of
 from orbitproof.verify.certificate import Certificate, digest, system_names
+from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.evidence import Reason, software
 from orbitproof.verify.words import branch_in_full
 
 SCHEMA = "atlas-certificate"
+T = TypeVar("T")
 
 
 def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: bool = False) -> dict[str, Any]:
@@ -114,7 +117,7 @@ class AtlasCertificate:
 
     def __repr__(self) -> str:
         pieces = f"{len(self.atlas.pieces)} piece{'s' if len(self.atlas.pieces) > 1 else ''}"
-        return f"<AtlasCertificate {self.id!r}: {self.document['verdict']}, {pieces}>"
+        return f"<AtlasCertificate {self.id!r}: {self.verdict}, {pieces}>"
 
     @property
     def id(self) -> str:
@@ -122,9 +125,14 @@ class AtlasCertificate:
         return self.atlas.id
 
     @property
+    def verdict(self) -> str:
+        """ "proved" or "not proved", which never means "shown to be false"."""
+        return str(self.document["verdict"])
+
+    @property
     def is_proved(self) -> bool:
         """Whether it says "proved"."""
-        return bool(self.document["verdict"] == "proved")
+        return self.verdict == "proved"
 
     @property
     def theorem(self) -> str | None:
@@ -145,6 +153,23 @@ class AtlasCertificate:
         listed = conclusion.get("complete", {})
         on_curve = all(entry["on_curve"] for entry in conclusion.get("bifurcations", ()))
         return on_curve and not (listed.get("gaps") or listed.get("undecided"))
+
+    @property
+    def points(self) -> tuple[ListedPoint, ...]:
+        """The points of the complete list, in order along the curve; empty without one."""
+        return self._listed(tuple[ListedPoint, ...], "points")
+
+    @property
+    def stable(self) -> tuple[ListedInterval, ...]:
+        """Between which orbits of a curve its orbits are linearly stable, by the complete list; empty without one."""
+        return self._listed(tuple[ListedInterval, ...], "stable")
+
+    def _listed(self, kind: type[T], name: str) -> T:
+        entries = (self.document["conclusion"] or {}).get("complete", {}).get(name, [])
+        try:
+            return from_json(kind, entries, name)
+        except (LookupError, TypeError, ValueError) as error:
+            raise InputError(f"certificate {self.id!r}: {name} of the list: {error}") from None
 
     @property
     def results(self) -> Sequence[Result]:

@@ -7,7 +7,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from html import escape
 from pathlib import Path
 from textwrap import indent
@@ -142,8 +142,12 @@ class Certificate:
     @property
     def statement(self) -> dict[str, Any]:
         """The claim in full, as in the JSON: candidate, vector field, first integral, symmetries, section."""
-        claim: dict[str, Any] = self.to_json()["statement"]
+        claim: dict[str, Any] = json.loads(self._statement)
         return claim
+
+    @cached_property
+    def _statement(self) -> str:
+        return json.dumps(self.to_json()["statement"])
 
     @property
     def candidate(self) -> Candidate:

@@ -112,7 +112,7 @@ class CannotBeCheckedError(Exception):
     """Nothing is wrong with a certificate as far as can be seen, but it cannot be checked here; says why."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recheck:
     """What checking one certificate again has shown.
 
@@ -142,6 +142,9 @@ class Recheck:
     open_place: str = ""
     rendered: Mapping[str, Any] | None = None
     digest: str = ""
+
+    def __repr__(self) -> str:
+        return f"<Recheck {self.id!r}: {self.word}, level {self.passed:d} {self.passed.name.lower()}>"
 
     @property
     def stands(self) -> bool:

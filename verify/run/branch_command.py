@@ -15,10 +15,8 @@ from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole
 from orbitproof.verify.run.branch_checks import examined, is_about_surface
 from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
-from orbitproof.verify.run.branch_tasks import RunLimits
+from orbitproof.verify.run.branch_tasks import LARGEST_ORDER, MOST_SPLITS, RunLimits
 from orbitproof.verify.run.branches import (
-    LARGEST_ORDER,
-    MOST_SPLITS,
     AtlasRun,
     chosen_bifurcations,
     conclude_run,

@@ -15,6 +15,8 @@ from orbitproof.verify.curve import Interval, PieceLimits
 from orbitproof.verify.run import Answer, Failure, Task
 from orbitproof.verify.surface import SurfaceLimits
 
+MOST_SPLITS, LARGEST_ORDER = 20, 99
+
 
 @dataclass(frozen=True)
 class RunLimits:
@@ -33,6 +35,16 @@ class RunLimits:
     max_splits: int = 6
     stability: bool = False
     order: int = 1
+
+    def __post_init__(self) -> None:
+        for name, value, first, last in (
+            ("complete", self.order, 1, LARGEST_ORDER),
+            ("max_splits", self.max_splits, 0, MOST_SPLITS),
+        ):
+            if type(value) is not int or not first <= value <= last:
+                raise ValueError(f"{name}: {value!r} is not a whole number from {first} to {last}")
+        if self.timeout is not None and not 0 < self.timeout < 1e9:
+            raise ValueError(f"timeout: {self.timeout!r} is not a positive number of seconds")
 
 
 def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:

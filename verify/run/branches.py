@@ -174,9 +174,6 @@ def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
     )
 
 
-MOST_SPLITS, LARGEST_ORDER = 20, 99
-
-
 def limits_of(
     atlas: Atlas,
     complete: int | None = None,
@@ -190,14 +187,14 @@ def limits_of(
         complete: with it, all resonances up to this order are wanted too.
         integrator: precision, order, width for the first attempt, if not the default.
 
-    Raises `InputError` for what cannot be asked of this atlas.
+    Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense.
     """
     if complete is not None and atlas.is_surface:
         raise InputError("--complete: lists what is on a curve, and this atlas is about a surface; leave it out")
     if complete is not None and atlas.system.fixed_level is not None:
         raise InputError("--complete: no list is claimed on a fixed level of a first integral; leave it out")
     given = {name: value for name, value in integrator.items() if value is not None}
-    limits = RunLimits(given, timeout, max_splits, complete is not None, complete or 1)
+    limits = RunLimits(given, timeout, max_splits, complete is not None, 1 if complete is None else complete)
     try:
         attempts_of(atlas, limits)
     except ValueError as error:
