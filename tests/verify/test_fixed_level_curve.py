@@ -140,8 +140,9 @@ def test_a_certificate_of_another_level_is_not_placed() -> None:
         assert "another level" in placed.reason
 
 
-def test_a_certificate_of_another_section_is_not_placed() -> None:
-    other = replace(atlas(), system=replace(atlas().system, section="u3"))
+@pytest.mark.parametrize("change", [{"section": "u3"}, {"reversing_symmetry": (-1, -1, 1, 1)}], ids=list)
+def test_a_certificate_of_another_section_or_symmetry_is_not_placed(change: dict[str, Any]) -> None:
+    other = replace(atlas(), system=replace(atlas().system, **change))
     (placed,) = conclude(other, results(), [certificate()]).bifurcations
     assert placed.place is None
     assert placed.is_foreign
