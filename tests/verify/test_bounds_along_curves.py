@@ -48,10 +48,10 @@ from orbitproof.verify.stability.complete_list import Finder
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance
+from orbitproof.verify.stability.known_functions import segments_of
 from orbitproof.verify.stability.linear_stability import is_stable, stable_intervals
 from orbitproof.verify.stability.list_entries import CompleteList, Gap, Segment, shortened
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, _minors, _stability_matrix
-from orbitproof.verify.stability.segments import segments_of
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 
 END = 1 / REACH

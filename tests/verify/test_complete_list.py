@@ -26,9 +26,9 @@ from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.outcome import Proved
 from orbitproof.verify.functions.functions import REACH, BoundedFunction
 from orbitproof.verify.stability.complete_list import complete_list, orders
-from orbitproof.verify.stability.decided import open_on
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.kinds import Kind
+from orbitproof.verify.stability.left_open import open_on
 from orbitproof.verify.stability.linear_stability import is_stable
 from orbitproof.verify.stability.list_entries import Point, Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates

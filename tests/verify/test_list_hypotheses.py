@@ -23,7 +23,7 @@ from orbitproof.shared.systems.system import ReversibleSystem
 from orbitproof.verify.atlas.certificate import make_atlas_certificate
 from orbitproof.verify.evidence.balls_as_text import ball_from_json
 from orbitproof.verify.evidence.outcome import NotEstablishedError, Reason
-from orbitproof.verify.stability.decided import open_on
+from orbitproof.verify.stability.left_open import open_on
 from orbitproof.verify.stability.level import Level, gradient
 
 LOSS = "loss of R"

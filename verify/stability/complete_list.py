@@ -16,10 +16,10 @@ from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.stability.between_orbits import between_orbits
 from orbitproof.verify.stability.extrema import extrema_on, is_in_band
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, Subject
+from orbitproof.verify.stability.known_functions import point_over, segments_of
 from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
-from orbitproof.verify.stability.segments import point_over, segments_of
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
 PRECISION = 192

@@ -14,8 +14,8 @@ from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.curve import Stretch, derived_parameter
 from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_zero, is_positive, power
 from orbitproof.verify.stability.kinds import Matter
+from orbitproof.verify.stability.known_functions import point_over
 from orbitproof.verify.stability.list_entries import Gap, Segment, level_name
-from orbitproof.verify.stability.segments import point_over
 from orbitproof.verify.stability.zeros import between
 
 LEVEL = "level"

@@ -11,7 +11,7 @@ from flint import ctx
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.stability.complete_list import PRECISION, orders, resonant_value
-from orbitproof.verify.stability.segments import segment_of
+from orbitproof.verify.stability.known_functions import segment_of
 from orbitproof.verify.stability.zeros import Zeros, zeros_beside_double_one, zeros_on
 
 _HOPELESS = 2**10
@@ -42,7 +42,7 @@ def _open(piece: Piece, result: Mapping[str, Any], order: int) -> str:
     entry = result["stability"]
     low, high = (parse_exact(text) for text in result["interval"])
     symmetric = piece.kind == "symmetric" and low <= 0 <= high
-    start = low - low if symmetric else low
+    start = Fraction(0) if symmetric else low
     with ctx.workprec(PRECISION):
         segment = segment_of(0, (start, start, high), (low, high), entry, False)
         first, last = segment.tau(start), segment.tau(high)
