@@ -23,7 +23,7 @@ from orbitproof.explore.families import CONTROL
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS
 from orbitproof.shared.systems import MASS_PARAMETERS
 
-_FOLDS = "look for folds as well: extrema of the family parameter or first integral along the family"
+_FOLDS = "also look for folds: extrema of the family parameter or first integral along the family"
 
 _EXAMPLES = """\
 examples:
@@ -103,7 +103,7 @@ def parser() -> Parser:
     candidates.add_argument("--family-output", type=Path, metavar="FILE", help="write the traced families as JSON")
     family = common.add_command(commands, "family", "trace families and their resonances in float64", _EXAMPLES)
     _family_options(family)
-    family.add_argument("-k", nargs="+", type=common.multiplicity, metavar="K", help="locate these resonances as well")
+    family.add_argument("-k", nargs="+", type=common.multiplicity, metavar="K", help="also locate these resonances")
     family.add_argument("--folds", action="store_true", help=_FOLDS)
     common.add_output(family, "family file")
     family.add_argument(
@@ -153,7 +153,7 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="start from the families in a family file and continue them up to the limits, instead of from their "
-        "birth; families that are asked for and not in the file are traced as well",
+        "birth; families that are asked for and are not in the file are traced too",
     )
     target.add_argument(
         "--from-catalogue",
@@ -174,7 +174,7 @@ def _family_options(target: argparse.ArgumentParser) -> None:
     target.add_argument(
         "--branches",
         action="store_true",
-        help="trace as well the families that branch off wherever the symmetry S of a planar family breaks",
+        help="also trace the families that branch off where the symmetry S of a planar family breaks",
     )
     limits = target.add_argument_group("limits, each optional; a family ends with the first orbit beyond one")
     limits.add_argument("--max-orbits", type=common.count, default=1000, metavar="N", help="default: %(default)s")

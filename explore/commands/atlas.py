@@ -107,7 +107,7 @@ def add_parser(commands: Any) -> None:
         nargs=3,
         metavar=("NAME", "FROM", "TO"),
         help="the part of the family on which a coordinate goes from one value to a larger one; a symmetric arc "
-        "starts at its symmetric point whatever FROM is (default: all of the family)",
+        "starts at its symmetric point, whatever FROM is (default: all of the family)",
     )
     parser.add_argument(
         "--increasing", nargs="+", default=[], metavar="NAME", help="coordinates claimed to increase along the curve"
@@ -122,7 +122,7 @@ def add_parser(commands: Any) -> None:
         type=int,
         default=28,
         metavar="D",
-        help="a piece is as wide as lets coefficient D of the flow in the curve's parameter fall to --decay "
+        help="a piece is so wide that coefficient D of the flow in the curve's parameter falls to --decay "
         "(default: %(default)s)",
     )
     pieces.add_argument("--decay", type=common.positive, default=1e-13, metavar="E", help="default: %(default)s")

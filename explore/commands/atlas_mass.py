@@ -56,7 +56,7 @@ def add_parser(commands: Any) -> None:
         metavar="Z",
         help="halo orbits up to this abs(z), for L1 and L2 in units of mu^(1/3) (default: "
         + ", ".join(f"{name} {float(value):g}" for name, value in AMPLITUDES.items())
-        + f"; L3 below mass {float(LIGHT[0]):g} {float(LIGHT_AMPLITUDE):g})",
+        + f"; L3 below mass {float(LIGHT[0]):g}: {float(LIGHT_AMPLITUDE):g})",
     )
     parser.add_argument(
         "--share",

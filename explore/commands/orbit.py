@@ -53,8 +53,8 @@ examples:
 With --start alone the orbit is corrected in float64; its family is traced, both ways, from the file that -o writes, or
 by explore family with the same options. With --period, --level, --at or --extrema, or with a catalogue, orbits are
 refined to many digits, and -o is a candidates file: orbitproof verify proves that they exist. Three orbits at each
-extremum of a stability parameter give orbitproof verify atlas --complete its value to 15 digits. An interrupted run
-goes on with the same command. Exit codes: 0 corrected, 1 not, 2 bad input.
+extremum of a stability parameter give orbitproof verify atlas --complete its value to some 14 digits. An
+interrupted run goes on with the same command. Exit codes: 0 corrected, 1 not, 2 bad input.
 """
 
 
@@ -65,10 +65,10 @@ def add_parser(commands: Any) -> None:
     common.add_start(parser)
     parser.add_argument("--mass", nargs=1, metavar="MU", help="mass parameter of the CR3BP: a name or a number")
     parser.add_argument(
-        "--family", nargs=1, metavar="NAME", help="the family to take it from; with --start what to call its family"
+        "--family", nargs=1, metavar="NAME", help="the family of the orbit; with --start the name to give its family"
     )
     parser.add_argument("--mirror", action="store_true", help="halo families: the mirror image")
-    parser.add_argument("--from-family", type=Path, metavar="FILE", help="take it from a family in a family file")
+    parser.add_argument("--from-family", type=Path, metavar="FILE", help="take the orbit from a family in this file")
     parser.add_argument("--from-catalogue", type=Path, metavar="FILE", help="orbits near rows of a catalogue file")
     parser.add_argument(
         "--catalogue-orbit", type=common.index, nargs="+", metavar="N", help="these rows, counted from 1 (default: all)"
@@ -78,10 +78,10 @@ def add_parser(commands: Any) -> None:
         "--certificates",
         type=Path,
         metavar="FILE",
-        help="with --from-catalogue: compare certified orbits with their rows, find none",
+        help="with --from-catalogue: compare certified orbits with their rows, search for none",
     )
     wanted = parser.add_argument_group(
-        "what singles out the orbit, exactly as written: a number or arithmetic with some"
+        "what singles out the orbit: a number, or arithmetic with numbers, taken exactly as written"
     )
     wanted.add_argument("--period", metavar="P", help="its period")
     wanted.add_argument("--level", metavar="H", help="its value of the first integral")

@@ -44,10 +44,14 @@ def add_parser(commands: Any) -> None:
         "--periods", type=positive, default=1.0, metavar="P", help="how many periods (default: %(default)s)"
     )
     parser.add_argument(
-        "--units", choices=("nondimensional", "km"), default="nondimensional", help="km: km, s (default: %(default)s)"
+        "--units", choices=("nondimensional", "km"), default="nondimensional", help="km: km and s (default %(default)s)"
     )
-    parser.add_argument("--lunit", type=positive, metavar="KM", help="the unit of length, km; before the catalogue's")
-    parser.add_argument("--tunit", type=positive, metavar="S", help="the unit of time, s; before the catalogue's")
+    parser.add_argument(
+        "--lunit", type=positive, metavar="KM", help="the unit of length in km, in place of the catalogue's"
+    )
+    parser.add_argument(
+        "--tunit", type=positive, metavar="S", help="the unit of time in s, in place of the catalogue's"
+    )
     parser.add_argument(
         "--epoch", default="2000-01-01T12:00:00", metavar="DATE", help="of the first state, TDB (default: %(default)s)"
     )

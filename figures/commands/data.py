@@ -19,9 +19,8 @@ examples:
   orbitproof figures data data/ --only portraits.json lyapunov.json
   orbitproof figures data data/ --dry-run                (print the commands, run nothing)
 
-A file that is there is not made again: delete it for that, or put your own in its place. What was interrupted
-goes on where it stopped. The search and the proof run as commands of their own; all steps together take about
-an hour and a half on two processors, nearly all of it for the certificates.
+A file that is there is not made again: delete it to have it made, or put your own in its place. What was interrupted
+goes on where it stopped. The search and the proof run as commands of their own; docs/figures.md has the times.
 Exit codes: 0 all files there; 1 a command did not find or prove everything; 2 bad input or a failed command;
 130 interrupted.
 """

@@ -24,8 +24,7 @@ software and digests, references. HTML carries its pictures; those of LaTeX and 
 file. Every certificate is checked up to its conclusion first (verify --recheck): one that does not stand is named, and
 then nothing is written.
 Exit codes: 0 written, everything in it is proved; 1 a certificate does not stand and nothing was written, or the report
-was written and says what is not proved; 2 bad input;
-130 interrupted.
+was written and says what is not proved; 2 bad input; 130 interrupted.
 """
 
 

@@ -67,8 +67,8 @@ def _parser() -> ArgumentParser:
     words = "certain digits of the parameter to aim for (default: %(default)s)"
     parser.number("--digits", "N", words, whole(1), Limits.digits)
     words = (
-        "parameter of Hamiltonian rows: the level of the first integral, a coordinate of Fix(R) following from it "
-        "(integral), the coordinates of Fix(R) as they are (coordinates), or what suits the row (default: auto)"
+        "coordinates of rows with a first integral: its level in place of one of Fix(R), which then follows from it "
+        "(integral); those of Fix(R) as they are (coordinates); or what suits the row (default: auto)"
     )
     parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
     words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
