@@ -1,12 +1,14 @@
 from .files import Files as Files
 from .report import Refused as Refused
 from .scripting import Drawn as Drawn
+from .scripting import Made as Made
 from .scripting import Report as Report
 from .scripting import draw_all as draw_all
 from .scripting import draw_atlases as draw_atlases
 from .scripting import draw_family as draw_family
 from .scripting import draw_resonances as draw_resonances
 from .scripting import draw_tori as draw_tori
+from .scripting import make_data as make_data
 from .scripting import tables_of as tables_of
 from .scripting import write_page as write_page
 from .scripting import write_report as write_report

@@ -131,6 +131,9 @@ PYTHON = """\
    :members:
    :exclude-members: InputError
 
+.. automodule:: orbitproof.figures
+   :members:
+
 .. automodule:: orbitproof.figures.report
    :members: check_files, report_of, write_report
 ```

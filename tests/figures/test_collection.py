@@ -15,9 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from support.picture_texts import unreadable
 
-import orbitproof.figures.commands.data as data_command
+import orbitproof.figures.scripting.data as data_files
 import orbitproof.verify.run.branch_command
 import orbitproof.verify.run.row_command
+from orbitproof import figures
 from orbitproof.explore.commands.arguments import parser as explore_parser
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.collection.data_folder import DataFolder, MissingData
@@ -33,6 +34,7 @@ from orbitproof.figures.pictures.geometry import draw_geometry
 from orbitproof.figures.pictures.halo_plane import draw_closed_curves, draw_resonant_families, spots_on
 from orbitproof.figures.pictures.halo_space import draw_torus
 from orbitproof.figures.style.style import close, use_style
+from orbitproof.shared import InputError
 from orbitproof.shared.formats.candidates import read_candidates
 from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
 
@@ -197,9 +199,9 @@ class Commands:
     def __init__(self, monkeypatch: pytest.MonkeyPatch, codes: dict[str, int] | None = None) -> None:
         self.run: list[str] = []
         self.codes = codes or {}
-        monkeypatch.setattr(data_command, "_run", self)
+        monkeypatch.setattr(data_files, "_run", self)
 
-    def __call__(self, step: Step, folder: Path) -> int:
+    def __call__(self, step: Step, folder: Path, quiet: bool) -> int:
         self.run.append(step.products[0])
         code = self.codes.get(step.products[0], 0)
         if code != 2:
@@ -251,6 +253,31 @@ def test_dry_run_prints_the_missing_commands_and_runs_none(
     assert main(["data", str(tmp_path), "--dry-run"]) == 0
     assert commands.run == []
     assert capsys.readouterr().out.splitlines() == [step.text(tmp_path) for step in STEPS[1:]]
+
+
+def test_from_python_the_data_are_made_as_by_the_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    commands, told = Commands(monkeypatch, {"lyapunov.json": 1, "certificates.json": 2}), list[Path]()
+    made = figures.make_data(
+        str(tmp_path), only=["lyapunov.json", "l3-*", "branches.json"], told=told.append, quiet=True
+    )
+    assert commands.run == ["lyapunov.json", "l3-halo.json"]
+    assert list(made.paths) == told == [tmp_path / "lyapunov.json", tmp_path / "l3-halo.json"]
+    assert made.incomplete == ("lyapunov.json",)
+    assert made.not_made == {"branches.json": "not made: certificates.json is missing; ask for it as well"}
+    assert not made.failed
+    assert capsys.readouterr().err == f"branches.json: {made.not_made['branches.json']}\n"
+    made = figures.make_data(tmp_path, quiet=True)
+    assert made.failed
+    assert "the command ended with code 2" in made.not_made["certificates.json"]
+    assert commands.run[-1] == "certificates.json"
+    commands.codes["certificates.json"] = 130
+    with pytest.raises(KeyboardInterrupt):
+        figures.make_data(tmp_path, quiet=True)
+    with pytest.raises(InputError, match="no such data file"):
+        figures.make_data(tmp_path / "other", only=["halo.json"])
+    assert not (tmp_path / "other").exists()
 
 
 def test_data_command_runs_a_real_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
