@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, WideArithmetic
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
 from orbitproof.verify.flow import Expansion
 from orbitproof.verify.oracle.return_times import relative_return_times
 from orbitproof.verify.oracle.steps import regularised_steps
@@ -25,7 +25,7 @@ class Approximations:
     def return_times(
         self,
         program: PreparedProgram,
-        arithmetic: WideArithmetic,
+        arithmetic: Arithmetic,
         section: int,
         state: Sequence[Series],
         constants: Sequence[Series],

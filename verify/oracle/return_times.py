@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.polynomial import chebyshev, polynomial
 
-from orbitproof.verify.algebra import Floats, Grading, Points, PreparedProgram, Series, WideArithmetic
+from orbitproof.verify.algebra import Arithmetic, Floats, Grading, Points, PreparedProgram, Series, WideArithmetic
 from orbitproof.verify.oracle.centre import step_size
 from orbitproof.verify.oracle.wide_solution import taylor_at_points
 
@@ -27,12 +27,14 @@ _CENTRE = Grading((), 0)
 
 def relative_return_times(
     program: PreparedProgram,
-    arithmetic: WideArithmetic,
+    arithmetic: Arithmetic,
     section: int,
     state: Sequence[Series],
     constants: Sequence[Series],
 ) -> list[Fraction] | None:
     """See `poincare.Oracle.return_times`."""
+    if not isinstance(arithmetic, WideArithmetic):
+        return None
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
     start = np.array([_at_nodes(arithmetic, x, nodes) for x in state])
     fixed = np.array([_at_nodes(arithmetic, p, nodes) for p in constants])

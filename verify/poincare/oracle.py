@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Protocol
 
-from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, WideArithmetic
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
 from orbitproof.verify.flow import Expansion
 from orbitproof.verify.poincare.coordinates import Coordinates
 
@@ -26,7 +26,7 @@ class Oracle(Protocol):
     def return_times(
         self,
         program: PreparedProgram,
-        arithmetic: WideArithmetic,
+        arithmetic: Arithmetic,
         section: int,
         state: Sequence[Series],
         constants: Sequence[Series],

@@ -16,7 +16,7 @@ from typing import Final
 from flint import arb
 
 from orbitproof.shared.systems import Program, ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Series, WideArithmetic, evaluate, prepare
+from orbitproof.verify.algebra import Arithmetic, Series, evaluate, prepare
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep, advance, dyadic_below, rough
@@ -77,7 +77,7 @@ class Returns:
         level = first_integral(system, arithmetic, point) if level is None else level
         self.coordinates = self._choose(coordinates, initial, level)
         self.state, self.constants = self._enter(initial, level)
-        parts = wide_parts(WIDE_PARTS) if isinstance(arithmetic, WideArithmetic) else [None]
+        parts = wide_parts(WIDE_PARTS) if arithmetic.width else [None]
         self.counters = [CrossingCounter(part) for part in parts]
         self.rate = self._rate()
         self.program, self.fixed = self.coordinates.program, self.constants
@@ -122,7 +122,7 @@ class Returns:
     def _rate(self) -> Series | None:
         """A positive element by which the vector field is multiplied so that wide orbits return about together."""
         arithmetic, coordinates = self.arithmetic, self.coordinates
-        if not isinstance(arithmetic, WideArithmetic):
+        if not arithmetic.width:
             return None
         program, section = coordinates.program, coordinates.section
         powers = self.oracle.return_times(program, arithmetic, section, self.state, self.constants)
@@ -258,7 +258,7 @@ class Returns:
         if regularisation is None:
             return
         rate = flow.slopes[regularisation.time_index]
-        if isinstance(self.arithmetic, WideArithmetic):
+        if self.arithmetic.width:
             # Over a wide piece the coarse bounds of the tube are too coarse for a passage close to the primary.
             rate = self._clock_rate(flow)
         if not all(stays_positive(rate, counter.wide) for counter in self.counters):

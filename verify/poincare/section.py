@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, WideArithmetic
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import advance, dyadic_below
 from orbitproof.verify.poincare.oracle import Oracle
@@ -30,7 +30,7 @@ def onto_section(
     Raises `IntegrationFailure` if the velocity across the section is not bounded away from zero.
     """
     # Next to the section one step of low degree is enough; with a wide variable y_0 is not small.
-    wide = isinstance(arithmetic, WideArithmetic)
+    wide = arithmetic.width > 0
     degree = arithmetic.degree if wide else 2 * arithmetic.grading.top + 4
     inner = replace(arithmetic, degree=degree, grade_loss=0)
     current = [Series(inner, x.coefs, x.errors) for x in state] + [inner.constant(Fraction(0))]
