@@ -15,7 +15,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.formats.candidates import read_candidates
+from orbitproof.shared.formats import read_candidates
 from orbitproof.verify.certificate.certify import certify
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -50,7 +50,7 @@ def main() -> None:
     families = importlib.import_module("orbitproof.explore.families")
     detection = importlib.import_module("orbitproof.explore.families.detection")
     flow_of = importlib.import_module("orbitproof.explore.flow").flow_of
-    from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+    from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
     mass = MASS_PARAMETERS["earth-moon"]
     flow = flow_of(CR3BP)

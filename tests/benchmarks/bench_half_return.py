@@ -16,9 +16,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import IntegratorSettings, enclose_iterates
 
 PRECISION = 260
 

@@ -22,16 +22,13 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.systems import CR3BP
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
-from orbitproof.shared.systems.system import CR3BP
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import first_precision
-from orbitproof.verify.poincare.coordinates import PHYSICAL
-from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
-from orbitproof.verify.poincare.returns import REGULARISED
+from orbitproof.verify.oracle import ORACLE, first_precision
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings, enclose_iterates
 
 _STEP = 2e-3
 _MOST_STEPS = 40_000

@@ -18,9 +18,9 @@ from matplotlib.text import Text
 from mpmath import mpf
 
 from orbitproof.explore.__main__ import main as explore_main
-from orbitproof.figures.model.family_file import read_families
-from orbitproof.figures.pictures.family import draw_family
-from orbitproof.figures.style.style import close, use_style
+from orbitproof.figures.model import read_families
+from orbitproof.figures.pictures import draw_family
+from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import load_system, read_candidates
 from orbitproof.verify import certify
 from orbitproof.verify.__main__ import main as verify_main

@@ -15,16 +15,14 @@ import orbitproof.explore.families.tracing
 import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
-from orbitproof.explore.families.conversion import family_of, family_record
-from orbitproof.explore.families.named import Limits, trace_family
-from orbitproof.explore.families.tracing import TracedFamily
-from orbitproof.explore.records.family_file import read_families, write_families
-from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
-from orbitproof.explore.search.request import check
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems.system import FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.explore.families import Limits, TracedFamily, family_of, family_record, trace_family
+from orbitproof.explore.records import read_families, write_families
+from orbitproof.explore.refinement import Task, refine_tasks
+from orbitproof.explore.refinement.tasks import Refined
+from orbitproof.explore.search import check
+from orbitproof.shared import InputError, format_exact, parse_exact
+from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.systems import FALKNER_SKAN, MASS_PARAMETERS
 
 
 @pytest.fixture(scope="module")

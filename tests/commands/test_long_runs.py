@@ -17,11 +17,10 @@ from typing import Any
 import pytest
 from support.runs import ROOT, SEES_PROCESSES, children, is_running, started, wait_until, workers
 
-from orbitproof.shared.formats.candidates import candidate_from_json
+from orbitproof.shared.formats import candidate_from_json
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.certify import Limits
+from orbitproof.verify.certificate import Certificate, Limits
 from orbitproof.verify.run.rows import certify_all
 
 TRUE: dict[str, Any] = {

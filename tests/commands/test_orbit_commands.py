@@ -13,10 +13,11 @@ import pytest
 from orbitproof.explore.__main__ import main as explore
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.__main__ import main as verify
-from orbitproof.verify.atlas import check_of_conclusion, recheck_places
-from orbitproof.verify.atlas.certificate import (
+from orbitproof.verify.atlas import (
+    check_of_conclusion,
     make_atlas_certificate,
     read_atlas_certificate,
+    recheck_places,
     write_atlas_certificate,
 )
 from orbitproof.verify.atlas.conclusion import told

@@ -18,15 +18,11 @@ from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, coefficient_transform, expand
-from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.conversion import family_record
-from orbitproof.explore.families.limits import Limits
-from orbitproof.explore.families.named import trace_family
-from orbitproof.explore.families.tracing import TracedFamily
-from orbitproof.explore.records.family_file import write_families
+from orbitproof.explore.families import Family, Limits, TracedFamily, family_record, trace_family
+from orbitproof.explore.records import write_families
 from orbitproof.shared.claims import Atlas, Covers
-from orbitproof.shared.formats.atlas import read_atlas, write_atlas
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.shared.formats import read_atlas, write_atlas
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 

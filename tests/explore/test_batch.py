@@ -13,18 +13,29 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orbitproof.explore.flow import compilation
-from orbitproof.explore.flow.batch import BLOCK, flow_batch
-from orbitproof.explore.flow.compilation import cache_folder, compiling, configure_jax
-from orbitproof.explore.flow.fields import power
-from orbitproof.explore.flow.flow import FlowFailure, Matrix, flow_of
-from orbitproof.explore.orbits.batch import OrbitBatch, correct_batch
+from orbitproof.explore.flow import (
+    FlowFailure,
+    Matrix,
+    compilation,
+    compiling,
+    configure_jax,
+    flow_batch,
+    flow_of,
+    power,
+)
+from orbitproof.explore.flow.batch import BLOCK
+from orbitproof.explore.flow.compilation import cache_folder
+from orbitproof.explore.orbits import (
+    CorrectionFailure,
+    OrbitBatch,
+    ShootingProblem,
+    correct_batch,
+    stability_parameters,
+)
 from orbitproof.explore.orbits.batch_algebra import characteristic_coefficients, least_norm, roots, solve
-from orbitproof.explore.orbits.shooting import CorrectionFailure, ShootingProblem
 from orbitproof.explore.orbits.stability import characteristic_coefficients as coefficients_of_one
-from orbitproof.explore.orbits.stability import stability_parameters
-from orbitproof.explore.seeds.falkner_skan import limit_orbit
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.explore.seeds import limit_orbit
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 ROOT = Path(__file__).resolve().parents[2]
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
@@ -135,7 +146,7 @@ def test_orbits_that_fail_are_marked_and_leave_the_others_alone() -> None:
 
 
 def test_orbits_in_the_plane_stay_there_and_keep_their_stability_across_it() -> None:
-    from orbitproof.explore.seeds.libration_points import libration_point, lyapunov_orbit
+    from orbitproof.explore.seeds import libration_point, lyapunov_orbit
 
     guesses = []
     for amplitude in (1e-3, 2e-3, 4e-3):

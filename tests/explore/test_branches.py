@@ -13,25 +13,24 @@ import pytest
 from numpy.polynomial import chebyshev
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.branches.file import BranchRecord, read_branches, write_branches
-from orbitproof.explore.branches.following import Branch, follow
-from orbitproof.explore.branches.start import BranchPoint, branch_point
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.orbits.multiple_shooting import MultipleShooting, SegmentedOrbit
-from orbitproof.explore.orbits.shooting import ShootingProblem
+from orbitproof.explore.branches import BranchRecord, branch_point, follow, read_branches, write_branches
+from orbitproof.explore.branches.following import Branch
+from orbitproof.explore.branches.start import BranchPoint
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.orbits import MultipleShooting, SegmentedOrbit, ShootingProblem
 from orbitproof.explore.refinement.newton import refine
-from orbitproof.figures.certified.box import CertifiedCurves
-from orbitproof.figures.model.family_file import read_families as read_sampled
+from orbitproof.figures.certified import CertifiedCurves
+from orbitproof.figures.model import read_families as read_sampled
 from orbitproof.figures.pictures.branches import draw_branch, draw_overview
 from orbitproof.figures.pictures.branches import write as write_pictures
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.pictures.certified_boxes import write as write_certified
-from orbitproof.figures.style.style import close, use_style
+from orbitproof.figures.style import close, use_style
+from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.systems.system import FALKNER_SKAN
-from orbitproof.verify.certificate.certificate import Certificate, write_certificates
+from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.systems import FALKNER_SKAN
+from orbitproof.verify.certificate import Certificate, write_certificates
 from orbitproof.verify.certificate.certify import certify
 
 DATA = Path(__file__).parents[1] / "data"

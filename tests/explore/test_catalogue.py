@@ -13,22 +13,22 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.catalogue.file import (
+from orbitproof.explore.catalogue import (
     Catalogue,
-    decimal_text,
+    correct_catalogue,
     read_catalogue,
     write_catalogue_csv,
     write_catalogue_json,
 )
-from orbitproof.explore.catalogue.orbits import CorrectedCatalogue, correct_catalogue
-from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.limits import Limits
-from orbitproof.explore.families.named import continue_both_ways, trace_family
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.orbits.stability import stability_index
-from orbitproof.explore.records.family_file import read_families
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
+from orbitproof.explore.catalogue.file import decimal_text
+from orbitproof.explore.catalogue.orbits import CorrectedCatalogue
+from orbitproof.explore.families import Family, Limits, trace_family
+from orbitproof.explore.families.named import continue_both_ways
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.orbits import stability_index
+from orbitproof.explore.records import read_families
+from orbitproof.shared import InputError
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 HERE = Path(__file__).resolve().parents[1]
 OWN = {form: HERE / "data" / f"catalogue-halo.{form}" for form in ("json", "csv")}

@@ -7,13 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orbitproof.explore.families.continuation import Course, Family, Start, StepControl, trace
-from orbitproof.explore.families.detection import Detection, detect, symmetry_breakings
-from orbitproof.explore.families.named import FamilyFailure, Limits, continue_family, trace_family
+from orbitproof.explore.families import (
+    Family,
+    FamilyFailure,
+    Limits,
+    StepControl,
+    detect,
+    symmetry_breakings,
+    trace_family,
+)
+from orbitproof.explore.families.continuation import Course, Start, trace
+from orbitproof.explore.families.detection import Detection
+from orbitproof.explore.families.named import continue_family
 from orbitproof.explore.families.stability_curve import StabilityCurve
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.orbits.shooting import CorrectionFailure, ShootingProblem
-from orbitproof.shared.systems.system import CR3BP, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 BIRTH = (3.1743503, 3.1743536)

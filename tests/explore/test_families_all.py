@@ -13,23 +13,25 @@ import pytest
 
 import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.families.branching import branch_seed, breaking_at_end
-from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.conversion import family_of
-from orbitproof.explore.families.detection import detect, symmetry_breakings
-from orbitproof.explore.families.limits import Limits
-from orbitproof.explore.families.named import CONTROL, FamilyFailure, continue_both_ways, continue_family, trace_family
-from orbitproof.explore.families.tracing import TracedFamily
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.records.family_file import read_families
-from orbitproof.explore.search.targets import Target
-from orbitproof.explore.seeds.libration_points import (
-    LIBRATION_POINTS,
-    distance_to_primaries,
-    libration_point,
-    vertical_orbit,
+from orbitproof.explore.families import (
+    CONTROL,
+    Family,
+    FamilyFailure,
+    Limits,
+    TracedFamily,
+    branch_seed,
+    breaking_at_end,
+    detect,
+    family_of,
+    symmetry_breakings,
+    trace_family,
 )
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.explore.families.named import continue_both_ways, continue_family
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.records import read_families
+from orbitproof.explore.search import Target
+from orbitproof.explore.seeds import LIBRATION_POINTS, distance_to_primaries, libration_point, vertical_orbit
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 MASSES = ("0.5", "0.1", "0.01215", "9.5e-4", "1e-5")

@@ -14,17 +14,26 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.invariants import curve
-from orbitproof.explore.invariants.curve import NoCurve, measured
-from orbitproof.explore.invariants.file import read_manifold, read_tori, write_manifold, write_tori
-from orbitproof.explore.invariants.manifold import NoManifold, Plane, manifold_of
-from orbitproof.explore.invariants.torus_family import TorusFamily, first_curve, trace_tori
-from orbitproof.explore.trajectories.source import SourceOrbit
-from orbitproof.explore.trajectories.trajectory import Trajectory, trajectory_of
-from orbitproof.shared.errors import InputError
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.invariants import (
+    NoCurve,
+    NoManifold,
+    Plane,
+    TorusFamily,
+    curve,
+    manifold_of,
+    read_manifold,
+    read_tori,
+    trace_tori,
+    write_manifold,
+    write_tori,
+)
+from orbitproof.explore.invariants.curve import measured
+from orbitproof.explore.invariants.torus_family import first_curve
+from orbitproof.explore.trajectories import SourceOrbit, Trajectory, trajectory_of
+from orbitproof.shared import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.shared.systems import CR3BP
 
 CATALOGUE = Path(__file__).parents[1] / "data" / "catalogue-halo.json"
 MASS = Fraction("1.215058560962404e-2")

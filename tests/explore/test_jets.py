@@ -10,15 +10,20 @@ import mpmath
 import pytest
 from support.independent_flow import CONSTANTS, EARTH_MOON, crossings, extrapolated_crossings
 
-from orbitproof.explore.refinement.crossing import Crossing, section_crossings, shorter_coordinates
-from orbitproof.explore.refinement.half_return import section_jets, start_jets
-from orbitproof.explore.refinement.jets import Jet, JetBasis
-from orbitproof.explore.refinement.resonance import working_context
+from orbitproof.explore.refinement import (
+    IntegrationFailure,
+    Jet,
+    JetBasis,
+    section_crossings,
+    start_jets,
+    working_context,
+)
+from orbitproof.explore.refinement.crossing import Crossing, shorter_coordinates
+from orbitproof.explore.refinement.half_return import section_jets
 from orbitproof.explore.refinement.tape import Tape
-from orbitproof.explore.refinement.taylor import IntegrationFailure, JetStepper
-from orbitproof.shared.systems.program import record
-from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL, Regularisation
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.explore.refinement.taylor import JetStepper
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, Regularisation, ReversibleSystem, record
+from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 
 
 def test_basis_refuses_monomials_not_closed_under_division() -> None:

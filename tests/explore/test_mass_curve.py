@@ -14,38 +14,36 @@ import pytest
 from matplotlib.figure import Figure
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.masses.charts import evaluate
-from orbitproof.explore.masses.curve import (
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.masses import (
+    CurveRecord,
+    PointRecord,
     chart_of,
     correct_at,
-    extremum_between,
-    extremum_brackets,
     first_breaking,
-    point_at,
+    read_curves,
     trace_curve,
 )
+from orbitproof.explore.masses.charts import evaluate
+from orbitproof.explore.masses.curve import extremum_between, extremum_brackets, point_at
 from orbitproof.explore.masses.expansion import Settings
 from orbitproof.explore.masses.file import (
-    CurveRecord,
     ExtremumRecord,
-    PointRecord,
     PreciseRecord,
     SettingsRecord,
     decimal_text,
-    read_curves,
     rounded,
     write_curves,
 )
 from orbitproof.explore.masses.precision import PrecisePoint, PrecisionFailure, precise_breaking, precise_extremum
-from orbitproof.explore.orbits.shooting import CorrectionFailure
+from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.orbits.stability import half_return
-from orbitproof.explore.seeds.libration_points import LIBRATION_POINTS
-from orbitproof.figures.pictures.mass_curve import draw_mass_curves, read_mass_curves
-from orbitproof.figures.style.style import close, use_style
-from orbitproof.figures.tables.published import default_published, read_published
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
+from orbitproof.explore.seeds import LIBRATION_POINTS
+from orbitproof.figures.pictures import draw_mass_curves, read_mass_curves
+from orbitproof.figures.style import close, use_style
+from orbitproof.figures.tables import default_published, read_published
+from orbitproof.shared import InputError
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 HALF = Fraction(1, 2)

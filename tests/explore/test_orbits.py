@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.families.continuation import crossings
-from orbitproof.explore.flow.flow import FlowFailure, flow_of
+from orbitproof.explore.flow import FlowFailure, flow_of
 from orbitproof.explore.names import resonant_values
-from orbitproof.explore.orbits.shooting import CorrectionFailure, ShootingProblem, SymmetricOrbit
-from orbitproof.explore.orbits.stability import HalfReturn, half_return, tupling_sides
-from orbitproof.explore.seeds.falkner_skan import limit_orbit
-from orbitproof.explore.seeds.libration_points import LIBRATION_POINTS, libration_point, lyapunov_orbit
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit, tupling_sides
+from orbitproof.explore.orbits.stability import HalfReturn, half_return
+from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, limit_orbit, lyapunov_orbit
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 MU = float(EARTH_MOON)

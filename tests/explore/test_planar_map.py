@@ -11,18 +11,14 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.portraits.file import read_portraits, write_portraits
+from orbitproof.explore.portraits import QUADRUPLING, TOUCH_AND_GO, Portrait, portrait, read_portraits, write_portraits
 from orbitproof.explore.portraits.planar_map import (
-    QUADRUPLING,
-    TOUCH_AND_GO,
-    Portrait,
     Resonance,
     ReversibleMap,
-    portrait,
     symmetric_periodic_orbits,
     unstable_manifold,
 )
-from orbitproof.shared.errors import InputError
+from orbitproof.shared import InputError
 
 MAPS = [ReversibleMap(0.3, 0.7, -0.4), QUADRUPLING.at(0.02), TOUCH_AND_GO.at(-0.02)]
 RESONANCES = [QUADRUPLING, TOUCH_AND_GO]

@@ -11,10 +11,11 @@ import pytest
 import orbitproof.explore.refinement.tasks
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
-from orbitproof.explore.families.tracing import TraceTask
-from orbitproof.explore.records.family_file import read_families
-from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
-from orbitproof.explore.search.request import check
+from orbitproof.explore.families import TraceTask
+from orbitproof.explore.records import read_families
+from orbitproof.explore.refinement import Task, refine_tasks
+from orbitproof.explore.refinement.tasks import Refined
+from orbitproof.explore.search import check
 from orbitproof.explore.search.run import _trace_tasks
 from orbitproof.shared.systems import FALKNER_SKAN
 

@@ -12,12 +12,11 @@ import mpmath
 import pytest
 from support.independent_flow import CONSTANTS, EARTH_MOON, LINEAR, crossings, extrapolated_crossings
 
+from orbitproof.explore.refinement import RefinementFailure, working_context
 from orbitproof.explore.refinement.half_return import half_return, linear_iterates
-from orbitproof.explore.refinement.newton import RefinedPoint, RefinementFailure, refine
-from orbitproof.explore.refinement.resonance import working_context
-from orbitproof.shared.formats import candidate_to_json
-from orbitproof.shared.formats.candidates import candidate_from_json
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
+from orbitproof.explore.refinement.newton import RefinedPoint, refine
+from orbitproof.shared.formats import candidate_from_json, candidate_to_json
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
 
 KINDS = {1: "symmetry_breaking", 2: "period_tupling", 3: "touch_and_go", 4: "period_tupling"}
 

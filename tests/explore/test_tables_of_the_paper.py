@@ -16,26 +16,30 @@ from support.process_work import dying, endless, name_of, squared
 
 import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.engines.processes import Job, Lost, run_all
-from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.conversion import family_record
-from orbitproof.explore.families.detection import Detection, detect
-from orbitproof.explore.families.named import Limits, trace_family
-from orbitproof.explore.families.stability_curve import MAX_CHANGE, StabilityCurve, largest_change, largest_changes
-from orbitproof.explore.families.tracing import TracedFamily
+from orbitproof.explore.engines import Job, Lost, run_all
+from orbitproof.explore.families import (
+    Family,
+    Limits,
+    TracedFamily,
+    detect,
+    family_record,
+    largest_changes,
+    trace_family,
+)
+from orbitproof.explore.families.detection import Detection
+from orbitproof.explore.families.stability_curve import MAX_CHANGE, StabilityCurve, largest_change
 from orbitproof.explore.names import resonant_values
-from orbitproof.explore.numerics.prediction import predict
-from orbitproof.explore.numerics.zeros import Samples, subdivide
-from orbitproof.explore.orbits.shooting import SymmetricOrbit
-from orbitproof.explore.records import BAND
-from orbitproof.explore.records.family_file import read_families, write_families
-from orbitproof.explore.refinement.tasks import Refined, Task, refine_tasks
-from orbitproof.explore.search.targets import is_refined, merged, targets_of
+from orbitproof.explore.numerics import Samples, predict, subdivide
+from orbitproof.explore.orbits import SymmetricOrbit
+from orbitproof.explore.records import BAND, read_families, write_families
+from orbitproof.explore.refinement import Task, refine_tasks
+from orbitproof.explore.refinement.tasks import Refined
+from orbitproof.explore.search import targets_of
+from orbitproof.explore.search.targets import is_refined, merged
 from orbitproof.figures.__main__ import main as figures_main
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.formats import candidate_to_json
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.shared.formats import candidate_to_json, read_candidates
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 SUN_JUPITER = {"mu": MASS_PARAMETERS["sun-jupiter"]}

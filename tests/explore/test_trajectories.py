@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.orbits.stability import multipliers, stability_index
-from orbitproof.explore.trajectories.source import Choice, NoOrbit, find_orbit
-from orbitproof.explore.trajectories.trajectory import Trajectory, trajectory_of
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.orbits import multipliers, stability_index
+from orbitproof.explore.trajectories import Choice, NoOrbit, Trajectory, find_orbit, trajectory_of
+from orbitproof.shared.systems import CR3BP
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 CANDIDATES, CERTIFICATES = DATA / "figures-candidates.json", DATA / "figures-certificates.json"

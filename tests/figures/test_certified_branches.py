@@ -18,16 +18,13 @@ from matplotlib.text import Text
 from support.chain_cases import Case, certificate, circle_point, concluded, parabola, parabola_piece, symmetric_loop
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.certified import heading_of
-from orbitproof.figures.certified.curve import Curve
-from orbitproof.figures.pictures import interactive
-from orbitproof.figures.pictures.certified_branches import draw_curves, draw_pieces
-from orbitproof.figures.pictures.certified_surfaces import draw_surface, surface_of
+from orbitproof.figures.certified import Curve, heading_of
+from orbitproof.figures.pictures import draw_curves, draw_pieces, draw_surface, interactive, surface_of
 from orbitproof.figures.scripting.documents import _curve_in_space as page_of_curve
-from orbitproof.figures.style.style import close, use_style
+from orbitproof.figures.style import close, use_style
 from orbitproof.shared.claims import Atlas, Claim, SurfacePiece
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
-from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
+from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import Certificate
 

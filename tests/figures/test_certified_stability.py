@@ -15,13 +15,13 @@ from support.picture_texts import unreadable
 from support.stability_cases import atlas, listed, results
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.certified.stability import CertifiedStability
-from orbitproof.figures.pictures.certified_stability import draw_certified_stability
-from orbitproof.figures.style.style import close, use_style
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
+from orbitproof.figures.certified import CertifiedStability
+from orbitproof.figures.pictures import draw_certified_stability
+from orbitproof.figures.style import close, use_style
+from orbitproof.shared import parse_exact
+from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.curve.proved_curve import conclude
+from orbitproof.verify.curve import conclude
 
 
 @pytest.fixture(autouse=True)

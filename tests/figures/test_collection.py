@@ -21,22 +21,24 @@ import orbitproof.verify.run.row_command
 from orbitproof import figures
 from orbitproof.explore.commands.arguments import parser as explore_parser
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.collection.data_folder import DataFolder, MissingData
-from orbitproof.figures.collection.manifest import STEPS, Step, step_of
-from orbitproof.figures.collection.pictures import PICTURES
-from orbitproof.figures.model.family import MarkedPoint, SampledFamily, assign, mark_candidates
-from orbitproof.figures.model.family_file import read_families
-from orbitproof.figures.orbits.orbit import OrbitNotClosed, symmetric_orbit, symmetric_orbits
-from orbitproof.figures.pictures.falkner_skan import draw_crossings, draw_resonant_orbits
-from orbitproof.figures.pictures.family import draw_marks
-from orbitproof.figures.pictures.gallery import draw_gallery
-from orbitproof.figures.pictures.geometry import draw_geometry
-from orbitproof.figures.pictures.halo_plane import draw_closed_curves, draw_resonant_families, spots_on
-from orbitproof.figures.pictures.halo_space import draw_torus
-from orbitproof.figures.style.style import close, use_style
+from orbitproof.figures.collection import PICTURES, STEPS, DataFolder, MissingData, Step, step_of
+from orbitproof.figures.model import MarkedPoint, SampledFamily, assign, mark_candidates, read_families
+from orbitproof.figures.orbits import OrbitNotClosed, symmetric_orbit, symmetric_orbits
+from orbitproof.figures.pictures import (
+    draw_closed_curves,
+    draw_crossings,
+    draw_gallery,
+    draw_geometry,
+    draw_marks,
+    draw_resonant_families,
+    draw_resonant_orbits,
+    draw_torus,
+)
+from orbitproof.figures.pictures.halo_plane import spots_on
+from orbitproof.figures.style import close, use_style
 from orbitproof.shared import InputError
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
+from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
 
 DATA = Path(__file__).parents[1] / "data"
 CANDIDATES, CERTIFICATES = DATA / "figures-candidates.json", DATA / "figures-certificates.json"

@@ -17,17 +17,15 @@ from matplotlib.lines import Line2D
 from support.picture_texts import unreadable
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.model.family import MarkedPoint, SampledFamily, assign, level_of, mark_candidates
-from orbitproof.figures.model.family_file import read_families
-from orbitproof.figures.orbits.fixed_set import state_on_fixed_set
-from orbitproof.figures.orbits.orbit import OrbitNotClosed, symmetric_orbit
-from orbitproof.figures.pictures.family import draw_family, draw_marks
+from orbitproof.figures.model import MarkedPoint, SampledFamily, assign, level_of, mark_candidates, read_families
+from orbitproof.figures.orbits import OrbitNotClosed, state_on_fixed_set, symmetric_orbit
+from orbitproof.figures.pictures import draw_family, draw_marks
 from orbitproof.figures.pictures.marks import resonances
 from orbitproof.figures.pictures.space import set_box
-from orbitproof.figures.style.style import close, marker_of, use_style
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.figures.style import close, marker_of, use_style
+from orbitproof.shared import InputError
+from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 DATA = Path(__file__).parents[1] / "data"
 CANDIDATES = DATA / "figures-candidates.json"

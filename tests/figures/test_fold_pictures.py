@@ -8,15 +8,14 @@ import numpy as np
 import pytest
 from support.picture_texts import unreadable
 
-from orbitproof.figures.certified.box import CertifiedCurves
+from orbitproof.figures.certified import CertifiedCurves
 from orbitproof.figures.pictures import certified_boxes
 from orbitproof.figures.pictures.legends import legend_handles
+from orbitproof.figures.report import check_files
 from orbitproof.figures.report.pictures import pictures_of
-from orbitproof.figures.report.theorems import check_files
-from orbitproof.figures.style.style import close, use_style
+from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import InputError, read_candidates
-from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.certificate.certificate import write_certificates
+from orbitproof.verify.certificate import Certificate, write_certificates
 from orbitproof.verify.certificate.certify import certify
 
 DATA = Path(__file__).parents[1] / "data" / "known-folds.json"

@@ -11,15 +11,20 @@ import pytest
 from matplotlib.figure import Figure
 from support.picture_texts import unreadable
 
-from orbitproof.explore.invariants.file import read_manifold, read_tori, write_manifold, write_tori
-from orbitproof.explore.invariants.manifold import Plane, manifold_of
-from orbitproof.explore.invariants.torus_family import trace_tori
-from orbitproof.explore.trajectories.source import SourceOrbit
-from orbitproof.explore.trajectories.trajectory import trajectory_of
+from orbitproof.explore.invariants import (
+    Plane,
+    manifold_of,
+    read_manifold,
+    read_tori,
+    trace_tori,
+    write_manifold,
+    write_tori,
+)
+from orbitproof.explore.trajectories import SourceOrbit, trajectory_of
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.pictures.invariants import draw_manifold, draw_tori
-from orbitproof.figures.style.style import close, use_style
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.figures.pictures import draw_manifold, draw_tori
+from orbitproof.figures.style import close, use_style
+from orbitproof.shared.systems import CR3BP
 
 MASS = Fraction("1.215058560962404e-2")
 HALO = [1.1380985313, -0.1661640169, -0.2240501116, 1.5452867791]

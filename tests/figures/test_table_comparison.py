@@ -10,13 +10,21 @@ from typing import Any
 import pytest
 from support.table_rows import CERTIFICATES, TINY, around, certificates, like, listed, only_section, printed
 
+from orbitproof.figures.tables import (
+    build_tables,
+    default_published,
+    read_published,
+    read_rows,
+    to_csv,
+    to_latex,
+    to_markdown,
+    to_text,
+)
 from orbitproof.figures.tables.intervals import Interval
-from orbitproof.figures.tables.latex import to_latex
-from orbitproof.figures.tables.published import PublishedRow, compare, default_published, match, read_published
-from orbitproof.figures.tables.rows import CertifiedRow, read_rows
-from orbitproof.figures.tables.tables import Table, build_tables
-from orbitproof.figures.tables.text import to_csv, to_markdown, to_text
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.figures.tables.published import PublishedRow, compare, match
+from orbitproof.figures.tables.rows import CertifiedRow
+from orbitproof.figures.tables.tables import Table
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 
 @pytest.fixture(scope="module")

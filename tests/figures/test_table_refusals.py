@@ -11,9 +11,8 @@ import pytest
 from support.table_rows import CANDIDATES, CERTIFICATES, certificates
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.tables.published import default_published
-from orbitproof.figures.tables.rows import read_rows
-from orbitproof.shared.errors import InputError
+from orbitproof.figures.tables import default_published, read_rows
+from orbitproof.shared import InputError
 
 
 def change_ball(key: str, value: Callable[[str], str]) -> Callable[[list[Any]], None]:

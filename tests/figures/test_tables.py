@@ -18,14 +18,22 @@ from support.claims import known
 from support.table_rows import CANDIDATES, CERTIFICATES, certificates, like, only_section, proved_only
 
 from orbitproof.figures.__main__ import main
+from orbitproof.figures.tables import (
+    build_tables,
+    default_published,
+    read_published,
+    read_rows,
+    to_csv,
+    to_latex,
+    to_markdown,
+    to_text,
+)
 from orbitproof.figures.tables.intervals import Interval, parse_interval
-from orbitproof.figures.tables.latex import aligned, to_latex
-from orbitproof.figures.tables.published import default_published, read_published
-from orbitproof.figures.tables.rows import CertifiedRow, Enclosure, _family_of, read_rows
-from orbitproof.figures.tables.tables import Table, build_tables
-from orbitproof.figures.tables.text import to_csv, to_markdown, to_text
-from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
-from orbitproof.verify.evidence.balls_as_text import bounds, certain_digits
+from orbitproof.figures.tables.latex import aligned
+from orbitproof.figures.tables.rows import CertifiedRow, Enclosure, _family_of
+from orbitproof.figures.tables.tables import Table
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
+from orbitproof.verify.evidence import bounds, certain_digits
 
 
 @pytest.fixture(scope="module")

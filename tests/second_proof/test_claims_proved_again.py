@@ -18,8 +18,8 @@ from orbitproof.shared.numbers import format_dyadic
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.evidence import exact_value
 from orbitproof.verify.run.second_proofs import compare
-from orbitproof.verify.second_proof import NotProved, Proved, second_proof
-from orbitproof.verify.second_proof.statement import BadCertificate, exact
+from orbitproof.verify.second_proof import BadCertificate, NotProved, Proved, second_proof
+from orbitproof.verify.second_proof.statement import exact
 
 FILE = Path(__file__).parents[1] / "data" / "figures-certificates.json"
 CERTIFICATES = {c["id"]: c for c in json.loads(FILE.read_text(encoding="utf-8"))["certificates"]}
@@ -306,9 +306,9 @@ def test_half_orbit_agrees_with_mpmath() -> None:
     """The first crossing of a Falkner-Skan orbit and its derivative in y, against mpmath's Taylor integration."""
     from mpmath import mp, mpf, odefun
 
+    from orbitproof.verify.second_proof import read_statement
     from orbitproof.verify.second_proof.crossing import follow
     from orbitproof.verify.second_proof.jets import Jet, ball, precision
-    from orbitproof.verify.second_proof.statement import read_statement
 
     statement = read_statement(CERTIFICATES[DOUBLING])
     with precision(192):

@@ -10,11 +10,10 @@ from typing import Any
 
 import pytest
 
+from orbitproof.shared import InputError
 from orbitproof.shared.claims import Piece, is_regular
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import atlas_to_json
-from orbitproof.shared.formats.atlas import atlas_from_json, piece_from_json, read_atlas, write_atlas
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.shared.formats import atlas_from_json, atlas_to_json, piece_from_json, read_atlas, write_atlas
+from orbitproof.shared.systems import CR3BP
 
 REGULAR: dict[str, Any] = {
     "id": "p001",

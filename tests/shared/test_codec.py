@@ -15,8 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
+from orbitproof.shared import InputError
 from orbitproof.shared.codec import from_json, register, schema_of, to_json
-from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.schemas import schema_text, schemas
 from orbitproof.shared.stored import Rational, rules, stored
 

@@ -11,8 +11,17 @@ import mpmath
 import pytest
 from support.exact_elements import number
 
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, FALKNER_SKAN, HILL, OVER_MASSES, SIDES, Program
-from orbitproof.shared.systems.libration import mass_of_distance
+from orbitproof.shared.systems import (
+    AROUND,
+    CR3BP,
+    CR3BP_AXIAL,
+    FALKNER_SKAN,
+    HILL,
+    OVER_MASSES,
+    SIDES,
+    Program,
+    mass_of_distance,
+)
 
 CLOSE = mpmath.mpf(10) ** -45
 

@@ -17,32 +17,38 @@ from support.claims import known
 from support.conclusions import conclude
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases.lyapunov import LyapunovFamily, lyapunov_atlas
-from orbitproof.explore.flow.flow import flow_of
-from orbitproof.explore.masses.curve import first_breaking
-from orbitproof.explore.seeds.libration_points import libration_point, lyapunov_orbit
+from orbitproof.explore.atlases import LyapunovFamily, lyapunov_atlas
+from orbitproof.explore.flow import flow_of
+from orbitproof.explore.masses import first_breaking
+from orbitproof.explore.seeds import libration_point, lyapunov_orbit
+from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas, Covers, Piece
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import atlas_to_json
-from orbitproof.shared.formats.atlas import atlas_from_json, read_atlas
-from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS
-from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS, SYSTEMS, DerivedParameter, ReversibleSystem
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Arithmetic
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.shared.formats import atlas_from_json, atlas_to_json, read_atlas
+from orbitproof.shared.systems import (
+    AROUND,
+    BRANCH_SYSTEMS,
+    CR3BP,
+    MASS_PARAMETERS,
+    SYSTEMS,
+    DerivedParameter,
+    ReversibleSystem,
+)
+from orbitproof.verify.algebra import Arithmetic, Grading
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.claim.symmetry import check_symmetries, parities
-from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
-from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.piece_result import PieceResult
-from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.evidence import Checklist
-from orbitproof.verify.evidence.comparisons import enclose
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.claim import check_symmetries, parities
+from orbitproof.verify.curve import (
+    PieceLimits,
+    PieceResult,
+    ProvedInterval,
+    certified_system,
+    derived_parameter,
+    parameter_series,
+    prove_piece,
+)
+from orbitproof.verify.curve.lyapunov_family import in_units_of_orbit
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, Proved, enclose
+from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.words import conclusion_in_words
 from orbitproof.verify.words.curve import meaning
 

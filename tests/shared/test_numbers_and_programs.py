@@ -13,26 +13,19 @@ from hypothesis import strategies as st
 from support.flow_checks import falkner_skan_box, halo
 from support.wide_checks import TWIST, piece
 
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import (
     Candidate,
     InputError,
     candidate_from_json,
     candidate_to_json,
+    piece_from_json,
     read_candidates,
     write_candidates,
 )
 from orbitproof.shared.formats.documents import validator
-from orbitproof.shared.formats.pieces import piece_from_json
-from orbitproof.shared.numbers import (
-    NUMBER,
-    RATIONAL,
-    format_dyadic,
-    format_exact,
-    format_rational,
-    parse_exact,
-    round_dyadic,
-)
+from orbitproof.shared.numbers import NUMBER, RATIONAL, format_dyadic, format_rational, round_dyadic
 from orbitproof.shared.systems import CR3BP, DescriptionError, Program, described, evaluate_formula, record
 
 # Numbers

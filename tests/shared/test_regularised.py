@@ -27,22 +27,19 @@ from support.flow_checks import (
 )
 
 from orbitproof.shared.claims import Candidate
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.certificate import recheck
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.claim.level import point_on_fixed_set
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.flow import Expansion
-from orbitproof.verify.flow.step import FlowStep, advance
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
-from orbitproof.verify.poincare.coordinates import PHYSICAL, regularised
+from orbitproof.verify.claim import point_on_fixed_set
+from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow import Expansion, FlowStep, advance
+from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare.coordinates import regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, stays_positive
-from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, _Integration, enclose_iterates
-from orbitproof.verify.poincare.returns import REGULARISED
+from orbitproof.verify.poincare.iterates import _Integration
 from orbitproof.verify.poincare.section import onto_section
 
 MU = MASS_PARAMETERS["earth-moon"]

@@ -51,15 +51,19 @@ from test_soundness_campaign import (  # noqa: E402
 )
 
 import orbitproof.verify.certificate.rechecking as rechecking  # noqa: E402
+from orbitproof.shared import parse_exact  # noqa: E402
 from orbitproof.shared.codec import to_json  # noqa: E402
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_text  # noqa: E402
 from orbitproof.shared.interrupts import run_command  # noqa: E402
-from orbitproof.shared.numbers import parse_exact, round_dyadic  # noqa: E402
+from orbitproof.shared.numbers import round_dyadic  # noqa: E402
 from orbitproof.shared.processes import Failure, Report, Task, answers  # noqa: E402
 from orbitproof.shared.systems import ReversibleSystem  # noqa: E402
-from orbitproof.verify.atlas.certificate import make_atlas_certificate  # noqa: E402
-from orbitproof.verify.atlas.conclusion import conclusion_of  # noqa: E402
-from orbitproof.verify.atlas.recheck import atlas_of, order_of  # noqa: E402
+from orbitproof.verify.atlas import (  # noqa: E402
+    atlas_of,
+    conclusion_of,
+    make_atlas_certificate,
+    order_of,
+)
 from orbitproof.verify.bifurcation import level_form  # noqa: E402
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck  # noqa: E402
 from orbitproof.verify.certificate.certify import certify  # noqa: E402

@@ -23,15 +23,14 @@ from support.claims import (
 
 import orbitproof.verify.certificate.certify
 import orbitproof.verify.flow.step
+from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import candidate_to_json
-from orbitproof.shared.formats.candidates import candidate_from_json
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.formats import candidate_from_json, candidate_to_json
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.verify.certificate import recheck
 from orbitproof.verify.certificate.certify import Integrator, certify
 from orbitproof.verify.certificate.kinds import enclose
-from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.oracle import Limits
 
 BITS = 256
 """Enough for every true claim here, as the first test shows, so that precision is not what the false ones lack."""

@@ -15,12 +15,10 @@ from support.faulty_worker import EXCEPTIONS, certify_task
 
 import orbitproof.verify.run.rows
 from orbitproof.shared.processes import GRACE_SECONDS
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
-from orbitproof.verify.poincare.iterates import enclose_iterates
+from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.poincare import enclose_iterates
 from orbitproof.verify.run.rows import certify_all
 
 CERTIFY = import_module("orbitproof.verify.certificate.certify")

@@ -27,7 +27,7 @@ from support.forgeries import (
 import orbitproof.verify.certificate.rechecking as rechecking
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import SYSTEMS, Program
-from orbitproof.verify.atlas.recheck import atlas_of
+from orbitproof.verify.atlas import atlas_of
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import ball_from_json, ball_to_json

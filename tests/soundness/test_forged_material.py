@@ -21,17 +21,22 @@ from test_forged_certificates import fabricated, of_parabola
 
 import orbitproof.verify.certificate.rechecking as rechecking
 from orbitproof import verify
-from orbitproof.figures.report.content import report_of
-from orbitproof.figures.report.theorems import check_files
+from orbitproof.figures.report import check_files, report_of
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.formats.documents import validator
-from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, SYSTEM, TITLE
-from orbitproof.verify.atlas.certificate import make_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.atlas.conclusion import conclusion_of, told
-from orbitproof.verify.atlas.recheck import Means, ProvedBefore, recheck_atlas
+from orbitproof.verify.atlas import (
+    Means,
+    ProvedBefore,
+    conclusion_of,
+    make_atlas_certificate,
+    recheck_atlas,
+    write_atlas_certificate,
+)
+from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import (
     UNCHECKED_REASON,
     Certificate,

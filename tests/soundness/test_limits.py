@@ -19,9 +19,9 @@ from test_forged_certificates import of_parabola
 
 from orbitproof import verify
 from orbitproof.figures.commands.report import main as report
+from orbitproof.shared import parse_exact
 from orbitproof.shared.formats import InputError, documents, read_document, stated_format, validate_document
 from orbitproof.shared.interrupts import run_command
-from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import CR3BP, Program, record
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import AtlasCertificate, atlas_of

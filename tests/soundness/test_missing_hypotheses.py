@@ -13,15 +13,20 @@ from flint import arb, ctx
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import CASES, SLOPED, WIDE, cubic, even, failed, outcome_of, proof, quadratic, tilted
 
-from orbitproof.verify.bifurcation.conditions import Point, Problem, check_transversality, locate
+from orbitproof.verify.bifurcation import BifurcationFunction, BifurcationResults, Problem, locate, theorem_of
+from orbitproof.verify.bifurcation.conditions import Point, check_transversality
 from orbitproof.verify.bifurcation.nondegeneracy import check_family_of_maps
-from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults, theorem_of
-from orbitproof.verify.bifurcation.reduction import BifurcationFunction, PeriodTwoFamily
-from orbitproof.verify.evidence import DerivativeTable, indices_up_to
-from orbitproof.verify.evidence.comparisons import enclose
-from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
-from orbitproof.verify.newton.interval_newton import ImplicitGraph
-from orbitproof.verify.newton.taylor_forms import BoxFunction
+from orbitproof.verify.bifurcation.reduction import PeriodTwoFamily
+from orbitproof.verify.evidence import (
+    Checklist,
+    DerivativeTable,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    enclose,
+    indices_up_to,
+)
+from orbitproof.verify.newton import BoxFunction, ImplicitGraph
 
 
 @pytest.fixture(autouse=True)

@@ -19,15 +19,12 @@ from flint import arb, ctx
 from support.wide_checks import OMEGA, TWIST, piece, value_and_error
 
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS
-from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
+from orbitproof.verify.algebra import Arithmetic, Series
+from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, prove_piece
 from orbitproof.verify.curve import piece as branch_piece
 from orbitproof.verify.curve.equation import halves, parts_of_interval
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.piece_result import PieceResult
-from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.evidence.outcome import Checklist, NotProved, Proved, Reason
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved, Reason
 from orbitproof.verify.oracle import ORACLE
 
 END = Fraction(16, 17)

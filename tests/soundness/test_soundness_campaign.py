@@ -34,10 +34,10 @@ from support.new_orbits import side_of
 from orbitproof.explore.refinement.newton import refine
 from orbitproof.shared.claims import KINDS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.claim.frames import determinant
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.claim import determinant
+from orbitproof.verify.oracle import Limits
 from orbitproof.verify.run.rows import certify_all
 
 OTHER_POINT = "point on Fix(R)"

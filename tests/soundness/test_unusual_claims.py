@@ -9,9 +9,8 @@ from typing import Any
 import pytest
 from support.claims import known
 
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import candidate_to_json
-from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates, write_candidates
+from orbitproof.shared import InputError
+from orbitproof.shared.formats import candidate_from_json, candidate_to_json, read_candidates, write_candidates
 from orbitproof.verify.__main__ import main
 
 MANY = "7" * 4000

@@ -13,9 +13,8 @@ from support.claims import known
 from support.forgeries import Document, atlas_certificate, checked, forged
 from test_forged_certificates import of_parabola
 
-from orbitproof.figures.report.content import report_of
-from orbitproof.figures.report.theorems import check_files
-from orbitproof.figures.tables.rows import read_rows
+from orbitproof.figures.report import check_files, report_of
+from orbitproof.figures.tables import read_rows
 from orbitproof.shared.formats import InputError, atlas_from_json, atlas_to_json
 from orbitproof.shared.systems import shown
 from orbitproof.verify.__main__ import main
@@ -23,12 +22,14 @@ from orbitproof.verify.certificate import (
     Certificate,
     Finding,
     Limits,
+    climb,
+    differences,
     digest,
+    other_hypotheses,
     recheck,
     write_certificates,
 )
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.levels import climb, differences, other_hypotheses
 from orbitproof.verify.evidence import quoted, quoted_name
 from orbitproof.verify.run import Display
 from orbitproof.verify.run.row_tables import recheck_table, verdict_table

@@ -22,12 +22,11 @@ import orbitproof.verify.certificate.certify
 import orbitproof.verify.flow.step
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence.decimals import exact_value
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
-from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.evidence import exact_value
+from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 LITTLE = 1e-250
 HONEST = orbitproof.verify.flow.step._tube

@@ -11,13 +11,13 @@ from support import atlas_work
 from support.chain_cases import parabola
 
 from orbitproof.shared.claims import Atlas
-from orbitproof.shared.formats.atlas import write_atlas
+from orbitproof.shared.formats import write_atlas
 from orbitproof.shared.processes import Answer, Progress, Source
+from orbitproof.verify.run import Display, Work
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import AtlasRun
-from orbitproof.verify.run.processes import Finished, Work
-from orbitproof.verify.run.progress import Display
+from orbitproof.verify.run.processes import Finished
 
 ROOT = Path(__file__).resolve().parents[2]
 CURVE, _ = parabola()

@@ -14,7 +14,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared import parse_exact
 
 Report = Callable[[float, str], None]
 Argument = Mapping[str, Any]

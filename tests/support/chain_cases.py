@@ -15,14 +15,12 @@ from typing import Any
 from flint import arb
 from support.conclusions import conclude
 
+from orbitproof.shared import format_exact
 from orbitproof.shared.claims import Atlas, Claim, Covers, Piece
-from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
-from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.rechecking import Finding, Recheck
-from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.curve.proved_curve import ProvedCurve
-from orbitproof.verify.evidence.balls_as_text import ball_to_json
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
+from orbitproof.verify.certificate import Certificate, Finding, Recheck
+from orbitproof.verify.curve import Conclusion, ProvedCurve
+from orbitproof.verify.evidence import ball_to_json
 
 MU = Fraction(1, 80)
 HALF_WIDTH = Fraction(2, 5)

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.systems.system import MASS_PARAMETERS
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.systems import MASS_PARAMETERS
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence.decimals import bounds
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.evidence import bounds
+from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 DATA = Path(__file__).parents[1] / "data" / "known-bifurcations.json"

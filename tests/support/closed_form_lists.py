@@ -15,10 +15,10 @@ from numpy.polynomial import chebyshev
 from support.list_truths import KnownCurve
 from support.skew_products import SkewProduct, energy, half_period, interpolated, powers
 
+from orbitproof.shared import format_exact
 from orbitproof.shared.claims import Atlas, Piece
-from orbitproof.shared.numbers import format_exact
-from orbitproof.verify.evidence.balls_as_text import ball_to_json
-from orbitproof.verify.functions.functions import REACH
+from orbitproof.verify.evidence import ball_to_json
+from orbitproof.verify.functions import REACH
 
 _DEGREE = 24
 _ENTRIES = ("11", "12", "21", "22")

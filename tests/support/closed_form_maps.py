@@ -16,12 +16,20 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
-from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults, prepare, prove
-from orbitproof.verify.evidence import DerivativeTable, indices_up_to
-from orbitproof.verify.evidence.comparisons import enclose, symmetric
-from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, NotProved, Outcome
-from orbitproof.verify.newton.jets import Jet, increment
+from orbitproof.shared.systems import ParameterRange, ReversibleSystem
+from orbitproof.verify.bifurcation import BifurcationResults, prepare, prove
+from orbitproof.verify.evidence import (
+    Checklist,
+    DerivativeTable,
+    NotEstablishedError,
+    NotProved,
+    Outcome,
+    enclose,
+    indices_up_to,
+    symmetric,
+)
+from orbitproof.verify.newton import Jet
+from orbitproof.verify.newton.jets import increment
 
 Shear = Callable[[Sequence[Any]], Sequence[Any]]
 

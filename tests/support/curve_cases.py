@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.curve.proved_curve import ProvedCurve
-from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.curve import Conclusion, ProvedCurve
+from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.words import conclusion_in_words
 
 

@@ -19,9 +19,8 @@ from typing import Any
 import mpmath
 from flint import fmpz_poly
 
-from orbitproof.verify.algebra.grading import Exponents, Grading
-from orbitproof.verify.algebra.series import Arithmetic, Series
-from orbitproof.verify.algebra.wide import WideArithmetic
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
+from orbitproof.verify.algebra.grading import Exponents
 
 PRECISION = 600
 GRADINGS = (

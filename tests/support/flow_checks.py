@@ -12,12 +12,10 @@ from flint import arb, fmpq
 from support.reference import Orbits, falkner_skan, three_body
 
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.systems.program import Program
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ReversibleSystem
-from orbitproof.verify.algebra.programs import PreparedProgram, prepare
-from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, Program, ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, prepare
 from orbitproof.verify.evidence import DerivativeTable
-from orbitproof.verify.flow.step import FlowStep, advance
+from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.wide_solution import expand
 from orbitproof.verify.poincare.section import onto_section

@@ -14,13 +14,12 @@ from support import atlas_work
 from support.chain_cases import parabola
 from support.conclusions import conclude
 
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
-from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.atlas.certificate import make_atlas_certificate
+from orbitproof.shared.formats import read_atlas
+from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, recheck_atlas
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.atlas.recheck import Means, ProvedBefore, recheck_atlas
 from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck, rechecking
 from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.run.branch_tasks import task_again

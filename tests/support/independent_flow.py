@@ -8,11 +8,9 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.refinement.crossing import section_crossings
-from orbitproof.explore.refinement.half_return import section_jets, start_jets
-from orbitproof.explore.refinement.jets import Jet, JetBasis
-from orbitproof.explore.refinement.resonance import working_context
-from orbitproof.shared.systems.system import CR3BP, MASS_PARAMETERS, ReversibleSystem
+from orbitproof.explore.refinement import Jet, JetBasis, section_crossings, start_jets, working_context
+from orbitproof.explore.refinement.half_return import section_jets
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, ReversibleSystem
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 

@@ -17,8 +17,8 @@ import numpy as np
 from flint import arb
 from scipy.optimize import brentq
 
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.evidence.balls_as_text import ball_from_json
+from orbitproof.shared import parse_exact
+from orbitproof.verify.evidence import ball_from_json
 
 Value = Callable[[Any], Any]
 """A function of places along a curve."""

@@ -9,8 +9,8 @@ from typing import Any
 from flint import arb
 from support.closed_form_maps import ReversibleMap, claim, description, square_root, tables_of_maps, verdict
 
-from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults
-from orbitproof.verify.evidence.outcome import NotProved, Outcome, Proved
+from orbitproof.verify.bifurcation import BifurcationResults
+from orbitproof.verify.evidence import NotProved, Outcome, Proved
 
 R = F(1, 2**14)
 ROOT = square_root(F(1, 2), 200)

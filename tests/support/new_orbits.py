@@ -10,8 +10,7 @@ from support.flow_checks import initial_state, kernel_values, orbits
 
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.verify.evidence.comparisons import enclose
-from orbitproof.verify.evidence.decimals import exact_value
+from orbitproof.verify.evidence import enclose, exact_value
 
 BITS = 200
 _STEP = Fraction(1, 2**80)

@@ -10,12 +10,11 @@ from typing import Any
 from support.conclusions import with_complete_list
 
 from orbitproof.shared.claims import Atlas, Claim, Piece
-from orbitproof.shared.systems.system import ReversibleSystem
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
+from orbitproof.verify.evidence import Proved
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability.matrix import stability_to_json
+from orbitproof.verify.stability import stability_to_json
 
 LIMITS = PieceLimits(96, 30, 16)
 

@@ -16,15 +16,12 @@ import pytest
 from support.exact_elements import number
 from support.wide_checks import OMEGA, TWIST
 
+from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.formats.pieces import piece_from_json
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
-from orbitproof.shared.systems.system import ReversibleSystem
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.piece_result import PieceResult
-from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.shared.formats import piece_from_json
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem
+from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, prove_piece
+from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
 
 DATA = Path(__file__).parents[1] / "data"

@@ -8,7 +8,7 @@ from typing import Any
 
 from flint import fmpz, fmpz_mpoly_ctx
 
-from orbitproof.explore.engines.processes import Progress
+from orbitproof.explore.engines import Progress
 
 
 def squared(item: int, progress: Progress) -> int:

@@ -24,7 +24,8 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk
 
 from orbitproof.shared.claims import Atlas, Claim, Piece
-from orbitproof.shared.systems.system import ReversibleSystem, VectorField
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems.system import VectorField
 
 _NODES = 160
 _POINTS = chebyshev.chebpts1(_NODES)

@@ -10,8 +10,8 @@ from typing import Any
 from support.conclusions import with_complete_list
 
 from orbitproof.shared.claims import Atlas
-from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.verify.curve.proved_curve import conclude
+from orbitproof.shared.formats import read_atlas
+from orbitproof.verify.curve import conclude
 
 DATA = Path(__file__).parents[1] / "data"
 Results = list[dict[str, Any]]

@@ -12,10 +12,11 @@ from typing import Any
 
 from flint import arb
 
+from orbitproof.figures.tables import build_tables
 from orbitproof.figures.tables.intervals import Interval
 from orbitproof.figures.tables.published import Printed, PublishedList, PublishedRow
 from orbitproof.figures.tables.rows import CertifiedRow, Enclosure
-from orbitproof.figures.tables.tables import Section, build_tables
+from orbitproof.figures.tables.tables import Section
 
 DATA = Path(__file__).parents[1] / "data"
 CANDIDATES = DATA / "figures-candidates.json"

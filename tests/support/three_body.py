@@ -22,8 +22,8 @@ from scipy.optimize import brentq
 from support.list_truths import KnownCurve
 from support.skew_products import interpolated
 
+from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas, Piece
-from orbitproof.shared.numbers import parse_exact
 
 _RELATIVE, _ABSOLUTE = 3e-14, 1e-15
 _NODES = 72

@@ -14,14 +14,11 @@ from support.exact_elements import known_value, number
 from support.reference import Orbits, falkner_skan, three_body
 
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.systems.libration import AROUND
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ParameterRange, ReversibleSystem
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Arithmetic, Series
-from orbitproof.verify.algebra.wide import WideArithmetic
-from orbitproof.verify.curve.libration_point import parameter_series
+from orbitproof.shared.systems import AROUND, CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ParameterRange, ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
+from orbitproof.verify.curve import parameter_series
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare.returns import Returns
+from orbitproof.verify.poincare import Returns
 
 MU = MASS_PARAMETERS["earth-moon"]
 BITS = 170

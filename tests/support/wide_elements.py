@@ -14,7 +14,7 @@ from support.exact_elements import (
     random_point,
 )
 
-from orbitproof.verify.algebra.series import Arithmetic
+from orbitproof.verify.algebra import Arithmetic
 
 POINTS = 6
 

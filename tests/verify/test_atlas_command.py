@@ -18,11 +18,11 @@ from support import atlas_work
 from support.atlas_runs import CURVE, ROOT, go, refused, write
 from support.runs import started, wait_until
 
+from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas
-from orbitproof.shared.errors import InputError
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.verify.atlas.certificate import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate.certificate import digest
+from orbitproof.verify.atlas import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.certificate import digest
 from orbitproof.verify.run.branch_command import _parser, main
 from orbitproof.verify.run.splitting import interval_of
 

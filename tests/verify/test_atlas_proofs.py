@@ -11,12 +11,11 @@ import pytest
 from support import atlas_work
 
 from orbitproof.shared.claims import Atlas, Piece
-from orbitproof.shared.formats.atlas import read_atlas, write_atlas
-from orbitproof.shared.formats.candidates import candidate_from_json
-from orbitproof.verify.atlas.certificate import read_atlas_certificate
-from orbitproof.verify.certificate.certificate import write_certificates
+from orbitproof.shared.formats import candidate_from_json, read_atlas, write_atlas
+from orbitproof.verify.atlas import read_atlas_certificate
+from orbitproof.verify.certificate import write_certificates
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.oracle import Limits
 from orbitproof.verify.run.branch_command import main
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"

@@ -13,9 +13,8 @@ from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, forged, honest, of_parabola
 
 from orbitproof.shared.claims import Atlas
-from orbitproof.verify.atlas.certificate import make_atlas_certificate
-from orbitproof.verify.atlas.conclusion import conclusion_of
-from orbitproof.verify.atlas.recheck import Means, ProvedBefore, _contradictions, recheck_atlas
+from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate, recheck_atlas
+from orbitproof.verify.atlas.recheck import _contradictions
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck
 from orbitproof.verify.certificate.certify import certify, not_proved
 from orbitproof.verify.evidence import Reason

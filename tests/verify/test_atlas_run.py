@@ -17,13 +17,13 @@ from support import atlas_work
 from support.atlas_runs import CURVE, ROOT, go, refused, write
 from support.chain_cases import symmetric_loop
 
-from orbitproof.shared.numbers import format_exact
+from orbitproof.shared import format_exact
 from orbitproof.shared.processes import Answer, Task
-from orbitproof.verify.atlas.certificate import read_atlas_certificate
+from orbitproof.verify.atlas import read_atlas_certificate
+from orbitproof.verify.run import Processes, whole
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits
-from orbitproof.verify.run.processes import Processes
-from orbitproof.verify.run.splitting import covers, halves, interval_of, plan, whole
+from orbitproof.verify.run.splitting import covers, halves, interval_of, plan
 
 
 @given(st.lists(st.booleans(), max_size=6))

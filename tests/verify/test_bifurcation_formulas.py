@@ -13,35 +13,37 @@ from support.claims import known
 from support.closed_form_maps import claim, description, table, tables_of_maps, verdict
 from support.map_cases import CASES, WIDE, failed, proof
 
-from orbitproof.verify.bifurcation.conditions import (
+from orbitproof.verify.bifurcation import (
+    BifurcationFunction,
+    BifurcationResults,
+    DoublySymmetricFamily,
     Problem,
     check_family,
-    check_reduced_function,
+    check_fold,
+    check_own_box,
     check_reduction,
-    check_transversality,
+    coordinates_in_box,
+    level_form,
     locate,
+    reduced_function,
+)
+from orbitproof.verify.bifurcation.conditions import (
+    check_reduced_function,
+    check_transversality,
     narrowed_zero,
     require_inside,
 )
-from orbitproof.verify.bifurcation.fold import check_fold
-from orbitproof.verify.bifurcation.level_forms import (
-    _images,
-    _is_own_box,
-    check_own_box,
-    coordinates_in_box,
-    level_form,
+from orbitproof.verify.bifurcation.level_forms import _images, _is_own_box
+from orbitproof.verify.bifurcation.reduction import PeriodTwoFamily, ReducedFunction
+from orbitproof.verify.evidence import (
+    Checklist,
+    DerivativeTable,
+    Evidence,
+    NotEstablishedError,
+    Outcome,
+    enclose,
+    symmetric,
 )
-from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults
-from orbitproof.verify.bifurcation.reduction import (
-    BifurcationFunction,
-    DoublySymmetricFamily,
-    PeriodTwoFamily,
-    ReducedFunction,
-    reduced_function,
-)
-from orbitproof.verify.evidence import DerivativeTable, Evidence
-from orbitproof.verify.evidence.comparisons import enclose, symmetric
-from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError, Outcome
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet
 from orbitproof.verify.poincare import enclose_first_integral
 

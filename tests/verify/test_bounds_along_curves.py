@@ -19,17 +19,13 @@ from support.closed_form_lists import ellipse, line, result, results
 from support.flow_checks import ball
 
 from orbitproof.shared.claims import Atlas
-from orbitproof.shared.systems.system import ReversibleSystem
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Series
-from orbitproof.verify.algebra.wide import WideArithmetic
-from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.distances.distances import Where
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic
+from orbitproof.verify.curve import Chain, conclude
+from orbitproof.verify.distances import Where
 from orbitproof.verify.distances.ranges import Extreme, joined
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.functions.functions import (
+from orbitproof.verify.evidence import IntegrationFailure, Proved
+from orbitproof.verify.functions import (
     REACH,
     BoundedFunction,
     determinant,
@@ -42,15 +38,14 @@ from orbitproof.verify.functions.functions import (
     slope,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.out_of_plane.out_of_plane import KnownVariations, variations_across
+from orbitproof.verify.out_of_plane import KnownVariations, variations_across
+from orbitproof.verify.stability import CompleteList, CurveEnd, Gap, Kind, Matter, Resonance, unconfirmed
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.complete_list import Finder
-from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import extrema_on
-from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance
 from orbitproof.verify.stability.known_functions import segments_of
 from orbitproof.verify.stability.linear_stability import is_stable, stable_intervals
-from orbitproof.verify.stability.list_entries import CompleteList, Gap, Segment, shortened
+from orbitproof.verify.stability.list_entries import Segment, shortened
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, _minors, _stability_matrix
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 

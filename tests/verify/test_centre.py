@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import pytest
 
-from orbitproof.shared.systems.system import FALKNER_SKAN
-from orbitproof.verify.algebra.programs import prepare
+from orbitproof.shared.systems import FALKNER_SKAN
+from orbitproof.verify.algebra import prepare
 from orbitproof.verify.oracle.centre import fixed_coefficients, rescaled
 
 

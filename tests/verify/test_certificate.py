@@ -12,35 +12,30 @@ from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats.candidates import candidate_from_json
-from orbitproof.verify.certificate.certificate import (
-    Certificate,
-    digest,
-    is_proof_of,
-    make_certificate,
-    read_certificates,
-    write_certificates,
-)
+from orbitproof.shared.formats import candidate_from_json
+from orbitproof.verify.certificate import Certificate, digest, is_proof_of, read_certificates, write_certificates
+from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence import DerivativeTable
-from orbitproof.verify.evidence.balls_as_text import (
+from orbitproof.verify.evidence import (
+    DerivativeTable,
+    IntegrationFailure,
+    NotProved,
+    Reason,
     ball_from_json,
     ball_to_json,
     bounds,
     certain_digits,
     count_certain_digits,
     decimal_interval,
+    enclose,
     exact_value,
     located,
     range_text,
 )
-from orbitproof.verify.evidence.comparisons import enclose
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.evidence.outcome import NotProved, Reason
-from orbitproof.verify.oracle.precision import Limits, first_precision
-from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings
+from orbitproof.verify.oracle import Limits, first_precision
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
 FALKNER_SKAN: dict[str, Any] = {
     "id": "falkner-skan k=3",

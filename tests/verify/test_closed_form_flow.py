@@ -26,13 +26,12 @@ from support.flow_checks import (
 
 import orbitproof.verify.flow.step
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Arithmetic
-from orbitproof.verify.claim.symmetry import check_symmetries
+from orbitproof.shared.systems import ParameterRange, ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Grading
+from orbitproof.verify.claim import check_symmetries
 from orbitproof.verify.evidence import Checklist
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
 
 DIGITS = 70
 

@@ -16,8 +16,8 @@ from orbitproof.verify.certificate.rechecking import _conclude
 from orbitproof.verify.evidence import NotProved, Proved, bounds
 from orbitproof.verify.newton import BoxFunction
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.orbit import Approach, OrbitEnclosures, OrbitResults, enclose_orbit
-from orbitproof.verify.orbit.proved_orbit import Extremum, _coordinate
+from orbitproof.verify.orbit import Approach, Extremum, OrbitEnclosures, OrbitResults, enclose_orbit
+from orbitproof.verify.orbit.proved_orbit import _coordinate
 from orbitproof.verify.poincare import IntegratorSettings
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from support import atlas_work
 
-from orbitproof.verify.atlas.certificate import read_atlas_certificate
+from orbitproof.verify.atlas import read_atlas_certificate
 from orbitproof.verify.run.branch_command import main
 
 DATA = Path(__file__).parents[1] / "data"

@@ -17,20 +17,17 @@ from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
 from support.stability_cases import Results, atlas, listed, results
 
-from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.atlas.certificate import make_atlas_certificate
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.functions.functions import REACH, BoundedFunction
+from orbitproof.shared import format_exact, parse_exact
+from orbitproof.shared.formats import read_atlas
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.curve import Bifurcation, Place, conclude
+from orbitproof.verify.evidence import EmptyIntersectionError, Proved
+from orbitproof.verify.functions import REACH, BoundedFunction
+from orbitproof.verify.stability import Kind, Point, open_on
 from orbitproof.verify.stability.complete_list import complete_list, orders
 from orbitproof.verify.stability.extrema import extrema_on
-from orbitproof.verify.stability.kinds import Kind
-from orbitproof.verify.stability.left_open import open_on
 from orbitproof.verify.stability.linear_stability import is_stable
-from orbitproof.verify.stability.list_entries import Point, Segment
+from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 
 DATA = Path(__file__).parents[1] / "data"

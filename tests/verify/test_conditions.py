@@ -11,8 +11,7 @@ from flint import arb, ctx
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import CASES, ROOT, outcome_of, proof
 
-from orbitproof.verify.evidence.comparisons import enclose
-from orbitproof.verify.evidence.decimals import bounds
+from orbitproof.verify.evidence import bounds, enclose
 
 
 @pytest.fixture(autouse=True)

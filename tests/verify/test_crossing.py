@@ -13,17 +13,12 @@ from support.exact_elements import packed_from
 from support.flow_checks import box, falkner_skan_box, halo
 
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.systems import record
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Arithmetic, Series
-from orbitproof.verify.algebra.wide import WideArithmetic
-from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, record
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
+from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare import crossing
+from orbitproof.verify.poincare import IntegratorSettings, at_start, crossing, enclose_iterates
 from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, range_of, stays_positive, wide_parts
-from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_iterates
-from orbitproof.verify.poincare.returns import at_start
 
 ARITHMETIC = Arithmetic(Grading((1,), 1), 120, 0, 12)
 ONE = arb(1)

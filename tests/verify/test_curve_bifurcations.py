@@ -31,17 +31,14 @@ from support.conclusions import conclude
 from support.curve_cases import proof, refusal
 
 from orbitproof.shared.claims import Atlas, Claim, Piece
-from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.shared.systems.system import FALKNER_SKAN
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.systems import FALKNER_SKAN
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.curve.other_point import enclose_other_point
-from orbitproof.verify.curve.piece import prove_piece
-from orbitproof.verify.evidence.comparisons import enclose
-from orbitproof.verify.evidence.decimals import bounds
+from orbitproof.verify.curve import enclose_other_point, prove_piece
+from orbitproof.verify.evidence import bounds, enclose
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.orbit.multipliers import Stability
-from orbitproof.verify.orbit.proved_orbit import OrbitResults
+from orbitproof.verify.orbit import OrbitResults, Stability
 from orbitproof.verify.words import conclusion_in_words
 
 DATA = Path(__file__).parents[1] / "data"

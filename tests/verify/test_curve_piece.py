@@ -35,12 +35,11 @@ from support.reference import Orbits, falkner_skan, three_body
 from support.wide_checks import MU, libration_point
 
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.wide import WideArithmetic
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.verify.algebra import Grading, WideArithmetic
+from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.curve.equation import Equation
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.evidence.outcome import NotProved
+from orbitproof.verify.evidence import NotProved
 from orbitproof.verify.oracle import ORACLE
 
 BITS = 110

@@ -33,8 +33,8 @@ from support.piece_cases import (
 from support.wide_checks import MU, OMEGA, TWIST
 
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, SYSTEMS
+from orbitproof.verify.curve import PieceLimits, prove_piece
 from orbitproof.verify.oracle import ORACLE
 
 

@@ -26,7 +26,7 @@ from support.curve_cases import refusal
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.verify.curve.conditions import check_two_points
 from orbitproof.verify.curve.tube import read_tube
-from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError
+from orbitproof.verify.evidence import Checklist, NotEstablishedError
 from orbitproof.verify.words import conclusion_in_words
 
 

@@ -34,13 +34,11 @@ from support.chain_cases import (
 from support.curve_cases import proof, refusal
 
 from orbitproof.shared.claims import Claim, Piece
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve.conditions import hypotheses_of
 from orbitproof.verify.curve.tube import read_tube
-from orbitproof.verify.evidence import enclose
-from orbitproof.verify.evidence.decimals import bounds
-from orbitproof.verify.evidence.outcome import Proved
+from orbitproof.verify.evidence import Proved, bounds, enclose
 from orbitproof.verify.words import conclusion_in_words
 
 CASES: dict[str, Callable[[], Case]] = {

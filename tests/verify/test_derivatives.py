@@ -11,10 +11,10 @@ import pytest
 from flint import ctx, fmpz_poly
 from support.flow_checks import contains, random_fraction
 
-from orbitproof.verify.algebra.grading import Exponents, Grading
-from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.algebra.grading import Exponents
 from orbitproof.verify.evidence import MAX_ORDER, indices_up_to
-from orbitproof.verify.poincare.derivatives import derivative_table
+from orbitproof.verify.poincare import derivative_table
 
 GRADINGS = (Grading((1, 1), 3), Grading((2, 1), 3), Grading((1, 1, 2), 2), Grading((2, 1, 2), 3))
 Polynomial = dict[Exponents, Fraction]

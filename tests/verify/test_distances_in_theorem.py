@@ -13,12 +13,11 @@ from support import stability_cases
 from support.conclusions import with_complete_list
 from support.forgeries import checked, forged, honest, noticed
 
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.atlas.certificate import make_atlas_certificate
-from orbitproof.verify.curve.piece import PieceLimits
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.distances.distances import Where
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.curve import PieceLimits, conclude
+from orbitproof.verify.distances import Where
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import orbit_functions
 

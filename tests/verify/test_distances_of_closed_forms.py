@@ -17,10 +17,10 @@ from support.one_piece import OnePiece
 from support.piece_cases import slow
 from support.skew_products import SkewProduct
 
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.distances.distances import Where
-from orbitproof.verify.distances.ranges import Extreme, distances_from_json
-from orbitproof.verify.functions.functions import REACH
+from orbitproof.shared import format_exact, parse_exact
+from orbitproof.verify.distances import Where, distances_from_json
+from orbitproof.verify.distances.ranges import Extreme
+from orbitproof.verify.functions import REACH
 
 CASES = {
     "farthest at an end at first": (Fraction(1), Fraction(1), Fraction(1), Fraction(1, 8)),

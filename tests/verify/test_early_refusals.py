@@ -18,8 +18,7 @@ from orbitproof.verify.certificate.certify import _attempt, certify
 from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.evidence import NotProved, Proved, guarded
 from orbitproof.verify.newton import BoxFunction
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits, Verdict, accuracy_bits, first_precision
+from orbitproof.verify.oracle import ORACLE, Limits, Verdict, accuracy_bits, first_precision
 from orbitproof.verify.poincare import HalfReturns, IntegratorSettings, Returns, enclose_iterates
 
 DIGITS = 30

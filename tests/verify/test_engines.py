@@ -13,9 +13,7 @@ from support import atlas_work
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Answer, Failure, Task
 from orbitproof.verify.evidence import installed
-from orbitproof.verify.run import cluster
-from orbitproof.verify.run.cluster import connected
-from orbitproof.verify.run.processes import Engine, Processes
+from orbitproof.verify.run import Engine, Processes, cluster, connected
 
 HERE = installed()
 OTHER = {**HERE, "orbitproof": "0"}

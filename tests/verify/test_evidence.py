@@ -7,7 +7,7 @@ from fractions import Fraction as F
 import pytest
 from flint import arb, ctx
 
-from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared import parse_exact
 from orbitproof.verify.certificate import MEANINGS, Level
 from orbitproof.verify.evidence import (
     Checklist,

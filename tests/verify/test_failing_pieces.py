@@ -13,13 +13,10 @@ from support.piece_cases import FAST, LINE, REGULAR, TWISTED, WHOLE, prove
 from support.wide_checks import MU, TWIST
 
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.shared.systems import CR3BP
+from orbitproof.verify.curve import HalfReturn, PieceLimits, PieceResult, ProvedInterval, broken_off, prove_piece
 from orbitproof.verify.curve import piece as curve_piece
-from orbitproof.verify.curve.equation import HalfReturn
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.piece_result import PieceResult, broken_off
-from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.evidence.outcome import NotProved, Reason
+from orbitproof.verify.evidence import NotProved, Reason
 from orbitproof.verify.oracle import ORACLE
 
 FOREIGN = ("Error", "solve()", "radii", "radius", "box", "another centre", "a better centre")

@@ -13,18 +13,15 @@ from typing import Any
 import pytest
 
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.formats.candidates import read_candidates
-from orbitproof.shared.systems.program import record
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import prepare
-from orbitproof.verify.algebra.series import Arithmetic
-from orbitproof.verify.bifurcation.level_forms import level_form
+from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.systems import record
+from orbitproof.verify.algebra import Arithmetic, Grading, prepare
+from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.flow import dyadic_below
-from orbitproof.verify.oracle import steps_of_centre
-from orbitproof.verify.oracle.precision import first_precision
+from orbitproof.verify.oracle import first_precision, steps_of_centre
 from orbitproof.verify.oracle.solution import CentreExpansion
-from orbitproof.verify.poincare.coordinates import PHYSICAL
+from orbitproof.verify.poincare import PHYSICAL
 
 ROWS = {row.id: row for row in read_candidates(Path(__file__).parents[1] / "data" / "far-arc-candidates.json")}
 EARTH_MOON, SUN_JUPITER = "earth-moon-L1-halo-k3-5", "sun-jupiter-L1-halo-k3-5"

@@ -16,7 +16,7 @@ from flint import arb, ctx
 from support.claims import to_the_end
 from support.forgeries import noticed
 
-from orbitproof.explore.orbits.shooting import ShootingProblem
+from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.refinement.newton import refine
 from orbitproof.shared.formats import (
     Candidate,
@@ -27,11 +27,10 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import DescriptionError, FixedLevel, ReversibleSystem, describe, described
-from orbitproof.verify.certificate.certificate import Certificate, digest
+from orbitproof.verify.certificate import Certificate, digest, recheck
 from orbitproof.verify.certificate.certify import Integrator, certify
 from orbitproof.verify.certificate.kinds import enclose
-from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.oracle import Limits
 
 DATA = Path(__file__).parents[1] / "data"
 

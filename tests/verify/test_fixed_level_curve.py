@@ -29,15 +29,11 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.curve.other_point import enclose_other_point
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.piece_result import PieceResult
-from orbitproof.verify.curve.proved_intervals import ProvedInterval
+from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, enclose_other_point, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.words import conclusion_in_words
 

@@ -16,14 +16,12 @@ from support.closed_form_maps import claim, description, table, verdict
 from support.forgeries import noticed
 from support.map_cases import failed, proof
 
+from orbitproof.shared import format_exact
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, read_candidates
-from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.bifurcation import BifurcationResults
-from orbitproof.verify.certificate import Certificate, Limits, recheck
-from orbitproof.verify.certificate.certificate import digest
+from orbitproof.verify.certificate import Certificate, Limits, digest, recheck
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.evidence import bounds
-from orbitproof.verify.evidence.outcome import Outcome
+from orbitproof.verify.evidence import Outcome, bounds
 
 Function = Callable[[Sequence[Any], Callable[[F], Any]], Any]
 

@@ -15,8 +15,7 @@ from support.claims import coordinates_in_box, known
 
 from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS, Program, record
 from orbitproof.verify.bifurcation import BifurcationTheorem
-from orbitproof.verify.certificate import Certificate, Limits, digest, recheck
-from orbitproof.verify.certificate.certificate import is_proof_of
+from orbitproof.verify.certificate import Certificate, Limits, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.claim import level_program
 from orbitproof.verify.words import equations, setting

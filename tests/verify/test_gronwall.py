@@ -22,10 +22,8 @@ from support.exact_elements import (
     random_point,
 )
 
-from orbitproof.shared.systems.system import SYSTEMS
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import prepare
-from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.shared.systems import SYSTEMS
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, prepare
 from orbitproof.verify.flow.gronwall import (
     PARTS,
     centre_and_norms,

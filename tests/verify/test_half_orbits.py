@@ -16,7 +16,7 @@ from support.closed_form_maps import claim, description, table, tables_of_maps, 
 from support.forgeries import noticed
 from support.map_cases import CASES, failed, proof
 
-from orbitproof.explore.orbits.shooting import ShootingProblem
+from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.shared.formats import (
     Atlas,
     Candidate,
@@ -27,19 +27,15 @@ from orbitproof.shared.formats import (
     read_atlas,
     read_candidates,
 )
-from orbitproof.verify.atlas.certificate import AtlasCertificate, make_atlas_certificate
-from orbitproof.verify.certificate.certificate import Certificate, digest
+from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.certificate import Certificate, digest, recheck
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.proved_curve import CurveTheorem, ProvedCurve
-from orbitproof.verify.evidence.outcome import Proved as PieceProved
-from orbitproof.verify.functions.functions import bounded
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.curve import Chain, CurveTheorem, PieceLimits, ProvedCurve, prove_piece
+from orbitproof.verify.evidence import Proved as PieceProved
+from orbitproof.verify.functions import bounded
+from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.run.branches import reusable
-from orbitproof.verify.second_proof.proof import Proved, second_proof
+from orbitproof.verify.second_proof import Proved, second_proof
 from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.words.curve import curve_in_words
 

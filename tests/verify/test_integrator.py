@@ -32,15 +32,14 @@ from support.reference import finite_differences
 
 import orbitproof.verify.flow.step
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ReversibleSystem
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import prepare
-from orbitproof.verify.algebra.series import Arithmetic
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Grading, prepare
 from orbitproof.verify.evidence import IntegrationFailure
-from orbitproof.verify.flow.step import advance
+from orbitproof.verify.flow import advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.solution import CentreExpansion
-from orbitproof.verify.poincare.iterates import Enclosures, IntegratorSettings, enclose_iterates, grading_for
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare.iterates import grading_for
 
 # Boxes by name: candidate and precision in bits. The radii are so different from one box to the next that once the
 # error of the orbit and once the higher derivatives decide; the two gradings of the theorems occur with both systems.

@@ -15,24 +15,24 @@ import pytest
 from flint import arb, ctx
 from support.claims import known, moved
 
+from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
-from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import candidate_to_json
-from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates, write_candidates
-from orbitproof.shared.formats.systems import load_system
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.formats import (
+    candidate_from_json,
+    candidate_to_json,
+    load_system,
+    read_candidates,
+    write_candidates,
+)
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.bifurcation.level_forms import in_box, level_form
-from orbitproof.verify.certificate.certificate import Certificate, digest, is_proof_of
+from orbitproof.verify.bifurcation import in_box, level_form
+from orbitproof.verify.certificate import Certificate, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.certify import _forms, certify
-from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.claim.level import level_program, point_on_fixed_set, quadratic_coefficient
-from orbitproof.verify.evidence import DerivativeTable
-from orbitproof.verify.evidence.comparisons import enclose
-from orbitproof.verify.evidence.decimals import bounds
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits, missing_bits
-from orbitproof.verify.poincare.iterates import IntegratorSettings, enclose_first_integral, enclose_iterates
+from orbitproof.verify.claim import level_program, point_on_fixed_set, quadratic_coefficient
+from orbitproof.verify.evidence import DerivativeTable, bounds, enclose
+from orbitproof.verify.oracle import ORACLE, Limits, missing_bits
+from orbitproof.verify.poincare import IntegratorSettings, enclose_first_integral, enclose_iterates
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
 ROWS = ["em1", "em2", "em3"]

@@ -18,24 +18,30 @@ from support.claims import known, to_the_end
 from support.forgeries import forged
 from support.springs import springs
 
-from orbitproof.shared.numbers import format_dyadic, parse_exact
+from orbitproof.shared import parse_exact
+from orbitproof.shared.numbers import format_dyadic
 from orbitproof.verify.bifurcation import BifurcationResults
-from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, recheck
-from orbitproof.verify.certificate import rechecking as chapter
-from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.kinds import contradictions, unconfirmed
-from orbitproof.verify.certificate.levels import (
+from orbitproof.verify.certificate import (
     CannotBeCheckedError,
+    Certificate,
+    Finding,
+    Level,
+    Limits,
     NothingToCheckError,
     climb,
     confirmed,
     decimals,
     differences,
     overlap,
+    recheck,
+    systems_with,
+    tables_from_json,
 )
-from orbitproof.verify.certificate.stated_system import systems_with
+from orbitproof.verify.certificate import rechecking as chapter
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.kinds import contradictions, unconfirmed
 from orbitproof.verify.certificate.stored_balls import to_json as results_to_json
-from orbitproof.verify.certificate.tables import tables_from_json, tables_to_json
+from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds
 from orbitproof.verify.oracle import more_precision
 from orbitproof.verify.poincare import Enclosures

@@ -12,12 +12,13 @@ from typing import Any
 import pytest
 from flint import arb, ctx, fmpq, fmpq_poly
 
-from orbitproof.shared.formats.atlas import read_atlas
+from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import NotEstablishedError, NotProved, Proved, hull
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.surface import libration_piece as chapter
-from orbitproof.verify.surface.libration_piece import BOX, _Newton, prove_libration_piece
+from orbitproof.verify.surface import prove_libration_piece
+from orbitproof.verify.surface.libration_piece import BOX, _Newton
 
 ONE = Fraction(1)
 WHOLE = (-ONE, ONE)

@@ -17,13 +17,11 @@ from support.forgeries import checked
 from support.one_piece import OnePiece
 from support.stability_cases import atlas, listed, results
 
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems.program import record
-from orbitproof.shared.systems.system import ReversibleSystem
-from orbitproof.verify.atlas.certificate import make_atlas_certificate
-from orbitproof.verify.evidence.balls_as_text import ball_from_json
-from orbitproof.verify.evidence.outcome import NotEstablishedError, Reason
-from orbitproof.verify.stability.left_open import open_on
+from orbitproof.shared import parse_exact
+from orbitproof.shared.systems import ReversibleSystem, record
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.evidence import NotEstablishedError, Reason, ball_from_json
+from orbitproof.verify.stability import open_on
 from orbitproof.verify.stability.level import Level, gradient
 
 LOSS = "loss of R"

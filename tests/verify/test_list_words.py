@@ -15,21 +15,28 @@ from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
 from support.stability_cases import atlas, listed, results
 
+from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Claim
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
-from orbitproof.verify.curve.gluing import Chain
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.evidence.balls_as_text import exact_interval_text
-from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.functions.functions import REACH, BoundedFunction
-from orbitproof.verify.stability.across_list import ListAcross
+from orbitproof.verify.curve import Bifurcation, Chain, Place, conclude
+from orbitproof.verify.evidence import EmptyIntersectionError, Proved, exact_interval_text
+from orbitproof.verify.functions import REACH, BoundedFunction
+from orbitproof.verify.stability import (
+    BAND,
+    CompleteList,
+    CurveEnd,
+    Extremum,
+    Gap,
+    Kind,
+    ListAcross,
+    Matter,
+    Point,
+    Resonance,
+)
 from orbitproof.verify.stability.complete_list import complete_list
-from orbitproof.verify.stability.extrema import BAND, extrema_on, is_in_band
-from orbitproof.verify.stability.kinds import CurveEnd, Kind, Matter, Resonance, Subject, may_change_stability
+from orbitproof.verify.stability.extrema import extrema_on, is_in_band
+from orbitproof.verify.stability.kinds import Subject, may_change_stability
 from orbitproof.verify.stability.linear_stability import stable_intervals
-from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, Segment
+from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.matching import with_certificates
 from orbitproof.verify.stability.zeros import zeros_on
 from orbitproof.verify.words import complete_list as sentences

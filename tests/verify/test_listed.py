@@ -8,8 +8,7 @@ import pytest
 from support.stability_cases import atlas, listed, results
 
 from orbitproof.shared import InputError
-from orbitproof.verify.atlas import AtlasCertificate
-from orbitproof.verify.atlas.certificate import make_atlas_certificate
+from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
 from orbitproof.verify.evidence import ball_from_json
 
 

@@ -17,14 +17,14 @@ from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.skew_products import SkewProduct, energy, half_period
 
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.functions import REACH, function_from_json
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability.matrix import SLOPE_BITS, orbit_functions, stability_to_json
+from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
+from orbitproof.verify.stability.matrix import orbit_functions
 
 Make = Callable[[int], SkewProduct]
 

@@ -23,19 +23,16 @@ from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.three_body import Numbers, Orbits, numbers
 
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas, Piece
-from orbitproof.shared.formats.atlas import atlas_from_json, read_atlas
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.distances.distances import Where
-from orbitproof.verify.distances.ranges import distances_from_json
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.shared.formats import atlas_from_json, read_atlas
+from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
+from orbitproof.verify.distances import Where, distances_from_json
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.functions import REACH, function_from_json
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
-from orbitproof.verify.stability.confirmation import unconfirmed
-from orbitproof.verify.stability.matrix import SLOPE_BITS, stability_to_json
+from orbitproof.verify.stability import SLOPE_BITS, stability_to_json, unconfirmed
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())

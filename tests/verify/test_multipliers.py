@@ -16,7 +16,8 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.certificate import Limits
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import bounds, enclose
-from orbitproof.verify.orbit.multipliers import STABLE, UNSTABLE, _multiplier, _roots, stability_of
+from orbitproof.verify.orbit import STABLE, UNSTABLE
+from orbitproof.verify.orbit.multipliers import _multiplier, _roots, stability_of
 
 Root = tuple[Fraction, Fraction]
 """Real and imaginary part."""

@@ -20,7 +20,7 @@ from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, DescriptionError, Rev
 from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate.kinds import theorem_of
 from orbitproof.verify.claim import names_in_words
-from orbitproof.verify.curve.proved_curve import conclude
+from orbitproof.verify.curve import conclude
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.words import in_full, setting, theorem_in_words
 

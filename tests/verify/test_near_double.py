@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared import parse_exact
 from orbitproof.verify.__main__ import main as verify
 
 DATA = Path(__file__).parents[1] / "data"

@@ -12,13 +12,15 @@ from flint import arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from orbitproof.verify.evidence import DerivativeTable, indices_up_to
-from orbitproof.verify.evidence.comparisons import (
+from orbitproof.verify.evidence import (
+    DerivativeTable,
     EmptyIntersectionError,
     all_finite,
+    bounds,
     enclose,
     excludes_zero,
     hull,
+    indices_up_to,
     is_below,
     is_inside,
     is_outside,
@@ -29,10 +31,8 @@ from orbitproof.verify.evidence.comparisons import (
     symmetric,
     up_to,
 )
-from orbitproof.verify.evidence.decimals import bounds
-from orbitproof.verify.newton.interval_newton import ImplicitGraph, is_regular, newton_image
-from orbitproof.verify.newton.jets import Jet, compose, implicit_jets, increment
-from orbitproof.verify.newton.taylor_forms import BoxFunction
+from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet, compose, is_regular, newton_image
+from orbitproof.verify.newton.jets import implicit_jets, increment
 
 Polynomial = Mapping[tuple[int, ...], F]
 fractions = st.fractions(min_value=-8, max_value=8, max_denominator=64)

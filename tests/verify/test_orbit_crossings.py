@@ -18,8 +18,7 @@ from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.certificate import Certificate, digest, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import bounds, exact_value
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.orbit import OrbitResults, enclose_orbit
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
 

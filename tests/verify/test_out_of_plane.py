@@ -18,21 +18,17 @@ from support.conclusions import with_complete_list
 from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
 
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
-from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems.libration import AROUND
-from orbitproof.shared.systems.system import CR3BP
-from orbitproof.verify.atlas.certificate import make_atlas_certificate
-from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, Place
-from orbitproof.verify.curve.libration_point import derived_parameter
-from orbitproof.verify.curve.piece import PieceLimits
-from orbitproof.verify.curve.proved_curve import conclude
-from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.functions.functions import REACH, function_from_json
+from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.systems import AROUND, CR3BP
+from orbitproof.verify.atlas import make_atlas_certificate
+from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, conclude, derived_parameter
+from orbitproof.verify.evidence import EmptyIntersectionError, Proved
+from orbitproof.verify.functions import REACH, function_from_json
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES, variations_from_json
+from orbitproof.verify.out_of_plane import variations_from_json
+from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import complete_list
 from orbitproof.verify.stability.matrix import orbit_functions

@@ -9,8 +9,7 @@ import pytest
 from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 
-from orbitproof.verify.atlas import check_of_conclusion, places_on, recheck_places
-from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.atlas import AtlasCertificate, check_of_conclusion, places_on, recheck_places
 from orbitproof.verify.certificate import Certificate, Finding, Limits, Recheck, recheck
 from orbitproof.verify.certificate.certify import certify
 

@@ -18,17 +18,15 @@ from flint import arb
 from support.forgeries import atlas_certificate, checked, forged, honest, noticed
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases.lyapunov import LyapunovFamily
-from orbitproof.explore.seeds.libration_points import libration_point
+from orbitproof.explore.atlases import LyapunovFamily
+from orbitproof.explore.seeds import libration_point
+from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Atlas, LibrationPiece, evaluate
-from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems.libration import AROUND, OVER_MASSES, SIDES, mass_of_distance
-from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.systems import AROUND, OVER_MASSES, SIDES, mass_of_distance
+from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.surface.half_return import SurfaceLimits
-from orbitproof.verify.surface.libration_piece import prove_libration_piece
-from orbitproof.verify.surface.proved_surface import conclude_surface
+from orbitproof.verify.surface import SurfaceLimits, conclude_surface, prove_libration_piece
 from orbitproof.verify.words import conclusion_in_words
 
 DATA = Path(__file__).parents[1] / "data"

@@ -13,11 +13,10 @@ from flint import arb
 from support.chain_cases import certificate, circle, circle_point, concluded, symmetric_arc
 
 from orbitproof.shared.claims import Claim
-from orbitproof.shared.systems import DerivedParameter
-from orbitproof.shared.systems.libration import AROUND
+from orbitproof.shared.systems import AROUND, DerivedParameter
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.curve import libration_point
-from orbitproof.verify.curve.libration_point import Root, derived_parameter, parameter_series
+from orbitproof.verify.curve import derived_parameter, libration_point, parameter_series
+from orbitproof.verify.curve.libration_point import Root
 from orbitproof.verify.evidence import IntegrationFailure, NotProved
 
 SYSTEM, NAME, MASS = AROUND["L1"], "x_l", {"mu": Fraction(1, 80)}

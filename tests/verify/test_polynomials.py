@@ -10,7 +10,7 @@ from flint import arb, arb_poly
 from support.flow_checks import ball
 
 from orbitproof.shared.claims import evaluate
-from orbitproof.verify.algebra.polynomials import ball_polynomial, plus, recentred, values_around
+from orbitproof.verify.algebra import ball_polynomial, plus, recentred, values_around
 
 
 @pytest.mark.parametrize("middle", [Fraction(0), Fraction(1, 3), Fraction(-5, 7)])

@@ -12,11 +12,9 @@ import pytest
 from flint import ctx
 from support.exact_elements import PRECISION, is_enclosed, number, random_arithmetic, random_element, random_point
 
-from orbitproof.shared.systems.program import Program, record
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import evaluate, prepare
-from orbitproof.verify.algebra.series import Arithmetic, Series
-from orbitproof.verify.evidence.failure import IntegrationFailure
+from orbitproof.shared.systems import Program, record
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, evaluate, prepare
+from orbitproof.verify.evidence import IntegrationFailure
 
 Formula = Callable[[Sequence[Any]], Sequence[Any]]
 

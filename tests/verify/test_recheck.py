@@ -15,20 +15,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.claims import to_the_end
 
-from orbitproof.shared.formats import InputError
-from orbitproof.shared.formats.candidates import candidate_from_json, read_candidates
-from orbitproof.shared.numbers import format_dyadic, parse_exact
+from orbitproof.shared import parse_exact
+from orbitproof.shared.formats import InputError, candidate_from_json, read_candidates
+from orbitproof.shared.numbers import format_dyadic
 from orbitproof.shared.systems import shown
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.certificate import Level, rechecking
-from orbitproof.verify.certificate.certificate import Certificate, digest, read_certificates, write_certificates
+from orbitproof.verify.certificate import (
+    Certificate,
+    Level,
+    Recheck,
+    digest,
+    read_certificates,
+    recheck,
+    rechecking,
+    write_certificates,
+)
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.rechecking import Recheck, recheck
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
-from orbitproof.verify.evidence.decimals import exact_value
-from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.oracle.precision import Limits
-from orbitproof.verify.poincare.iterates import Enclosures, enclose_iterates
+from orbitproof.verify.evidence import exact_value
+from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.poincare import Enclosures, enclose_iterates
 from orbitproof.verify.run.row_tables import recheck_table
 
 MODULE = importlib.import_module("orbitproof.verify.certificate.rechecking")

@@ -15,8 +15,7 @@ from orbitproof.shared.formats import Candidate, read_candidates
 from orbitproof.verify.bifurcation import Counsel, Failure, check_exactly, prove, silent
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, guarded
-from orbitproof.verify.oracle import remedies
-from orbitproof.verify.oracle.precision import Limits, Verdict
+from orbitproof.verify.oracle import Limits, Verdict, remedies
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
 TRUE = known("fs2")

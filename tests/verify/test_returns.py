@@ -23,16 +23,18 @@ from orbitproof.verify.algebra import Arithmetic, Grading
 from orbitproof.verify.evidence import Checklist, DerivativeTable, IntegrationFailure, NotEstablishedError
 from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare.crossing import Arrival
-from orbitproof.verify.poincare.half_orbit import check_half_orbit
-from orbitproof.verify.poincare.iterates import (
+from orbitproof.verify.poincare import (
+    REGULARISED,
     HalfReturns,
     IntegratorSettings,
+    Returns,
     box_of,
+    check_half_orbit,
     enclose_first_integral,
     enclose_iterates,
+    kernel_components,
 )
-from orbitproof.verify.poincare.returns import REGULARISED, Returns, kernel_components
+from orbitproof.verify.poincare.crossing import Arrival
 
 FRAME = ((Fraction(1), Fraction(3, 10)), (Fraction(1, 5), Fraction(1)))
 CENTRE = (Fraction(5, 4), Fraction(1, 2))

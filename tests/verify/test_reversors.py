@@ -25,10 +25,9 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import CR3BP, SYSTEMS, ReversibleSystem, describe, described
-from orbitproof.verify.certificate.certificate import Certificate, digest
+from orbitproof.verify.certificate import Certificate, digest, recheck
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.rechecking import recheck
-from orbitproof.verify.oracle.precision import Limits
+from orbitproof.verify.oracle import Limits
 
 BIRTHS = {
     "earth-moon-L1-axial-k1-1": "3.02139212923076323216679724384125",

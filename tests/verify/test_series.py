@@ -24,8 +24,7 @@ from support.exact_elements import (
     random_point,
 )
 
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, correct_power
 
 EXPONENTS = [Fraction(-1), Fraction(-1, 2), Fraction(-3, 2), Fraction(-2, 3), Fraction(-3), Fraction(-1, 3)]
 

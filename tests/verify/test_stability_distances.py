@@ -16,23 +16,24 @@ from flint import arb, arb_poly, ctx, fmpz_poly
 from scipy.integrate import solve_ivp
 from support.flow_checks import ball
 
+from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.formats.pieces import piece_from_json
-from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems.system import CR3BP
+from orbitproof.shared.formats import piece_from_json
+from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
-from orbitproof.verify.curve.piece import PieceLimits
-from orbitproof.verify.distances.distances import PARTS, Cells, Where
-from orbitproof.verify.distances.ranges import (
+from orbitproof.verify.curve import PieceLimits
+from orbitproof.verify.distances import (
     KnownDistances,
+    Where,
     distances_from_json,
     is_distance_of_orbits,
     ranges_between,
 )
+from orbitproof.verify.distances.distances import PARTS, Cells
 from orbitproof.verify.evidence import sign
-from orbitproof.verify.functions.functions import REACH, BoundedFunction
+from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability.confirmation import unconfirmed
+from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.matrix import orbit_functions
 

@@ -12,11 +12,9 @@ import pytest
 from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
 
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.series import Series
-from orbitproof.verify.algebra.wide import WideArithmetic
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.functions.functions import (
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic
+from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.functions import (
     REACH,
     BoundedFunction,
     function,

@@ -15,18 +15,14 @@ from flint import arb, ctx
 from scipy.integrate import solve_ivp
 from support.stability_cases import atlas, results
 
+from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Piece
-from orbitproof.shared.formats.pieces import piece_from_json
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems.libration import AROUND
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.wide import WideArithmetic
-from orbitproof.verify.curve.libration_point import derived_parameter
-from orbitproof.verify.curve.piece import PieceLimits, prove_piece
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.evidence.outcome import Proved
-from orbitproof.verify.functions.functions import REACH, bounded, function, function_from_json, restricted
+from orbitproof.shared.formats import piece_from_json
+from orbitproof.shared.systems import AROUND, CR3BP, FALKNER_SKAN
+from orbitproof.verify.algebra import Grading, WideArithmetic
+from orbitproof.verify.curve import PieceLimits, derived_parameter, prove_piece
+from orbitproof.verify.evidence import IntegrationFailure, Proved
+from orbitproof.verify.functions import REACH, bounded, function, function_from_json, restricted
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, orbit_functions
 from orbitproof.verify.stability.units import scales

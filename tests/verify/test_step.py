@@ -20,10 +20,8 @@ from support.exact_elements import (
     random_point,
 )
 
-from orbitproof.shared.systems.program import record
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import prepare
-from orbitproof.verify.algebra.series import Arithmetic, Series
+from orbitproof.shared.systems import record
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, prepare
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE

@@ -18,20 +18,19 @@ from flint import arb, ctx
 from support.claims import known
 from support.surface_cases import ONE, WHOLE, exactly, number, point_of
 
-from orbitproof.explore.flow.flow import flow_of
+from orbitproof.explore.flow import flow_of
 from orbitproof.shared.claims import Atlas, SurfacePiece, evaluate
-from orbitproof.shared.formats.atlas import read_atlas
+from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.systems import CR3BP, HILL, MASS_PARAMETERS
 from orbitproof.shared.systems.hill import hill_field, hill_integral
-from orbitproof.shared.systems.system import CR3BP, HILL, MASS_PARAMETERS
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.curve.piece_result import PieceResult
-from orbitproof.verify.evidence.comparisons import enclose, is_inside
-from orbitproof.verify.evidence.outcome import NotProved, Proved, Reason
+from orbitproof.verify.curve import PieceResult
+from orbitproof.verify.evidence import NotProved, Proved, Reason, enclose, is_inside
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.surface import SurfaceLimits, prove_surface_piece
 from orbitproof.verify.surface import piece as surface_piece
 from orbitproof.verify.surface.gluing import Sheet, read_sheet
-from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, coordinate_terms, enclose_surface
-from orbitproof.verify.surface.piece import prove_surface_piece
+from orbitproof.verify.surface.half_return import SurfaceReturn, coordinate_terms, enclose_surface
 from orbitproof.verify.surface.proved_parts import ProvedParts
 
 FAST = SurfaceLimits(60, 20, 5, 3)

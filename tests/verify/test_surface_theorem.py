@@ -18,22 +18,20 @@ from flint import arb, ctx
 from support.surface_cases import ONE, WHOLE, exactly, point_of
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases.surface import intervals
+from orbitproof.explore.atlases import intervals
+from orbitproof.shared import format_exact
 from orbitproof.shared.claims import SURFACE, Atlas, Claim, Covers, SurfacePiece, evaluate
-from orbitproof.shared.formats.atlas import read_atlas
-from orbitproof.shared.numbers import format_exact
-from orbitproof.shared.systems.system import HILL
+from orbitproof.shared.formats import read_atlas
+from orbitproof.shared.systems import HILL
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.curve.conclusion import Conclusion
-from orbitproof.verify.evidence.balls_as_text import ball_from_json, ball_to_json
-from orbitproof.verify.evidence.comparisons import enclose, hull
-from orbitproof.verify.evidence.outcome import NotProved, Proved
+from orbitproof.verify.curve import Conclusion
+from orbitproof.verify.evidence import NotProved, Proved, ball_from_json, ball_to_json, enclose, hull
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.surface import ProvedSurface, conclude_surface, prove_surface_piece, unshown
 from orbitproof.verify.surface.gluing import Sheet
-from orbitproof.verify.surface.piece import candidate_at, prove_surface_piece
+from orbitproof.verify.surface.piece import candidate_at
 from orbitproof.verify.surface.proved_parts import ProvedPart
-from orbitproof.verify.surface.proved_surface import ProvedSurface, conclude_surface, heights
-from orbitproof.verify.surface.stored_parts import unshown
+from orbitproof.verify.surface.proved_surface import heights
 from orbitproof.verify.words import conclusion_in_words
 from orbitproof.verify.words.surface import _digits
 

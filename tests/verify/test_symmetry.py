@@ -13,11 +13,9 @@ import pytest
 from support.claims import known
 from support.closed_form_maps import claim, description
 
-from orbitproof.shared.systems.program import record
-from orbitproof.shared.systems.system import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem
-from orbitproof.verify.claim import check_adapted_frames, check_level
-from orbitproof.verify.claim.symmetry import check_symmetries, parities, signs_on
-from orbitproof.verify.evidence.outcome import Checklist, NotEstablishedError
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, SYSTEMS, ReversibleSystem, record
+from orbitproof.verify.claim import check_adapted_frames, check_level, check_symmetries, parities, signs_on
+from orbitproof.verify.evidence import Checklist, NotEstablishedError
 
 
 @pytest.mark.parametrize("name", SYSTEMS)

@@ -18,17 +18,14 @@ from support.independent_flow import extrapolated_flow
 from support.wide_checks import BITS, TOLERANCE, WIDE_SETS, WideSet, holds, oscillators, random_place
 
 import orbitproof.verify.flow.step
-from orbitproof.shared.systems.system import CR3BP
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import PreparedProgram
-from orbitproof.verify.algebra.series import Arithmetic, Series
-from orbitproof.verify.algebra.wide import WideArithmetic
-from orbitproof.verify.evidence.failure import IntegrationFailure
-from orbitproof.verify.flow.step import FlowStep, advance
+from orbitproof.shared.systems import CR3BP
+from orbitproof.verify.algebra import Arithmetic, Grading, PreparedProgram, Series, WideArithmetic
+from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.wide_solution import expand
+from orbitproof.verify.poincare import Returns
 from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, wide_parts
-from orbitproof.verify.poincare.returns import Returns
 from orbitproof.verify.poincare.section import onto_section
 from orbitproof.verify.poincare.section_field import build_section_program
 

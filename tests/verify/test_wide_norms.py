@@ -25,12 +25,8 @@ from support.exact_elements import (
 )
 from support.wide_elements import POINTS, points, shrunk, values_of, wide_arithmetic
 
-from orbitproof.shared.systems.libration import AROUND
-from orbitproof.shared.systems.system import SYSTEMS
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import prepare
-from orbitproof.verify.algebra.series import Series
-from orbitproof.verify.algebra.wide import WideArithmetic
+from orbitproof.shared.systems import AROUND, SYSTEMS
+from orbitproof.verify.algebra import Grading, Series, WideArithmetic, prepare
 from orbitproof.verify.flow.gronwall import (
     PARTS,
     centre_and_norms,

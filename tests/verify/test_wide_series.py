@@ -27,11 +27,8 @@ from support.exact_elements import (
 )
 from support.wide_elements import POINTS, points, shrunk, values_of, wide_arithmetic
 
-from orbitproof.shared.systems.system import SYSTEMS
-from orbitproof.verify.algebra.grading import Grading
-from orbitproof.verify.algebra.programs import evaluate, prepare
-from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
-from orbitproof.verify.algebra.wide import WideArithmetic
+from orbitproof.shared.systems import SYSTEMS
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic, correct_power, evaluate, prepare
 
 EXPONENTS = [Fraction(-1), Fraction(-1, 2), Fraction(-3, 2), Fraction(-2, 3), Fraction(-3)]
 
