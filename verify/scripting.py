@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 from orbitproof.shared.formats import Atlas, Candidate, InputError
 from orbitproof.verify.atlas import AtlasCertificate, Placed, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
-from orbitproof.verify.run import GIBIBYTE, CheckLimits, Display
-from orbitproof.verify.run.branch_checks import examined, places_on_apart, with_places
+from orbitproof.verify.run import GIBIBYTE, CheckLimits
+from orbitproof.verify.run.branch_checks import places_on_apart
 from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
-from orbitproof.verify.run.rows import RowRun, recheck_all
+from orbitproof.verify.run.checking_again import checked_again
+from orbitproof.verify.run.rows import RowRun
 from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
 from orbitproof.verify.run.workplace import Workplace
 
@@ -165,27 +166,13 @@ def recheck(
     `ValueError` for a limit that makes no sense.
     """
     workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
-    limits = workplace.row_checks
     given = [certificates] if isinstance(certificates, (Certificate, AtlasCertificate)) else list(certificates)
     names = [entry.id for entry in given]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
-    rows = [entry for entry in given if isinstance(entry, Certificate)]
-    display = Display({entry.id: 1.0 for entry in rows}, quiet)
-    found: dict[str, Recheck] = {}
-
-    def finished(result: Recheck) -> None:
-        found[result.id] = result
-        display.finish(result.id, result.word)
-
-    with display.shown():
-        recheck_all(rows, integrate, workplace.jobs, display.advance, finished, limits)
-    if curve is not None or any("place" in entry.to_json() for entry in rows):
-        found = with_places(curve, rows, found, integrate, workplace)
-    for entry in given:
-        if isinstance(entry, AtlasCertificate):
-            found[entry.id] = examined(entry.document, (), integrate, workplace)
+    with closing(checked_again(given, curve, integrate, workplace)) as checks:
+        found = {check.id: check for check in checks}
     return [found[name] for name in names]
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Mapping, Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from orbitproof.verify.bifurcation import level_form
 from orbitproof.verify.certificate import Certificate, Recheck, read_certificates, systems_with
 from orbitproof.verify.run import LONG_CHECK_SECONDS, CheckLimits, Display
 from orbitproof.verify.run.branch_checks import conclusion_apart
-from orbitproof.verify.run.rows import recheck_all
+from orbitproof.verify.run.rows import rechecks
 from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_statement
 
 
@@ -106,8 +106,10 @@ def check_files(
         display.finish(check.id, check.word)
 
     rows = [entry for _, entry in entries if isinstance(entry, Certificate)]
-    with display.shown():
-        recheck_all(rows, False, 1, display.advance, finished, CheckLimits(timeout, memory))
+    again = rechecks(rows, False, 1, display.advance, CheckLimits(timeout, memory))
+    with display.shown(), closing(again):
+        for check in again:
+            finished(check)
         for _, entry in entries:
             if not isinstance(entry, Certificate):
                 finished(conclusion_apart(entry, CheckLimits(timeout, memory, LONG_CHECK_SECONDS)))
@@ -121,7 +123,7 @@ def check_files(
 
 def has_second_proof(entry: CheckedRow) -> bool:
     """Whether the second proof is about such a claim."""
-    with contextlib.suppress(CannotFollow, BadCertificate):
+    with suppress(CannotFollow, BadCertificate):
         read_statement(entry.certificate.to_json())
         return True
     return False

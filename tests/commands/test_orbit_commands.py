@@ -12,6 +12,7 @@ import pytest
 
 from orbitproof.explore.__main__ import main as explore
 from orbitproof.shared.formats import read_atlas, read_candidates
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main as verify
 from orbitproof.verify.atlas import (
     check_of_conclusion,
@@ -23,6 +24,7 @@ from orbitproof.verify.atlas import (
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import Level, digest, read_certificates, recheck, write_certificates
 from orbitproof.verify.curve import conclude
+from orbitproof.verify.run import branch_checks
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 FAMILY = DATA / "figures-falkner-skan-family.json"
@@ -112,6 +114,19 @@ def test_a_place_is_kept_and_checked_with_the_certificate_of_the_curve(
 def test_a_place_stands_when_orbit_and_curve_are_integrated_again(placed: Path, curve: Path) -> None:
     words = ["--recheck", "--integrate", str(placed), "--curve", str(curve), "--quiet", "--jobs", "1"]
     assert verify(words) == 0
+
+
+def test_an_interrupt_while_the_curve_is_checked_leaves_the_rows(
+    placed: Path, curve: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def examined(*_: Any) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(branch_checks, "examined", examined)
+    assert verify(["--recheck", str(placed), "--curve", str(curve), "--quiet"]) == INTERRUPTED
+    output, errors = capsys.readouterr()
+    assert "its place rests on the curve" in output
+    assert "interrupted" in errors
 
 
 def another_piece(place: dict[str, Any]) -> None:

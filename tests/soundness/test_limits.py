@@ -365,7 +365,7 @@ def test_an_integration_again_has_a_limit_of_time_if_none_is_given(
     monkeypatch.setattr(side_by_side, "answers", answers)
     entry = Certificate.from_json(honest)
     for limits in (CheckLimits(), CheckLimits(7.0)):
-        side_by_side.recheck_all([entry], True, 1, lambda *_: None, lambda check: None, limits)
+        list(side_by_side.rechecks([entry], True, 1, lambda *_: None, limits))
     assert given == [CHECK_SECONDS, INTEGRATION_SECONDS, 7.0, 7.0]
     assert INTEGRATION_SECONDS >= 3600
     assert f"with --integrate {INTEGRATION_SECONDS:g}" in " ".join(_parser().format_help().split())

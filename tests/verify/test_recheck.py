@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import multiprocessing
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -15,8 +16,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.claims import to_the_end
 
+from orbitproof import verify
 from orbitproof.shared import parse_exact
 from orbitproof.shared.formats import InputError, candidate_from_json, read_candidates
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import format_dyadic
 from orbitproof.shared.systems import shown
 from orbitproof.verify.__main__ import main
@@ -35,6 +38,7 @@ from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence import exact_value
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.poincare import Enclosures, enclose_iterates
+from orbitproof.verify.run import Display, checking_again
 from orbitproof.verify.run.row_tables import recheck_table
 
 MODULE = importlib.import_module("orbitproof.verify.certificate.rechecking")
@@ -402,6 +406,32 @@ def test_the_command_says_which_certificate_and_which_number(
     assert "k=3: results, parameter: stored is [453.4425868" in output
     assert "FAILED k=3" in errors
     assert main(["--recheck", str(path), "--quiet", "--only", "shifted"]) == 0
+
+
+class Interrupted(Display):
+    """Ctrl-C as soon as the first row is shown."""
+
+    def finish(self, name: str, word: str) -> None:
+        super().finish(name, word)
+        raise KeyboardInterrupt
+
+
+def test_an_interrupted_check_has_what_was_found_and_leaves_no_process(
+    proved: Certificate, refuted: Certificate, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    path = tmp_path / "certificates.json"
+    write_certificates(path, [proved, refuted])
+    monkeypatch.setattr(checking_again, "Display", Interrupted)
+    assert main(["--recheck", str(path), "--quiet"]) == INTERRUPTED
+    output, errors = capsys.readouterr()
+    assert "interrupted: 1 of 2 certificates checked" in errors
+    (first, second) = (next(line for line in output.splitlines() if line.startswith(n)) for n in ("k=3", "shifted"))
+    assert "stands" in first
+    assert "not finished" in second
+    assert not multiprocessing.active_children()
+    with pytest.raises(KeyboardInterrupt):
+        verify.recheck([proved, refuted], quiet=True)
+    assert not multiprocessing.active_children()
 
 
 @pytest.mark.parametrize(

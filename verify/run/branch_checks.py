@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -26,7 +26,7 @@ from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Report, Work, apart
 from orbitproof.verify.run.branch_tasks import result_of, task_again
-from orbitproof.verify.run.rows import recheck_all
+from orbitproof.verify.run.rows import rechecks
 from orbitproof.verify.run.workplace import Workplace
 
 
@@ -72,16 +72,13 @@ def is_about_surface(document: Mapping[str, Any]) -> bool:
 def checked_side_by_side(entries: Sequence[Certificate], integrate: bool, workplace: Workplace) -> Sequence[Recheck]:
     """Certificates of bifurcations, checked again, in their order."""
     checks: dict[str, Recheck] = {}
-    if not entries:
-        return []
     display = Display({entry.id: 1.0 for entry in entries}, workplace.quiet)
-
-    def finished(check: Recheck) -> None:
-        checks[check.id] = check
-        display.finish(check.id, "certificate stands" if check.stands_without_place else "certificate does not stand")
-
-    with display.shown():
-        recheck_all(entries, integrate, workplace.jobs, display.advance, finished, workplace.branch_checks)
+    found = rechecks(entries, integrate, workplace.jobs, display.advance, workplace.branch_checks)
+    with display.shown(), closing(found):
+        for check in found:
+            checks[check.id] = check
+            word = "certificate stands" if check.stands_without_place else "certificate does not stand"
+            display.finish(check.id, word)
     return [checks[entry.id] for entry in entries]
 
 
@@ -156,20 +153,21 @@ def _place(argument: tuple[AtlasCertificate | None, Recheck | None, Certificate,
     return recheck_places(curve, examined, [entry], {entry.id: check})[entry.id]
 
 
-def with_places(
+def places_checked(
     curve: AtlasCertificate | None,
     certificates: Sequence[Certificate],
     checks: Mapping[str, Recheck],
     integrate: bool,
     workplace: Workplace,
-) -> dict[str, Recheck]:
-    """The checks with those of the places on curves that certificates carry.
+) -> Iterator[Recheck]:
+    """The checks of certificates that say where on a curve they lie, with that of the place, one after the other.
 
     Args:
         curve: the certificate that the places rest on, which is checked as far as the others; without it they cannot
             be checked.
     """
-    if curve is None:
-        return recheck_places_apart(None, None, certificates, checks, workplace.row_checks)
-    checked = None if curve.atlas.is_surface else examined(curve.document, (), integrate, workplace)
-    return recheck_places_apart(curve, checked, certificates, checks, workplace.row_checks)
+    is_curve = curve is not None and not curve.atlas.is_surface
+    checked = examined(curve.document, (), integrate, workplace) if curve is not None and is_curve else None
+    for entry in certificates:
+        found = recheck_places_apart(curve, checked, [entry], {entry.id: checks[entry.id]}, workplace.row_checks)
+        yield found[entry.id]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from orbitproof.shared.formats import ORBIT, InputError, read_candidates, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED
@@ -14,15 +16,18 @@ from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
     LEAST_PRECISION,
     LEVELS,
-    Certificate,
     Limits,
     Recheck,
     read_certificates,
 )
-from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Display, whole
+from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, whole
+from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.row_tables import recheck_table, verdict_table
-from orbitproof.verify.run.rows import RowRun, recheck_all
+from orbitproof.verify.run.rows import RowRun
 from orbitproof.verify.run.workplace import Workplace
+
+if TYPE_CHECKING:
+    from orbitproof.verify.atlas import AtlasCertificate
 
 _DESCRIPTION = """\
 Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous verification of candidate boxes.
@@ -91,12 +96,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if options.integrate:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
-    curve = None
-    if options.curve is not None:
-        # Only now: curves take a moment to load.
-        from orbitproof.verify.atlas import read_atlas_certificate
-
-        curve = read_atlas_certificate(options.curve)
+    curve = _curve(options)
     everything = read_candidates(options.file)
     known = {candidate.id: candidate for candidate in everything}
     selected = [known[name] for name in select_ids(known, options.only, "candidate")]
@@ -140,26 +140,15 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
         raise InputError("--scheduler: certificates are checked again on this machine; give --jobs instead")
     stored = read_certificates(options.file)
     selected = [stored[name] for name in select_ids(stored, options.only, "certificate")]
-    display = Display({entry.id: _work(entry, options.integrate) for entry in selected}, options.quiet)
+    curve = _curve(options)
     done: dict[str, Recheck] = {}
-
-    def finished(result: Recheck) -> None:
-        done[result.id] = result
-        display.finish(result.id, "stands" if result.stands_without_place else "does not stand")
-
     interrupted = False
     try:
-        with display.shown():
-            recheck_all(selected, options.integrate, workplace.jobs, display.advance, finished, workplace.row_checks)
+        with closing(checked_again(selected, curve, options.integrate, workplace)) as found:
+            for result in found:
+                done[result.id] = result
     except KeyboardInterrupt:
         interrupted = True
-    if not interrupted and (options.curve is not None or any("place" in entry.to_json() for entry in selected)):
-        # Only now: curves take a moment to load.
-        from orbitproof.verify.atlas import read_atlas_certificate
-        from orbitproof.verify.run.branch_checks import with_places
-
-        curve = None if options.curve is None else read_atlas_certificate(options.curve)
-        done = with_places(curve, selected, done, options.integrate, workplace)
     print(recheck_table([entry.id for entry in selected], done), flush=True)
     if interrupted:
         print(f"interrupted: {len(done)} of {len(selected)} certificates checked", file=sys.stderr)
@@ -171,6 +160,11 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
     return 1 if failed else 0
 
 
-def _work(certificate: Certificate, integrate: bool) -> float:
-    """A measure of the work that checking again takes: the time of the first integration."""
-    return certificate.computation.seconds + 0.1 if integrate else 1.0
+def _curve(options: argparse.Namespace) -> AtlasCertificate | None:
+    """The certificate of the curve on which orbits are said to lie, if one is given. Raises `InputError`."""
+    if options.curve is None:
+        return None
+    # Only now: curves take a moment to load.
+    from orbitproof.verify.atlas import read_atlas_certificate
+
+    return read_atlas_certificate(options.curve)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict
 from functools import partial
@@ -178,38 +178,34 @@ def _certificate(candidate: Candidate, answer: Answer) -> Certificate:
     return not_proved(candidate, Reason(**answer.result["reason"]), answer.seconds)
 
 
-def recheck_all(
-    certificates: Sequence[Certificate],
-    integrate: bool,
-    jobs: int,
-    progress: Progress,
-    finished: Callable[[Recheck], None],
-    limits: CheckLimits = _USUAL,
-) -> None:
-    """Check every certificate again and hand each `Recheck` to `finished`, as they are done.
+def rechecks(
+    certificates: Sequence[Certificate], integrate: bool, jobs: int, progress: Progress, limits: CheckLimits = _USUAL
+) -> Generator[Recheck, None, None]:
+    """Check every certificate again: each `Recheck` as soon as it is there.
 
     Each is checked in a process of its own, within `limits`: what became of a process that was ended, or that ended by
-    itself, is why its certificate cannot be checked. With `integrate`, all are first checked without.
-    Raises `InputError` if an id appears twice.
+    itself, is why its certificate cannot be checked. With `integrate`, all are first checked without. No process is
+    left once the generator is closed. Raises `InputError` if an id appears twice.
     """
     for name in repeated(certificates):
         raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
-    standing = []
-    for entry, result in _checked_apart(certificates, False, jobs, progress, limits):
-        check = result if isinstance(result, Recheck) else not_checked(entry.id, entry.verdict, result)
-        if integrate and check.stands_without_place:
-            standing.append((entry, check))
-        else:
-            finished(check)
-    concluded = dict(standing)
-    for entry, result in _checked_apart(list(concluded), True, jobs, progress, limits):
-        # What was not brought to an end takes nothing back of what was found before.
-        finished(result if isinstance(result, Recheck) else not_finished(concluded[entry], result))
+    standing: dict[Certificate, Recheck] = {}
+    with closing(_checked_apart(certificates, False, jobs, progress, limits)) as found:
+        for entry, result in found:
+            check = result if isinstance(result, Recheck) else not_checked(entry.id, entry.verdict, result)
+            if integrate and check.stands_without_place:
+                standing[entry] = check
+            else:
+                yield check
+    with closing(_checked_apart(list(standing), True, jobs, progress, limits)) as found:
+        for entry, result in found:
+            # What was not brought to an end takes nothing back of what was found before.
+            yield result if isinstance(result, Recheck) else not_finished(standing[entry], result)
 
 
 def _checked_apart(
     certificates: Sequence[Certificate], integrate: bool, jobs: int, progress: Progress, limits: CheckLimits
-) -> Iterator[tuple[Certificate, Recheck | Failure]]:
+) -> Generator[tuple[Certificate, Recheck | Failure], None, None]:
     tasks = (Task(entry.id, (entry, integrate)) for entry in certificates)
     timeout = limits.with_integration if integrate else limits.without_integration
     source = partial(next, tasks, None)
