@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.claims import TOUCH_AND_GO
 from support.runs import ROOT, SEES_PROCESSES, children, is_running, started, wait_until, workers
 
 from orbitproof.shared.formats import candidate_from_json
@@ -23,17 +24,7 @@ from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Certificate, Limits
 from orbitproof.verify.run.rows import certify_all
 
-TRUE: dict[str, Any] = {
-    "id": "true",
-    "system": "falkner-skan",
-    "parameters": {},
-    "kind": "touch_and_go",
-    "k": 3,
-    "centre": ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"],
-    "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
-    "kernel_frame": [["1"]],
-    "radii": ["1e-11", "1e-15"],
-}
+TRUE = {**TOUCH_AND_GO, "id": "true"}
 QUICK = {**TRUE, "id": "quick", "kernel_frame": [["0"]]}
 ENDLESS = {**TRUE, "id": "endless", "kind": "period_tupling", "k": 1000}
 

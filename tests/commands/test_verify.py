@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from flint import ctx
+from support.claims import TOUCH_AND_GO
 
 import orbitproof.verify.run.rows
 from orbitproof.shared.formats import candidate_from_json
@@ -26,18 +27,7 @@ from orbitproof.verify.run.rows import certify_all
 
 ROOT = Path(__file__).resolve().parents[2]
 
-POINT = ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"]
-TRUE: dict[str, Any] = {
-    "id": "k=3",
-    "system": "falkner-skan",
-    "parameters": {},
-    "kind": "touch_and_go",
-    "k": 3,
-    "centre": POINT,
-    "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
-    "kernel_frame": [["1"]],
-    "radii": ["1e-11", "1e-15"],
-}
+TRUE = {**TOUCH_AND_GO, "id": "k=3"}
 FALSE = {**TRUE, "id": "k=2 at the k=3 point", "kind": "period_tupling", "k": 2}
 HOPELESS = {**TRUE, "id": "singular frame", "kernel_frame": [["0"]]}
 WITHOUT_THEOREM = {**TRUE, "id": "k=5", "k": 5}

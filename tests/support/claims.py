@@ -36,6 +36,19 @@ NAMES = {
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 SUN_JUPITER = {"mu": MASS_PARAMETERS["sun-jupiter"]}
 
+TOUCH_AND_GO: dict[str, Any] = {
+    "id": "touch-and-go",
+    "system": "falkner-skan",
+    "parameters": {},
+    "kind": "touch_and_go",
+    "k": 3,
+    "centre": ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"],
+    "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
+    "kernel_frame": [["1"]],
+    "radii": ["1e-11", "1e-15"],
+}
+"""A true claim as an entry of a file: the Falkner-Skan equation at its first 1:3 resonance."""
+
 
 @cache
 def _all() -> dict[str, Candidate]:

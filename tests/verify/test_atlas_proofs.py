@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from support import atlas_work
+from support.claims import TOUCH_AND_GO
 
 from orbitproof.shared.claims import Atlas, Piece
 from orbitproof.shared.formats import candidate_from_json, read_atlas, write_atlas
@@ -19,22 +20,6 @@ from orbitproof.verify.oracle import Limits
 from orbitproof.verify.run.branch_command import main
 
 SOURCE = Path(__file__).parents[1] / "data" / "atlas-falkner-skan.json"
-
-
-TOUCH_AND_GO = candidate_from_json(
-    {
-        "id": "touch-and-go",
-        "system": "falkner-skan",
-        "parameters": {},
-        "kind": "touch_and_go",
-        "k": 3,
-        "centre": ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"],
-        "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
-        "kernel_frame": [["1"]],
-        "radii": ["1e-11", "1e-15"],
-    },
-    "test",
-)
 
 
 def written(path: Path, atlas: Atlas) -> str:
@@ -60,8 +45,9 @@ def test_a_branch_is_proved_and_proved_again_in_another_way(tmp_path: Path, caps
 @pytest.mark.slow
 def test_certified_bifurcations_are_found_on_the_branch_or_missed(tmp_path: Path, capsys: Any) -> None:
     target, certificates = tmp_path / "curve.json", tmp_path / "certificates.json"
-    vague = replace(TOUCH_AND_GO, id="not proved", kernel_frame=((Fraction(0),),))
-    write_certificates(certificates, [certify(candidate, Limits()) for candidate in (TOUCH_AND_GO, vague)])
+    claim = candidate_from_json(TOUCH_AND_GO, "test")
+    vague = replace(claim, id="not proved", kernel_frame=((Fraction(0),),))
+    write_certificates(certificates, [certify(candidate, Limits()) for candidate in (claim, vague)])
     asked = [str(SOURCE), "-o", str(target), "--bifurcations", str(certificates)]
     assert main([*asked, "--only", "touch*"]) == 0
     assert "- touch-and-go: touch-and-go of order 3, beta in [453.44258682138482" in capsys.readouterr().out

@@ -11,6 +11,7 @@ import pytest
 from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.claims import TOUCH_AND_GO
 
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
@@ -37,17 +38,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.oracle import Limits, first_precision
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
-FALKNER_SKAN: dict[str, Any] = {
-    "id": "falkner-skan k=3",
-    "system": "falkner-skan",
-    "parameters": {},
-    "kind": "touch_and_go",
-    "k": 3,
-    "centre": ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"],
-    "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
-    "kernel_frame": [["1"]],
-    "radii": ["1e-11", "1e-15"],
-}
+FALKNER_SKAN = {**TOUCH_AND_GO, "id": "falkner-skan k=3"}
 
 
 def candidate(**changes: Any) -> Candidate:

@@ -14,7 +14,7 @@ import pytest
 from flint import arb, ctx
 from hypothesis import given
 from hypothesis import strategies as st
-from support.claims import to_the_end
+from support.claims import TOUCH_AND_GO, to_the_end
 
 from orbitproof import verify
 from orbitproof.shared import parse_exact
@@ -43,17 +43,7 @@ from orbitproof.verify.run.row_tables import recheck_table
 
 MODULE = importlib.import_module("orbitproof.verify.certificate.rechecking")
 
-TRUE: dict[str, Any] = {
-    "id": "k=3",
-    "system": "falkner-skan",
-    "parameters": {},
-    "kind": "touch_and_go",
-    "k": 3,
-    "centre": ["453.4425868213848226445176819322243780749336", "0.9398485857159715765408704789027875627762"],
-    "frame": [["1", "0"], ["3.69989960370449e-7", "1"]],
-    "kernel_frame": [["1"]],
-    "radii": ["1e-11", "1e-15"],
-}
+TRUE = {**TOUCH_AND_GO, "id": "k=3"}
 FALSE = {**TRUE, "id": "shifted", "centre": ["453.4425869", TRUE["centre"][1]]}
 HOPELESS = {**TRUE, "id": "singular frame", "kernel_frame": [["0"]]}
 EARLY = {**TRUE, "id": "too few bits"}
