@@ -14,7 +14,7 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import stability_to_json
+from orbitproof.verify.stability import TubeOfOrbits, stability_to_json
 
 LIMITS = PieceLimits(96, 30, 16)
 
@@ -48,7 +48,8 @@ class OnePiece:
         assert isinstance(found.outcome, Proved), found.outcome
         known = found.outcome.results
         stability = stability_to_json(
-            self.system, {}, piece, (known.start, known.end), self.limits, "physical", ORACLE, half=known.half_return
+            TubeOfOrbits(self.system, {}, piece, (known.start, known.end), self.limits, "physical", ORACLE),
+            half=known.half_return,
         )
         return [{**found.to_json(), "stability": stability}]
 

@@ -19,7 +19,7 @@ from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.curve import PieceLimits, conclude
 from orbitproof.verify.distances import Where
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 
 Results = list[dict[str, Any]]
 
@@ -39,7 +39,9 @@ def results() -> Results:
     atlas, found = with_a_wall(), stability_cases.results()
     for piece, entry in zip(atlas.curve_pieces(), found, strict=True):
         start, end = (parse_exact(text) for text in entry["interval"])
-        functions = orbit_functions(atlas.system, {}, piece, (start, end), PieceLimits(64, 28, 28), "physical", ORACLE)
+        functions = orbit_functions(
+            TubeOfOrbits(atlas.system, {}, piece, (start, end), PieceLimits(64, 28, 28), "physical", ORACLE)
+        )
         entry["stability"] = functions.to_json()
     return found
 

@@ -34,7 +34,7 @@ from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, enclose_other_point, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
 from orbitproof.verify.oracle import ORACLE, Limits
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 from orbitproof.verify.words import conclusion_in_words
 
 FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"
@@ -161,7 +161,7 @@ def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
 def test_no_list_of_resonances_is_claimed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (piece,) = atlas().curve_pieces()
     with pytest.raises(IntegrationFailure, match="fixed level"):
-        orbit_functions(atlas().system, {}, piece, WHOLE, PieceLimits(), "physical", ORACLE)
+        orbit_functions(TubeOfOrbits(atlas().system, {}, piece, WHOLE, PieceLimits(), "physical", ORACLE))
     words = ["atlas", str(FILE), "--complete", "4", "-o", str(tmp_path / "certificate.json"), "--quiet"]
     assert main(words) == 2
     assert "--complete: no list is claimed on a fixed level" in capsys.readouterr().err

@@ -36,7 +36,7 @@ from orbitproof.verify.functions import bounded
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.run.branches import reusable
 from orbitproof.verify.second_proof import Proved, second_proof
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 from orbitproof.verify.words.curve import curve_in_words
 
 DATA = Path(__file__).parents[1] / "data" / "known-crossings.json"
@@ -176,7 +176,7 @@ def test_a_piece_is_proved_with_its_number_of_crossings_and_with_no_other(crossi
 
 def test_the_stability_of_a_piece_is_that_of_its_orbits() -> None:
     atlas, piece = arc(), arc().curve_pieces()[1]
-    found = orbit_functions(atlas.system, {}, piece, PART, FEW, "physical", ORACLE, crossings=2)
+    found = orbit_functions(TubeOfOrbits(atlas.system, {}, piece, PART, FEW, "physical", ORACLE, crossings=2))
     with ctx.workprec(120):
         (trace,) = (bounded(entry) for entry in found.characteristic)
         # Stability parameters of the family at the same c, in float64.

@@ -24,7 +24,7 @@ from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH, function_from_json
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 
 Make = Callable[[int], SkewProduct]
 
@@ -175,7 +175,7 @@ def test_sigma_of_a_skew_product_contains_the_closed_form(make: Callable[[], Ske
     piece, n = atlas.curve_pieces()[5], system.size
     interval = (Fraction(-1, 4), Fraction(1, 4))
     limits = PieceLimits(56, 16, 8)
-    found = orbit_functions(system.system, {}, piece, interval, limits, "physical", ORACLE).to_json()
+    found = orbit_functions(TubeOfOrbits(system.system, {}, piece, interval, limits, "physical", ORACLE)).to_json()
     for number in range(-4, 5):
         place = system.places(piece, np.array([float(REACH) * number / 4 / 4]))
         amplitude = system.amplitude(place)[0]
@@ -202,16 +202,8 @@ def test_lists_of_integrated_pieces_are_complete_and_true(name: str) -> None:
         assert isinstance(proof.outcome, Proved)
         known = proof.outcome.results
         stability = stability_to_json(
-            system.system,
-            {},
-            piece,
-            (known.start, known.end),
-            LIMITS,
-            "physical",
-            ORACLE,
-            symmetry,
-            None,
-            known.half_return,
+            TubeOfOrbits(system.system, {}, piece, (known.start, known.end), LIMITS, "physical", ORACLE, symmetry),
+            half=known.half_return,
         )
         found.append(proof.to_json() | {"stability": stability})
     check(system, atlas, found, 8)

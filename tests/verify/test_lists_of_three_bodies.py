@@ -32,7 +32,7 @@ from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH, function_from_json
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
-from orbitproof.verify.stability import SLOPE_BITS, stability_to_json, unconfirmed
+from orbitproof.verify.stability import SLOPE_BITS, TubeOfOrbits, stability_to_json, unconfirmed
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())
@@ -261,7 +261,8 @@ def test_a_new_proof_of_a_piece_contains_the_numbers_too(name: str) -> None:
     known = proof.outcome.results
     interval = known.start, known.end
     stability = stability_to_json(
-        atlas.system, atlas.parameters, piece, interval, limits, "regularised", ORACLE, half=known.half_return
+        TubeOfOrbits(atlas.system, atlas.parameters, piece, interval, limits, "regularised", ORACLE),
+        half=known.half_return,
     )
     result = proof.to_json() | {"stability": stability}
     check_functions(name, result)

@@ -31,7 +31,7 @@ from orbitproof.verify.out_of_plane import variations_from_json
 from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import complete_list
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 
 DATA = Path(__file__).parents[1] / "data"
 Results = list[dict[str, Any]]
@@ -107,7 +107,9 @@ def test_an_integration_of_a_part_contains_them_too() -> None:
     interval = (Fraction(1, 2), Fraction(3, 4))
     (piece,) = atlas().curve_pieces()
     limits = PieceLimits(72, 28, 16)
-    found = orbit_functions(atlas().system, atlas().parameters, piece, interval, limits, "physical", ORACLE).to_json()
+    found = orbit_functions(
+        TubeOfOrbits(atlas().system, atlas().parameters, piece, interval, limits, "physical", ORACLE)
+    ).to_json()
     check_containment(found, *interval, [0.1, 0.9])
 
 

@@ -35,7 +35,7 @@ from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.stability.list_entries import Segment
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 
 PIECES: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data/branch-pieces.json").read_text())
 INTERVALS = {"symmetric": (Fraction(-1, 8), Fraction(1, 8)), "regularised": (Fraction(5, 16), Fraction(3, 8))}
@@ -57,7 +57,9 @@ def case(name: str) -> tuple[Piece, dict[str, Fraction]]:
 def enclosed(name: str, limits: PieceLimits) -> dict[str, Any]:
     piece, parameters = case(name)
     coordinates = "regularised" if name == "regularised" else "physical"
-    return orbit_functions(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, ORACLE, "S").to_json()
+    return orbit_functions(
+        TubeOfOrbits(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, ORACLE, "S")
+    ).to_json()
 
 
 @pytest.fixture(scope="module", params=["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])

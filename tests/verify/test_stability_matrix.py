@@ -24,7 +24,7 @@ from orbitproof.verify.curve import PieceLimits, derived_parameter, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH, bounded, function, function_from_json, restricted
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability.matrix import SHARE, OtherPoint, orbit_functions
+from orbitproof.verify.stability.matrix import SHARE, OtherPoint, TubeOfOrbits, orbit_functions
 from orbitproof.verify.stability.units import scales
 
 DATA = Path(__file__).parents[1] / "data"
@@ -90,7 +90,9 @@ def test_sigma_contains_independent_variations_at_random_points() -> None:
 def test_another_interval_and_other_settings_enclose_the_same() -> None:
     piece = atlas().curve_pieces()[1]
     interval = (Fraction(1, 4), Fraction(1, 2))
-    found = orbit_functions(atlas().system, {}, piece, interval, PieceLimits(60, 24, 16), "physical", ORACLE).to_json()
+    found = orbit_functions(
+        TubeOfOrbits(atlas().system, {}, piece, interval, PieceLimits(60, 24, 16), "physical", ORACLE)
+    ).to_json()
     check_falkner_skan(piece, found, interval, 20)
 
 
@@ -107,7 +109,9 @@ def test_the_half_return_of_a_proof_gives_the_same(tube: Fraction | None) -> Non
     if tube is not None:
         # As if the proof had followed a tube about another curve.
         half = replace(half, state=tuple(element.scaled(Fraction(0)) for element in half.state))
-    found = orbit_functions(atlas().system, {}, piece, interval, limits, "physical", ORACLE, half=half).to_json()
+    found = orbit_functions(
+        TubeOfOrbits(atlas().system, {}, piece, interval, limits, "physical", ORACLE), half=half
+    ).to_json()
     check_falkner_skan(piece, found, interval, 20)
 
 
@@ -119,7 +123,9 @@ def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_bo
     piece = piece_from_json(entry["piece"], system, "piece")
     assert isinstance(piece, Piece)
     interval = (Fraction(1, 2), Fraction(3, 4))
-    found = orbit_functions(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical", ORACLE).to_json()
+    found = orbit_functions(
+        TubeOfOrbits(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical", ORACLE)
+    ).to_json()
     functions = [function_from_json(found[name]) for name in ("half_period", "level")]
     (sigma,) = (function_from_json(part) for part in found["characteristic"])
     taus = [arb(number) / 32 for number in range(-30, 31, 6)]
@@ -152,7 +158,7 @@ def test_a_curve_beside_its_tube_is_refused(tube: Fraction) -> None:
     moved = replace(piece, polynomial=((first + Fraction(2, 10**8), *others),), tube=(tube,))
     interval = (Fraction(1, 4), Fraction(1, 2))
     with pytest.raises(IntegrationFailure, match="in its tube" if tube == Fraction(1, 10**8) else "analytic"):
-        orbit_functions(atlas().system, {}, moved, interval, PieceLimits(60, 24, 16), "physical", ORACLE)
+        orbit_functions(TubeOfOrbits(atlas().system, {}, moved, interval, PieceLimits(60, 24, 16), "physical", ORACLE))
 
 
 def other_point(*rows: list[Fraction], error: Fraction = Fraction(0)) -> OtherPoint:
@@ -260,7 +266,9 @@ def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: Pie
     assert isinstance(piece, Piece)
     parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
     coordinates = "regularised" if name == "regularised" else "physical"
-    found = orbit_functions(CR3BP, parameters, piece, interval, limits, coordinates, ORACLE, "S").to_json()
+    found = orbit_functions(
+        TubeOfOrbits(CR3BP, parameters, piece, interval, limits, coordinates, ORACLE, "S")
+    ).to_json()
     source = np.random.default_rng(2)
     start, end = interval
     s = source.uniform(float(start), float(end), number)

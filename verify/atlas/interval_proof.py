@@ -20,7 +20,7 @@ from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.oracle import ORACLE, counsel
-from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
+from orbitproof.verify.stability import SLOPE_BITS, TubeOfOrbits, stability_to_json
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -91,10 +91,11 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
         result = found.to_json()
         if argument.get("stability") and isinstance(found.outcome, Proved):
             known = found.outcome.results
-            result["stability"] = stability_to_json(
+            tube = TubeOfOrbits(
                 system, parameters, piece, (known.start, known.end), limits, str(found.computation["coordinates"]),
-                ORACLE, argument["symmetry"], stepped, known.half_return, crossings,
+                ORACLE, argument["symmetry"], crossings,
             )  # fmt: skip
+            result["stability"] = stability_to_json(tube, stepped, known.half_return)
             result["computation"]["seconds"] = round(time.monotonic() - began, 3)
         return result
     except _OutOfTimeError:

@@ -7,7 +7,7 @@ curve, is the stability matrix Sigma(s) of the orbits. The proof of the piece ha
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
@@ -105,76 +105,16 @@ class OrbitFunctions:
         }
 
 
-def stability_to_json(
-    system: ReversibleSystem,
-    parameters: Mapping[str, Fraction],
-    piece: Piece,
-    interval: Interval,
-    limits: PieceLimits,
-    coordinates: str,
-    oracle: Oracle,
-    symmetry: str | None = None,
-    progress: Callable[[float], None] | None = None,
-    half: HalfReturn | None = None,
-    crossings: int = 1,
-) -> dict[str, Any]:
-    """The functions of section 18.3 as JSON, or the reason why there are none; arguments as `orbit_functions`.
-
-    `limits`, `coordinates` and `half` are those with which the piece is proved.
-    """
-    followed = PHYSICAL if coordinates == PHYSICAL else REGULARISED
-    try:
-        return orbit_functions(
-            system, parameters, piece, interval, limits, followed, oracle, symmetry, progress, half, crossings
-        ).to_json()
-    except IntegrationFailure as error:
-        return {"reason": about_pieces(error.reason).to_json()}
-    except (ArithmeticError, ValueError) as error:
-        return {"reason": broken_off("stability", error).to_json()}
-
-
-def orbit_functions(
-    system: ReversibleSystem,
-    parameters: Mapping[str, Fraction],
-    piece: Piece,
-    interval: Interval,
-    limits: PieceLimits,
-    coordinates: str,
-    oracle: Oracle,
-    symmetry: str | None = None,
-    progress: Callable[[float], None] | None = None,
-    half: HalfReturn | None = None,
-    crossings: int = 1,
-) -> OrbitFunctions:
-    """The functions of section 18.3 on an interval of a piece that is proved there.
-
-    Args:
-        interval: that of the proof; on a symmetric piece with 0 inside it is [-c, c].
-        limits, coordinates: how to integrate.
-        symmetry: name of the symmetry of a symmetric piece.
-        progress: called after every step with the number of steps; what it raises passes through.
-        half: the return of the tube, if it is known already, with these limits.
-        crossings: of the section in a half orbit, its end included.
-
-    Raises `IntegrationFailure`.
-    """
-    if system.fixed_level is not None:
-        raise IntegrationFailure(
-            "stability", "no list is claimed on a fixed level of a first integral", "no --complete"
-        )
-    with guarded(limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
-        work = _Integration(system, parameters, piece, interval, limits, coordinates, oracle, symmetry, crossings)
-        try:
-            return work.functions(work.wider(progress) if half is None else half, progress)
-        except IntegrationFailure:
-            if half is None:
-                raise
-            return work.functions(work.wider(progress), progress)
-
-
 @dataclass(frozen=True)
-class _Integration:
-    """A tube about a proved interval of a piece, followed to its second return."""
+class TubeOfOrbits:
+    """A tube about an interval of a piece that is proved there, to be followed to its second return.
+
+    Attributes:
+        interval: that of the proof; on a symmetric piece with 0 inside it is [-c, c].
+        limits, coordinates: how to integrate; those with which the piece is proved.
+        symmetry: name of the symmetry of a symmetric piece.
+        crossings: of the section in a half orbit, its end included.
+    """
 
     system: ReversibleSystem
     parameters: Mapping[str, Fraction]
@@ -183,8 +123,8 @@ class _Integration:
     limits: PieceLimits
     coordinates: str
     oracle: Oracle
-    symmetry: str | None
-    crossings: int
+    symmetry: str | None = None
+    crossings: int = 1
 
     @property
     def divided(self) -> bool:
@@ -311,6 +251,43 @@ class _Integration:
             p = [_combined(row, image) for row in inverse_of(piece.frame)]
             columns.append([value - turn * p[0] for value, turn in zip(p[1:], turns, strict=True)])
         return columns
+
+
+def stability_to_json(
+    tube: TubeOfOrbits, progress: Callable[[float], None] | None = None, half: HalfReturn | None = None
+) -> dict[str, Any]:
+    """The functions of section 18.3 as JSON, or the reason why there are none; arguments as `orbit_functions`."""
+    followed = PHYSICAL if tube.coordinates == PHYSICAL else REGULARISED
+    try:
+        return orbit_functions(replace(tube, coordinates=followed), progress, half).to_json()
+    except IntegrationFailure as error:
+        return {"reason": about_pieces(error.reason).to_json()}
+    except (ArithmeticError, ValueError) as error:
+        return {"reason": broken_off("stability", error).to_json()}
+
+
+def orbit_functions(
+    tube: TubeOfOrbits, progress: Callable[[float], None] | None = None, half: HalfReturn | None = None
+) -> OrbitFunctions:
+    """The functions of section 18.3 on the interval of a tube.
+
+    Args:
+        progress: called after every step with the number of steps; what it raises passes through.
+        half: the return of the tube, if it is known already, with these limits.
+
+    Raises `IntegrationFailure`.
+    """
+    if tube.system.fixed_level is not None:
+        raise IntegrationFailure(
+            "stability", "no list is claimed on a fixed level of a first integral", "no --complete"
+        )
+    with guarded(tube.limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
+        try:
+            return tube.functions(tube.wider(progress) if half is None else half, progress)
+        except IntegrationFailure:
+            if half is None:
+                raise
+            return tube.functions(tube.wider(progress), progress)
 
 
 @dataclass(frozen=True)
