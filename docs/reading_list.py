@@ -27,6 +27,16 @@ CHAPTERS = {
 }
 """The modules that enclose, and the one that concludes, by what it concludes about."""
 
+OTHER_WORDS = {
+    "bifurcation": ("row", "candidate", "resonance", "fold", "symmetry-breaking", "period-tupling", "touch-and-go"),
+    "orbit": ("one-orbit", "single-orbit"),
+    "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
+    "surface": ("mass", "masses", "birth"),
+    "list": ("complete", "complete-list", "stability"),
+    "second-proof": ("second",),
+}
+"""What else the chapters are called, where the words of the project name them."""
+
 
 @cache
 def path_of(module: str) -> Path | None:
@@ -104,23 +114,40 @@ def told(last: Sequence[str]) -> str:
         assert path is not None
         about = (ast.get_docstring(tree_of(path)) or "").partition("\n")[0]
         lines.append(f"{path.relative_to(ROOT)!s:44}{length(name):6}  {about}")
-    return "\n".join([*lines, f"{len(modules)} modules, {sum(map(length, modules))} lines"])
+    return "\n".join([*lines, "", f"in all {total(modules)}"])
+
+
+def total(modules: Sequence[str]) -> str:
+    """How long they are together."""
+    return f"{sum(map(length, modules))} lines in {len(modules)} modules"
+
+
+def chapter_of(words: str) -> str:
+    """The chapter that words mean, in the plural too; or a module or room of `verify`; or the words themselves."""
+    plain = "-".join(words.lower().replace("_", " ").split())
+    for name, others in OTHER_WORDS.items():
+        if {plain, plain.removesuffix("s")} & {name, *others}:
+            return name
+    return f"verify.{words}" if path_of(f"verify.{words}") else words
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; 2 for a chapter that is not there."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     words = f"{', '.join(CHAPTERS)}, or a module as verify.curve.proved_curve; without one, the length of each list"
-    parser.add_argument("chapter", nargs="?", help=words)
+    parser.add_argument("chapter", nargs="*", help=words)
     options = parser.parse_args(arguments)
-    if options.chapter is None:
+    asked = " ".join(options.chapter)
+    if not asked:
         for name, last in CHAPTERS.items():
             modules = reading_list(last)
             print(f"{name:14}{sum(map(length, modules)):7} lines in {len(modules)} modules, up to {last[-1]}")
+        print(f"\nin all {total(reading_list([name for last in CHAPTERS.values() for name in last]))}")
         return 0
-    last = CHAPTERS.get(options.chapter, (options.chapter,))
+    chapter = chapter_of(asked)
+    last = CHAPTERS.get(chapter, (chapter,))
     if path_of(last[-1]) is None:
-        print(f"error: no chapter or module {options.chapter!r}; give one of {', '.join(CHAPTERS)}", file=sys.stderr)
+        print(f"error: no chapter or module {asked!r}; give one of {', '.join(CHAPTERS)}", file=sys.stderr)
         return 2
     print(told(last))
     return 0

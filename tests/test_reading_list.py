@@ -51,13 +51,33 @@ def test_relative_imports_are_followed() -> None:
 
 def test_the_command_says_how_long_the_lists_are(capsys: pytest.CaptureFixture[str]) -> None:
     assert reading_list.main([]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    *lines, empty, last = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(reading_list.CHAPTERS)
+    assert empty == ""
+    assert max(int(line.split()[1]) for line in lines) < int(last.split()[2]) < sum(int(s.split()[1]) for s in lines)
     assert reading_list.main(["bifurcation"]) == 0
-    *entries, last = capsys.readouterr().out.splitlines()
+    *entries, empty, last = capsys.readouterr().out.splitlines()
+    assert empty == ""
     total = sum(int(entry.split()[1]) for entry in entries)
-    assert last == f"{len(entries)} modules, {total} lines"
+    assert last == f"in all {total} lines in {len(entries)} modules"
     assert lines[0].split()[1] == str(total)
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [("row", "bifurcation"), ("rows", "bifurcation"), ("touch_and_go", "bifurcation"), ("Branches", "curve"),
+     ("masses", "surface"), ("stability", "list"), ("second proof", "second-proof"), ("curve", "curve"),
+     ("orbits", "orbit"), ("newton", "verify.newton"), ("verify.curve.tube", "verify.curve.tube"), ("nothing", "nothing")],
+)  # fmt: skip
+def test_a_chapter_has_the_names_that_the_project_uses(words: str, meant: str) -> None:
+    assert reading_list.chapter_of(words) == meant
+
+
+def test_every_other_word_is_that_of_one_chapter() -> None:
+    assert list(reading_list.OTHER_WORDS) == list(reading_list.CHAPTERS)
+    words = [word for others in reading_list.OTHER_WORDS.values() for word in others]
+    assert len(set(words)) == len(words)
+    assert not set(words) & set(reading_list.CHAPTERS)
 
 
 def test_an_unknown_chapter_is_bad_input(capsys: pytest.CaptureFixture[str]) -> None:
