@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.search import check
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 
 
@@ -27,8 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         return search(request)
     except InputError as error:
-        print(f"orbitproof explore {options.command}: {error}", file=sys.stderr)
-        return 2
+        return refused(error, f"orbitproof explore {options.command}")
     except KeyboardInterrupt:
         print(f"orbitproof explore {options.command}: interrupted, nothing was written", file=sys.stderr)
         return INTERRUPTED

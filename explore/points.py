@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import kind_of
-from orbitproof.explore.names import given_parameters, label_of
+from orbitproof.explore.names import exact_parameters, label_of
 from orbitproof.explore.refinement import RefinementFailure, Task, refine_task
 from orbitproof.shared.formats import FOLD, KINDS, Candidate, InputError
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
@@ -50,11 +50,12 @@ def refine_at(
         raise ValueError(f"digits: {digits!r} is not positive")
     if kind is not None and kind not in KINDS:
         raise ValueError(f"kind: {kind!r} is unknown; there are {', '.join(KINDS)}")
-    words = [f"{key}={MASS_PARAMETERS.get(str(value), value)}" for key, value in (parameters or {}).items()]
+    texts = {key: str(MASS_PARAMETERS.get(str(value), value)) for key, value in (parameters or {}).items()}
+    words = [f"{key}={text}" for key, text in texts.items()]
     try:
-        exact = given_parameters(system, None, words)
+        exact = exact_parameters(system, texts)
     except InputError as error:
-        raise ValueError(str(error).replace("--parameter", "parameters").replace("--mass", "parameters: mu")) from None
+        raise ValueError(str(error)) from None
     name = id or f"{label_of(system, None, words) or system.name}-{kind if kind == FOLD else f'k{k}'}"
     guess = tuple(float(point[each]) for each in wanted)
     task = Task(

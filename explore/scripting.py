@@ -28,7 +28,7 @@ from orbitproof.explore.families import (
     trace_family,
     trace_task,
 )
-from orbitproof.explore.names import FAMILY_NAMES, POINTS, given_parameters, is_family_name, label_of
+from orbitproof.explore.names import FAMILY_NAMES, POINTS, exact_parameters, is_family_name, label_of
 from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
@@ -284,15 +284,15 @@ def trace_from(
     for key in bounds or {}:
         if key not in limited:
             raise ValueError(f"bounds: {key!r} is unknown; there are {', '.join(limited)}")
-    words = [f"{key}={value}" for key, value in (parameters or {}).items()]
+    texts = {key: str(value) for key, value in (parameters or {}).items()}
     try:
-        exact, label = given_parameters(system, None, words), label_of(system, None, words)
+        exact = exact_parameters(system, texts)
     except InputError as error:
-        raise ValueError(str(error).replace("--parameter", "parameters")) from None
+        raise ValueError(str(error)) from None
     task = TraceTask(
         system=system,
         name=name,
-        label=label,
+        label=label_of(system, None, [f"{key}={text}" for key, text in texts.items()]),
         parameters=exact,
         limits=Limits(max_orbits, bounds=dict(bounds or {})),
         multiplicities=(),

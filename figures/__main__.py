@@ -16,7 +16,7 @@ from orbitproof.figures.commands import interactive as interactive_command
 from orbitproof.figures.commands import tori as tori_command
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 
 _EXAMPLES = """\
@@ -140,8 +140,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return int(arguments.run(arguments))
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        return refused(error)
     except KeyboardInterrupt:
         print("interrupted: files already written are kept", file=sys.stderr)
         return INTERRUPTED

@@ -47,7 +47,7 @@ def first_family(
         tangent = problem.tangent(correction.jacobian, direction)
         states = problem.samples(correction.unknowns)
     except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
-        raise FamilyFailure(f"no first orbit: {error}; give a point closer to one, and its --half-period") from None
+        raise FamilyFailure(f"no first orbit: {error}; give a point closer to one, and its half period") from None
     orbit = problem.orbit(correction, crossings=crossings(problem, states))
     return Family(problem, (orbit,), (tangent,), "limit", "started")
 

@@ -11,6 +11,7 @@ from .family_names import is_family_name as is_family_name
 from .family_names import mirrored_name as mirrored_name
 from .family_names import system_with as system_with
 from .own_systems import bounds_of as bounds_of
+from .own_systems import exact_parameters as exact_parameters
 from .own_systems import given_parameters as given_parameters
 from .own_systems import label_of as label_of
 from .own_systems import place_of as place_of

@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from fractions import Fraction
 
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, FormulaError, evaluate_formula
 
+NO_NUMBER = "no number; write a decimal, a fraction or a hexadecimal number"
 
-def exact_number(
-    option: str, text: str, wrong: str = "no number; write a decimal, a fraction or a hexadecimal number"
-) -> Fraction:
-    """The number given with an option, exactly as written. Raises `InputError`."""
-    try:
+
+def number_in(text: str) -> Fraction | None:
+    """The number that a text is, exactly; `None` if it is none."""
+    with suppress(ValueError):
         return parse_exact(text)
-    except ValueError:
-        pass
-    try:
+    with suppress(FormulaError):
         return Fraction(evaluate_formula(text, {}))
-    except FormulaError:
-        raise InputError(f"{option} {text}: {wrong}") from None
+    return None
+
+
+def exact_number(option: str, text: str, wrong: str = NO_NUMBER) -> Fraction:
+    """The number given with an option, exactly as written. Raises `InputError`."""
+    value = number_in(text)
+    if value is None:
+        raise InputError(f"{option} {text}: {wrong}")
+    return value
 
 
 def mass_parameter(option: str, text: str, *, or_zero: bool = False) -> Fraction:

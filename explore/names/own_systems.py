@@ -7,9 +7,9 @@ from fractions import Fraction
 from math import inf
 from pathlib import Path
 
-from orbitproof.explore.names.exact_numbers import exact_number, mass_parameter
+from orbitproof.explore.names.exact_numbers import NO_NUMBER, exact_number, mass_parameter, number_in
 from orbitproof.explore.names.family_names import FAMILY_NAMES
-from orbitproof.shared.formats import InputError, load_system, under_reversor
+from orbitproof.shared.formats import ArgumentError, InputError, load_system, under_reversor
 from orbitproof.shared.systems import MASS_PARAMETERS, SYSTEMS, ReversibleSystem
 
 
@@ -34,26 +34,36 @@ def given_parameters(
     Raises `InputError`.
     """
     texts = _assignments("--parameter", assignments or ())
-    wanted = system.fixed_parameters
-    for name in texts:
-        if name not in wanted:
-            known = ", ".join(wanted) or "none"
-            raise InputError(f"--parameter {name}: {system.name} has no such fixed parameter; it has {known}")
-    if mass is not None:
-        if wanted != ("mu",) or "mu" in texts:
+    known = [name for name in system.fixed_parameters if name in texts]
+    if mass is not None and len(known) == len(texts):
+        if system.fixed_parameters != ("mu",) or "mu" in texts:
             why = "given by --parameter as well" if "mu" in texts else f"{system.name} has no mass parameter"
             raise InputError(f"--mass {mass}: {why}; leave it out")
         return {"mu": mass_parameter("--mass", mass)}
+    if system.fixed_parameters == ("mu",) and not texts:
+        raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
+    return exact_parameters(system, texts)
+
+
+def exact_parameters(system: ReversibleSystem, texts: Mapping[str, str]) -> dict[str, Fraction]:
+    """The exact fixed parameters from texts by name. Raises `ArgumentError` about `parameters`."""
+    for name in texts:
+        if name not in system.fixed_parameters:
+            known = ", ".join(system.fixed_parameters) or "none"
+            words = "{parameters:--parameter} {0}: {1} has no such fixed parameter; it has {2}"
+            raise ArgumentError(words, name, system.name, known)
     result = {}
-    for name in wanted:
-        if name not in texts and name == "mu":
-            raise InputError(f"--mass: missing; give a name ({', '.join(MASS_PARAMETERS)}) or a number in (0, 1)")
+    for name in system.fixed_parameters:
         if name not in texts:
-            raise InputError(f"--parameter: {name} is missing; give --parameter {name}=VALUE")
-        result[name] = exact_number(f"--parameter {name}", texts[name])
-        if not system.parameters[name].contains(result[name]):
-            where = f"--parameter {name}={texts[name]}"
-            raise InputError(f"{where}: outside {system.parameters[name]}; give a value inside")
+            words = "{parameters:--parameter}: {0} is missing; give {parameters:--parameter} {0}=VALUE"
+            raise ArgumentError(words, name)
+        value = number_in(texts[name])
+        if value is None:
+            raise ArgumentError("{parameters:--parameter} {0} {1}: {2}", name, texts[name], NO_NUMBER)
+        if not system.parameters[name].contains(value):
+            words = "{parameters:--parameter} {0}={1}: outside {2}; give a value inside"
+            raise ArgumentError(words, name, texts[name], system.parameters[name])
+        result[name] = value
     return result
 
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import InputError, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
 from orbitproof.verify.run import CHECK_SECONDS, GIBIBYTE, LONG_CHECK_SECONDS, ArgumentParser, positive_seconds
@@ -50,8 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _run(options)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        return refused(error)
     except KeyboardInterrupt:
         print("interrupted: nothing was written", file=sys.stderr)
         return INTERRUPTED

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.shared.formats import InputError, write_bytes
+from orbitproof.shared.formats import ArgumentError, write_bytes
 
 FORMATS = ("pdf", "png", "svg")
 DPI = (50, 1200)
@@ -41,11 +41,11 @@ class Files:
         """Raises `InputError` for what cannot be."""
         for name in self.formats:
             if name not in FORMATS:
-                raise InputError(f"--format {name}: give some of {', '.join(FORMATS)}")
+                raise ArgumentError("{formats:--format} {0}: give some of {1}", name, ", ".join(FORMATS))
         if self.dpi is not None and not DPI[0] <= self.dpi <= DPI[1]:
-            raise InputError(f"--dpi {self.dpi}: give a whole number from {DPI[0]} to {DPI[1]}")
+            raise ArgumentError("{dpi} {0}: give a whole number from {1} to {2}", self.dpi, *DPI)
         if self.width is not None and not WIDTH[0] <= self.width <= WIDTH[1]:
-            raise InputError(f"--width {self.width:g}: give a number from {WIDTH[0]:g} to {WIDTH[1]:g}")
+            raise ArgumentError("{width} {0:g}: give a number from {1:g} to {2:g}", self.width, *WIDTH)
 
 
 _FILES: ContextVar[Files] = ContextVar("files")

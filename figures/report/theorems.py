@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats import (
+    ArgumentError,
     Atlas,
     Candidate,
     InputError,
@@ -94,9 +95,11 @@ def check_files(
         names = [_name(entry) for _, entry in entries]
     for (path, _), name in zip(entries, names, strict=True):
         if names.count(name) > 1:
-            raise InputError(
-                f"{path}: {name!r} is given twice; give each certificate once, or choose with --only; two that are "
-                "called the same need names of their own (explore, --id)"
+            raise ArgumentError(
+                "{0}: {1!r} is given twice; give each certificate once, or choose with {only}; two that are called the "
+                "same need names of their own (explore, {id})",
+                path,
+                name,
             )
     display = Display({name: _work(entry) for name, (_, entry) in zip(names, entries, strict=True)}, quiet)
     checks: dict[str, Recheck] = {}

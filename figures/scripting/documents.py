@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
-from orbitproof.shared.formats import InputError, check_writable, read_candidates, stated_format, write_text
+from orbitproof.shared.formats import (
+    ArgumentError,
+    InputError,
+    check_writable,
+    read_candidates,
+    stated_format,
+    write_text,
+)
 from orbitproof.shared.systems import CR3BP, THREE_BODY
 
 if TYPE_CHECKING:
@@ -79,7 +86,7 @@ def write_page(
     if kind not in ("family", "atlas-certificate", "tori"):
         raise InputError(f"{path}: {remedy}")
     if kind != "family" and (family or candidates or certificates):
-        raise InputError("--family, --candidates, --certificates: they belong to a file of families; leave them out")
+        raise ArgumentError("{family}, {candidates}, {certificates}: they belong to a file of families; leave them out")
     if kind == "family":
         figure = _family_in_space(path, family, optional(candidates), optional(certificates))
     else:
@@ -93,7 +100,7 @@ def _family_in_space(path: Path, name: str | None, candidates: Path | None, cert
     from orbitproof.figures.pictures.interactive import family_lines, orbits_figure
 
     if certificates is not None and candidates is None:
-        raise InputError("--certificates: need their candidates; add --candidates")
+        raise ArgumentError("{certificates}: need their candidates; add {candidates}")
     families = [family for family in read_families(path) if family.system in THREE_BODY]
     fits = [family for family in families if name in (None, family.name)]
     if len(fits) != 1:
@@ -101,7 +108,7 @@ def _family_in_space(path: Path, name: str | None, candidates: Path | None, cert
             known = " or ".join(each.name for each in THREE_BODY)
             raise InputError(f"{path}: has no family of {known}; draw others with orbitproof figures family")
         said = "missing" if name is None else f"no {name!r} in {path}"
-        raise InputError(f"--family: {said}; give one of {', '.join(family.name for family in families)}")
+        raise ArgumentError("{family}: {0}; give one of {1}", said, ", ".join(family.name for family in families))
     marks = []
     if candidates is not None:
         marks = mark_candidates(read_candidates(candidates), certificates, candidates)

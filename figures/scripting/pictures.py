@@ -10,7 +10,7 @@ from pathlib import Path
 
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
-from orbitproof.shared.formats import InputError, read_candidates, select_ids, stated_format, write_text
+from orbitproof.shared.formats import ArgumentError, InputError, read_candidates, select_ids, stated_format, write_text
 
 
 def draw_family(
@@ -79,7 +79,7 @@ def draw_resonances(
     from orbitproof.figures.model import assign, mark_candidates, read_curves
 
     if certificates is not None and candidates is None:
-        raise InputError("--certificates: need their candidates; add --candidates")
+        raise ArgumentError("{certificates}: need their candidates; add {candidates}")
     curves = [curve for path in families for curve in read_curves(Path(path))]
     marks = []
     if candidates is not None:

@@ -22,7 +22,7 @@ from orbitproof.shared.claims import (
     evaluate,
     is_regular,
 )
-from orbitproof.shared.errors import InputError
+from orbitproof.shared.errors import ArgumentError, InputError, refused
 from orbitproof.shared.formats.atlas import atlas_from_json, atlas_to_json, read_atlas, write_atlas
 from orbitproof.shared.formats.candidates import (
     candidate_from_json,

@@ -1,11 +1,11 @@
-"""What ``--only`` asks for: some of the names in a file."""
+"""What `only` asks for: some of the names in a file."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fnmatch import fnmatchcase
 
-from orbitproof.shared.formats.documents import InputError
+from orbitproof.shared.errors import ArgumentError
 
 _WILD = frozenset("*?[")
 
@@ -22,5 +22,5 @@ def select_ids(names: Iterable[str], only: Sequence[str] | None, what: str, *, o
     known = list(names)
     for pattern in only or ():
         if not any(fnmatchcase(name, pattern) for name in known) and not (or_none and _WILD.intersection(pattern)):
-            raise InputError(f"--only {pattern}: no such {what}; known: {', '.join(known) or 'none'}")
+            raise ArgumentError("{only} {0}: no such {1}; known: {2}", pattern, what, ", ".join(known) or "none")
     return [name for name in known if only is None or any(fnmatchcase(name, pattern) for pattern in only)]

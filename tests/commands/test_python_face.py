@@ -59,7 +59,10 @@ def proof() -> verify.Certificate:
     return certificate
 
 
-@pytest.mark.parametrize("module", ["orbitproof.shared", "orbitproof.verify.scripting", "orbitproof.explore.scripting"])
+@pytest.mark.parametrize(
+    "module",
+    [f"orbitproof.{name}" for name in ("shared", "shared.errors", "verify.scripting", "explore.scripting")],
+)
 def test_examples_of_the_documentation_hold(module: str) -> None:
     result = doctest.testmod(import_module(module), optionflags=doctest.ELLIPSIS)
     assert result.failed == 0

@@ -1,4 +1,4 @@
-"""What ``--only`` asks for."""
+"""What `only` asks for."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_what_matches_nothing_is_named(only: list[str]) -> None:
 
 def test_only_a_pattern_may_match_nothing_where_none_will_do() -> None:
     assert select_ids(NAMES, ["*-k7-*"], "row", or_none=True) == []
-    with pytest.raises(InputError, match="--only L7: no such row"):
+    with pytest.raises(InputError, match=r"^only L7: no such row"):
         select_ids(NAMES, ["L7"], "row", or_none=True)
     with pytest.raises(InputError, match="known: none"):
         select_ids([], ["L7"], "row")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from orbitproof.shared.formats import (
+    ArgumentError,
     Atlas,
     InputError,
     atlas_from_json,
@@ -182,8 +183,9 @@ def read_atlas_certificate(path: Path) -> AtlasCertificate:
     """Read a certificate. Raises `InputError` if it is not one, or was changed after it was written."""
     document = read_document(path, SCHEMA)
     if document["digest"] != digest(document):
-        raise InputError(
-            f"{path}: field digest: does not fit the content, which was changed; write it again with --fresh"
+        raise ArgumentError(
+            "{0}: field digest: does not fit the content, which was changed; write it again with {fresh=True:--fresh}",
+            path,
         )
     stated = document["statement"]["atlas"]
     where = f"{path}: field statement.atlas"
@@ -192,8 +194,10 @@ def read_atlas_certificate(path: Path) -> AtlasCertificate:
     known = {piece.id for piece in atlas.pieces}
     for index, result in enumerate(document["results"]):
         if result["piece"] not in known:
-            raise InputError(
-                f"{path}: field results[{index}].piece: no such piece in the atlas; write it again with --fresh"
+            raise ArgumentError(
+                "{0}: field results[{1}].piece: no such piece in the atlas; write it again with {fresh=True:--fresh}",
+                path,
+                index,
             )
     return AtlasCertificate(atlas, document)
 

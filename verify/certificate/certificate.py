@@ -18,6 +18,7 @@ from flint import arb
 
 from orbitproof.shared.formats import (
     ORBIT,
+    ArgumentError,
     Candidate,
     InputError,
     candidate_from_json,
@@ -344,7 +345,8 @@ def read_certificates(path: Path) -> dict[str, Certificate]:
         for index, entry in enumerate(document["certificates"])
     ]
     for name in repeated(entries):
-        raise InputError(f"{path}: field certificates: id {name!r} appears twice; write the file again with --fresh")
+        words = "{0}: field certificates: id {1!r} appears twice; write the file again with {fresh=True:--fresh}"
+        raise ArgumentError(words, path, name)
     return {entry.id: entry for entry in entries}
 
 

@@ -7,18 +7,18 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import InputError, read_atlas, read_document
+from orbitproof.shared.formats import InputError, read_atlas, read_document, refused, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import SCHEMA
 from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.certificate import Certificate, read_certificates
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole
 from orbitproof.verify.run.branch_checks import examined, is_about_surface
 from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
 from orbitproof.verify.run.branch_tasks import LARGEST_ORDER, MOST_SPLITS, RunLimits
 from orbitproof.verify.run.branches import (
     AtlasRun,
-    chosen_bifurcations,
     conclude_run,
     limits_of,
     prove_pieces,
@@ -79,8 +79,7 @@ def main(arguments: Sequence[str] | None = None, work: Work = prove_task) -> int
     try:
         return _recheck(options, workplace, work) if options.recheck else _run(options, workplace, work)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        return refused(error)
 
 
 def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
@@ -89,7 +88,7 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
     atlas = read_atlas(options.file)
     given = {name: getattr(options, name) for name in ("precision", "order", "width")}
     limits = limits_of(atlas, options.complete, options.max_splits, options.timeout, **given)
-    bifurcations = chosen_bifurcations(options.bifurcations, options.only, atlas.is_surface)
+    bifurcations = _chosen_bifurcations(options.bifurcations, options.only, atlas.is_surface)
     run = started(atlas, limits, options.output, options.fresh)
     interrupted = False
     try:
@@ -124,7 +123,7 @@ def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> i
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
     document = read_document(options.file, SCHEMA)
-    given = chosen_bifurcations(options.bifurcations, options.only, is_about_surface(document))
+    given = _chosen_bifurcations(options.bifurcations, options.only, is_about_surface(document))
     try:
         found = examined(document, given, options.integrate, workplace, work)
     except KeyboardInterrupt:
@@ -134,6 +133,22 @@ def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> i
     for finding in found.findings[:1]:
         print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
     return 0 if found.stands else 1
+
+
+def _chosen_bifurcations(files: Sequence[Path], only: Sequence[str] | None, is_surface: bool) -> list[Certificate]:
+    """The certificates asked about, in the order of the files. Raises `InputError`."""
+    if only is not None and not files:
+        raise InputError("--only: chooses among bifurcations; give their certificates with --bifurcations")
+    if files and is_surface:
+        raise InputError("--bifurcations: a surface is about all bifurcations over it; leave them out")
+    found: dict[str, Certificate] = {}
+    for path in files:
+        for name, certificate in read_certificates(path).items():
+            if name in found:
+                raise InputError(f"{path}: {name!r} is in another file too; give each certificate once")
+            found[name] = certificate
+    chosen = select_ids(found, None if only is None else list(only), "bifurcation", or_none=True)
+    return [found[name] for name in chosen]
 
 
 if __name__ == "__main__":

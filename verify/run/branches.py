@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import AnyPiece, Atlas, InputError, Piece, check_writable, select_ids
+from orbitproof.shared.formats import AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
@@ -18,7 +18,7 @@ from orbitproof.verify.atlas import (
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, interval_of
-from orbitproof.verify.certificate import Certificate, read_certificates
+from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work
@@ -190,15 +190,15 @@ def limits_of(
     Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense.
     """
     if complete is not None and atlas.is_surface:
-        raise InputError("--complete: lists what is on a curve, and this atlas is about a surface; leave it out")
+        raise ArgumentError("{complete}: lists what is on a curve, and this atlas is about a surface; leave it out")
     if complete is not None and atlas.system.fixed_level is not None:
-        raise InputError("--complete: no list is claimed on a fixed level of a first integral; leave it out")
+        raise ArgumentError("{complete}: no list is claimed on a fixed level of a first integral; leave it out")
     given = {name: value for name, value in integrator.items() if value is not None}
     limits = RunLimits(given, timeout, max_splits, complete is not None, 1 if complete is None else complete)
     try:
         attempts_of(atlas, limits)
     except ValueError as error:
-        raise InputError(f"--precision, --order, --width: {error}; give larger numbers") from None
+        raise ArgumentError("{precision}, {order}, {width}: {0}; give larger numbers", error) from None
     return limits
 
 
@@ -215,11 +215,13 @@ def started(atlas: Atlas, limits: RunLimits, output: Path | None = None, fresh: 
     try:
         before = read_atlas_certificate(output)
     except InputError as error:
-        raise InputError(f"{error}; or replace the file with --fresh") from None
+        raise ArgumentError("{0}; or replace the file with {fresh=True:--fresh}", error) from None
     if before.atlas.id != atlas.id:
-        raise InputError(
-            f"{output}: holds the certificate of another atlas ({before.atlas.id!r}); "
-            "choose another output, or replace the file with --fresh"
+        raise ArgumentError(
+            "{0}: holds the certificate of another atlas ({1!r}); choose another output, or replace the file with "
+            "{fresh=True:--fresh}",
+            output,
+            before.atlas.id,
         )
     earlier = reusable(before, atlas, attempts_of(atlas, limits), limits.stability)
     return AtlasRun(atlas, limits, earlier, output)
@@ -259,19 +261,3 @@ def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: 
     if run.output is not None:
         write_atlas_certificate(run.output, certificate)
     return AtlasCertificate(run.atlas, certificate)
-
-
-def chosen_bifurcations(files: Sequence[Path], only: Sequence[str] | None, is_surface: bool) -> list[Certificate]:
-    """The certificates asked about, in the order of the files. Raises `InputError`."""
-    if only is not None and not files:
-        raise InputError("--only: chooses among bifurcations; give their certificates with --bifurcations")
-    if files and is_surface:
-        raise InputError("--bifurcations: a surface is about all bifurcations over it; leave them out")
-    found: dict[str, Certificate] = {}
-    for path in files:
-        for name, certificate in read_certificates(path).items():
-            if name in found:
-                raise InputError(f"{path}: {name!r} is in another file too; give each certificate once")
-            found[name] = certificate
-    chosen = select_ids(found, None if only is None else list(only), "bifurcation", or_none=True)
-    return [found[name] for name in chosen]

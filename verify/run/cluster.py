@@ -16,7 +16,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from importlib import import_module
 from typing import Any
 
-from orbitproof.shared.formats import InputError
+from orbitproof.shared.formats import ArgumentError
 from orbitproof.shared.processes import Answer, Failure, Progress, Source, Task
 from orbitproof.verify.evidence import installed
 from orbitproof.verify.run.processes import Engine, Finished, Processes, Work, on_text
@@ -101,18 +101,18 @@ def connected(address: str) -> Iterator[Cluster]:
     has another version of the software.
     """
     if _ADDRESS.fullmatch(address) is None:
-        raise InputError(f"--scheduler {address}: not an address; give HOST:PORT or tcp://HOST:PORT")
+        raise ArgumentError("{scheduler} {0}: not an address; give HOST:PORT or tcp://HOST:PORT", address)
     try:
         distributed = import_module("distributed")
     except ImportError:
-        raise InputError(
-            "--scheduler: dask.distributed is not installed; install orbitproof[cluster], or use --jobs instead"
+        raise ArgumentError(
+            "{scheduler}: dask.distributed is not installed; install orbitproof[cluster], or use {jobs} instead"
         ) from None
     try:
         client = distributed.Client(address, timeout=_CONNECT_SECONDS, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"--scheduler {address}: {reason}; give the address of a dask scheduler") from None
+        raise ArgumentError("{scheduler} {0}: {1}; give the address of a dask scheduler", address, reason) from None
     try:
         _check(client, address)
         yield Cluster(client)
@@ -124,17 +124,18 @@ def _check(client: Any, address: str) -> None:
     try:
         versions: Mapping[str, Mapping[str, str]] = client.run(installed)
     except Exception as error:
-        raise InputError(
-            f"--scheduler {address}: a worker cannot run the verifier ({type(error).__name__}); "
-            "install orbitproof where the workers run"
+        raise ArgumentError(
+            "{scheduler} {0}: a worker cannot run the verifier ({1}); install orbitproof where the workers run",
+            address,
+            type(error).__name__,
         ) from None
     if not versions:
-        raise InputError(f"--scheduler {address}: has no workers; start some with: dask worker {address}")
+        raise ArgumentError("{scheduler} {0}: has no workers; start some with: dask worker {0}", address)
     here = installed()
     for worker, version in versions.items():
         for name in sorted({*here, *version}):
             if here.get(name) != version.get(name):
-                raise InputError(
-                    f"--scheduler {address}: worker {worker} has {name} {version.get(name)}, here it is "
-                    f"{here.get(name)}; install the same version everywhere"
+                raise ArgumentError(
+                    "{scheduler} {0}: worker {1} has {2} {3}, here it is {4}; install the same version everywhere",
+                    *(address, worker, name, version.get(name), here.get(name)),
                 )

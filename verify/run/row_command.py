@@ -9,7 +9,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from orbitproof.shared.formats import ORBIT, InputError, read_candidates, select_ids
+from orbitproof.shared.formats import ORBIT, InputError, read_candidates, refused, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import (
@@ -89,8 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _recheck(options, workplace) if options.recheck else _run(options, workplace)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        return refused(error)
 
 
 def _run(options: argparse.Namespace, workplace: Workplace) -> int:

@@ -10,7 +10,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, check_writable
+from orbitproof.shared.formats import (
+    ArgumentError,
+    Candidate,
+    InputError,
+    candidate_from_json,
+    candidate_to_json,
+    check_writable,
+)
 from orbitproof.shared.processes import answers
 from orbitproof.verify.certificate.certificate import (
     Certificate,
@@ -142,13 +149,15 @@ def _earlier(path: Path, candidates: Sequence[Candidate]) -> dict[str, Certifica
     try:
         result = read_certificates(path)
     except InputError as error:
-        raise InputError(f"{error}; or replace the file with --fresh") from None
+        raise ArgumentError("{0}; or replace the file with {fresh=True:--fresh}", error) from None
     known = {candidate.id for candidate in candidates}
     foreign = [name for name in result if name not in known]
     if foreign:
-        raise InputError(
-            f"{path}: holds certificates of other candidates ({foreign[0]!r}); "
-            "choose another output, or replace the file with --fresh"
+        raise ArgumentError(
+            "{0}: holds certificates of other candidates ({1!r}); choose another output, or replace the file with "
+            "{fresh=True:--fresh}",
+            path,
+            foreign[0],
         )
     return result
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from flint import arb, arb_mat, fmpq
 
-from orbitproof.shared.formats import InputError, check_writable, read_document, select_ids, write_text
+from orbitproof.shared.formats import InputError, check_writable, read_document, refused, select_ids, write_text
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
@@ -78,8 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _run(options)
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        return refused(error)
 
 
 @dataclass(frozen=True)
