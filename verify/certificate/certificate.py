@@ -344,8 +344,8 @@ def read_certificates(path: Path) -> dict[str, Certificate]:
         Certificate.from_json(entry, f"{path}: field certificates[{index}]")
         for index, entry in enumerate(document["certificates"])
     ]
+    words = "{0}: field certificates: id {1!r} appears twice; write the file again with {fresh=True:--fresh}"
     for name in repeated(entries):
-        words = "{0}: field certificates: id {1!r} appears twice; write the file again with {fresh=True:--fresh}"
         raise ArgumentError(words, path, name)
     return {entry.id: entry for entry in entries}
 
