@@ -144,11 +144,15 @@ lint: $(VENV)/dev.stamp
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# Tests beside each other share what their module makes once. They start processes by the hundred, which read compiled
+# sources if those may be kept.
+PYTEST = PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n 2 --dist worksteal
+
 test: lint
-	$(BIN)/python -m pytest -n 2
+	$(PYTEST)
 
 test-slow: $(VENV)/dev.stamp
-	$(BIN)/python -m pytest -n 2 -m slow
+	$(PYTEST) -m slow
 
 campaign: $(VENV)/dev.stamp
 	@$(BOUND) $(BIN)/python tests/soundness/campaign.py --jobs $(JOBS) --output campaign.json

@@ -129,6 +129,7 @@ def test_a_full_disk_keeps_the_rows_before_it(tmp_path: Path, capsys: Any, monke
     assert read(target)["true"] == before
 
 
+@pytest.mark.usefixtures("little_grace")
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_row_that_would_never_end_is_ended(jobs: int) -> None:
     rows: list[Certificate] = []

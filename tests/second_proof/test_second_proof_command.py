@@ -121,6 +121,7 @@ def test_a_lost_process_costs_its_row_only(
     assert "1 of 2 rows are there already" in capsys.readouterr().err, "the row that was lost was not tried again"
 
 
+@pytest.mark.usefixtures("little_grace")
 def test_a_row_that_takes_too_long_is_not_proved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source = write(tmp_path / "certificates.json", LONG)
     assert prove(source, "--row-timeout", "0.01") == 1

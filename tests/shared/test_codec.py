@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
+from functools import cache
 from importlib import resources
 from typing import Annotated, Any, Literal
 
@@ -79,6 +80,7 @@ drawings = st.builds(
 )
 
 
+@cache
 def validator() -> Draft202012Validator:
     schema, definitions = schema_of(Drawing)
     return Draft202012Validator({**schema, "$defs": definitions})

@@ -14,7 +14,7 @@ from support.claims import known
 from support.faulty_worker import EXCEPTIONS, certify_task
 
 import orbitproof.verify.run.rows
-from orbitproof.shared.processes import GRACE_SECONDS
+from orbitproof.shared import processes
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.oracle import ORACLE, Limits
@@ -108,6 +108,7 @@ def run(ids: list[str], jobs: int, timeout: float | None = None) -> dict[str, Ce
     return {row.id: row for row in rows}
 
 
+@pytest.mark.usefixtures("fresh_workers")
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_fault_in_a_worker_costs_its_row_only(
     jobs: int, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
@@ -123,13 +124,14 @@ def test_a_fault_in_a_worker_costs_its_row_only(
     assert "Traceback" not in capfd.readouterr().err
 
 
+@pytest.mark.usefixtures("little_grace")
 def test_a_step_that_never_ends_is_ended_at_the_time_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(orbitproof.verify.run.rows, "certify_task", certify_task)
     rows = run(["endless", "sound"], 1, timeout=3.0)
     reason = rows["endless"].reason
     assert reason.condition == "time"
     assert "the time limit of 3 s passed within one step" in reason.message
-    assert rows["endless"].computation.seconds >= 3.0 + GRACE_SECONDS
+    assert rows["endless"].computation.seconds >= 3.0 + processes.GRACE_SECONDS
     assert rows["sound"].verdict == "proved"
 
 

@@ -126,21 +126,23 @@ def slow(honest: dict[str, Any]) -> dict[str, Any]:
     return forged(honest, change)
 
 
+@pytest.mark.usefixtures("little_grace")
 def test_an_integration_without_end_costs_its_own_row_only(
     honest: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = written(tmp_path / "both.json", slow(honest), honest)
     assert main(["--recheck", path, "--quiet"]) == 0
-    assert main(["--recheck", "--integrate", path, "--quiet", "--row-timeout", "5"]) == 1
+    assert main(["--recheck", "--integrate", path, "--quiet", "--row-timeout", "3"]) == 1
     table = capsys.readouterr().out
-    assert "slow: the time limit of 5 s passed within one step; the process was ended" in table
+    assert "slow: the time limit of 3 s passed within one step; the process was ended" in table
     assert f"{honest['id']}  proved   stands" in table
     assert multiprocessing.active_children() == []
 
 
+@pytest.mark.usefixtures("little_grace")
 def test_a_notebook_survives_an_integration_without_end(honest: dict[str, Any]) -> None:
     entries = [Certificate.from_json(entry) for entry in (slow(honest), honest)]
-    first, second = verify.recheck(entries, integrate=True, timeout=5.0, quiet=True)
+    first, second = verify.recheck(entries, integrate=True, timeout=3.0, quiet=True)
     assert (first.stands, first.findings, first.level) == (False, (), Level.CONCLUSION)
     assert "time limit" in first.obstacle
     assert second.stands
@@ -159,6 +161,7 @@ ENDS = {
 LIMITS = ["--row-timeout", "0.5", "--memory", "0.25"]
 
 
+@pytest.mark.usefixtures("little_grace")
 @pytest.mark.parametrize("how", ENDS)
 def test_a_check_that_does_not_end_is_an_obstacle(
     how: str,
@@ -177,6 +180,7 @@ def test_a_check_that_does_not_end_is_an_obstacle(
     assert "DOES NOT" not in out
 
 
+@pytest.mark.usefixtures("little_grace")
 @pytest.mark.parametrize("how", ENDS)
 def test_the_check_of_a_curve_that_does_not_end_is_an_obstacle(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     work, words = ENDS[how]
@@ -186,6 +190,7 @@ def test_the_check_of_a_curve_that_does_not_end_is_an_obstacle(how: str, monkeyp
     assert found.findings == ()
 
 
+@pytest.mark.usefixtures("little_grace")
 @pytest.mark.parametrize("how", ENDS)
 def test_a_place_that_does_not_end_is_an_obstacle_of_its_row(
     how: str, honest: dict[str, Any], monkeypatch: pytest.MonkeyPatch
@@ -262,6 +267,7 @@ def test_a_program_has_bounded_exponents_and_lines() -> None:
         Program.from_text(squarings("v0 * v1", 10_000))
 
 
+@pytest.mark.usefixtures("little_grace")
 def test_commands_say_what_cannot_be_checked(
     honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -281,6 +287,7 @@ def test_commands_say_what_cannot_be_checked(
     assert not output.exists()
 
 
+@pytest.mark.usefixtures("little_grace")
 def test_an_orbit_is_not_placed_on_a_curve_that_cannot_be_checked(
     honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -143,6 +143,7 @@ def test_a_process_that_ends_costs_its_piece_only_and_is_tried_again(tmp_path: P
     assert main([source, "-o", str(target), "--quiet"], atlas_work.proving) == 0
 
 
+@pytest.mark.usefixtures("little_grace")
 def test_an_interval_without_end_is_ended_at_the_time_limit(tmp_path: Path, capsys: Any) -> None:
     source = write(tmp_path / "atlas.json")
     assert main([source, "--timeout", "0.2", "--max-splits", "0"], atlas_work.endless) == 1
