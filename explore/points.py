@@ -7,9 +7,9 @@ from fractions import Fraction
 
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import kind_of
-from orbitproof.explore.names import exact_parameters, label_of
+from orbitproof.explore.names import exact_parameters, label_of, short_name
 from orbitproof.explore.refinement import RefinementFailure, Task, refine_task
-from orbitproof.shared.formats import FOLD, KINDS, Candidate, InputError
+from orbitproof.shared.formats import KINDS, Candidate, InputError
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 
 
@@ -56,7 +56,7 @@ def refine_at(
         exact = exact_parameters(system, texts)
     except InputError as error:
         raise ValueError(str(error)) from None
-    name = id or f"{label_of(system, None, words) or system.name}-{kind if kind == FOLD else f'k{k}'}"
+    name = id or f"{label_of(system, None, words) or system.name}-{short_name(kind, k)}"
     guess = tuple(float(point[each]) for each in wanted)
     task = Task(
         id=name,

@@ -124,7 +124,7 @@ def check_piece(atlas: Atlas, piece: Piece, seed: int = 0) -> PieceCheck:
     returns = HalfReturns(atlas.system, atlas.parameters, "regularised" if coordinates == "regularised" else "physical")
     count = LANES // len(piece.centre)
     places = np.sort(np.random.default_rng(seed).uniform(-1, 1, count))
-    if piece.kind == "symmetric":
+    if piece.is_symmetric:
         # At s = 0 another family crosses the curve, and near it the equations say little about the place across.
         places = np.sign(places) * (NEAREST + (1 - NEAREST) * np.abs(places))
     chart = Chart(

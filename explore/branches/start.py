@@ -26,7 +26,7 @@ from orbitproof.explore.refinement import (
     section_crossings,
     start_jets,
 )
-from orbitproof.shared.formats import FOLD, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -44,6 +44,7 @@ class BranchPoint:
 
     Attributes:
         id, system, parameters, kind, k, symmetry: the claim, as in `shared.formats.candidates.Candidate`.
+        order: power of p_1 with which the level begins to change along the branch.
         point: shape (1 + n,), in the order of `ReversibleSystem.centre_coordinates`.
         frame: shape (1 + n, 1 + n), columns are the directions of p_0, p_1, p_2.
         level: value of the bifurcation parameter, exact to `BITS` bits.
@@ -55,6 +56,7 @@ class BranchPoint:
     system: ReversibleSystem
     parameters: Mapping[str, Fraction]
     kind: str
+    order: int
     k: int
     symmetry: str | None
     point: Vector
@@ -62,11 +64,6 @@ class BranchPoint:
     level: Fraction
     half_period: float
     slope: float
-
-    @property
-    def order(self) -> int:
-        """Power of p_1 with which the level begins to change along the branch: 1 touch-and-go, 2 otherwise."""
-        return 1 if self.kind == "touch_and_go" else 2
 
     @property
     def scale(self) -> Vector:
@@ -101,7 +98,7 @@ class BranchPoint:
 
 def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
-    if candidate.kind == FOLD:
+    if candidate.is_fold:
         raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
     if candidate.system.fixed_level is not None:
         raise NoBranch("branches on a fixed level of a first integral are not followed")
@@ -120,7 +117,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         start, parameter = start_jets(system, centre, [], JetBasis.graded((1,), 0))
         crossing = next(section_crossings(system, parameters, start, parameter, context))
         slope = 0.0
-        if candidate.kind == "touch_and_go":
+        if candidate.leading_power == 1:
             slope = _slope(candidate, exact, Frame(context.matrix(frame), kernel), context)
         level = level_at(system, parameters, centre, context)
     except (IntegrationFailure, RefinementFailure) as failure:
@@ -132,6 +129,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         system=system,
         parameters=parameters,
         kind=candidate.kind,
+        order=candidate.leading_power,
         k=candidate.k,
         symmetry=candidate.symmetry,
         point=_floats([centre])[0],

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.shared.formats import (
-    FOLD,
-    ORBIT,
     Candidate,
     InputError,
     candidate_from_json,
@@ -46,9 +44,6 @@ Exit codes: 0 all branches found, 1 one was not found or contradicts its certifi
 
 NEAR_FOLD = 0.05
 """Part of the length that was followed within which a fold of the level is worth a message."""
-
-_WITHOUT = (FOLD, ORBIT)
-"""Kinds of claims at which no branch begins: they are left out."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
 def read_claims(path: Path) -> list[Claim]:
     """The points of a candidates or a certificates file. Raises `InputError`."""
     if stated_format(path, "give candidates or certificates") != "certificates":
-        return [Claim(candidate) for candidate in read_candidates(path) if candidate.kind not in _WITHOUT]
+        return [Claim(candidate) for candidate in read_candidates(path) if candidate.has_branch]
     claims: dict[str, Claim] = {}
     for index, entry in enumerate(read_document(path, "certificates")["certificates"]):
         where = f"{path}: field certificates[{index}]"
@@ -133,7 +128,7 @@ def read_claims(path: Path) -> list[Claim]:
         candidate = candidate_from_json(stated, f"{where}.statement.candidate")
         if candidate.id in claims:
             raise InputError(f"{where}.id: {candidate.id!r} appears twice; keep one certificate for each candidate")
-        if candidate.kind in _WITHOUT:
+        if not candidate.has_branch:
             continue
         results = entry["results"]
         claims[candidate.id] = Claim(candidate, entry["verdict"], results["side"] if results else None)

@@ -7,8 +7,8 @@ import sys
 from typing import Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import given_parameters, label_of, place_of, system_named
-from orbitproof.shared.formats import FOLD, KINDS, InputError, check_writable, read_candidates, write_candidates
+from orbitproof.explore.names import given_parameters, label_of, place_of, short_name, system_named
+from orbitproof.shared.formats import KINDS, InputError, check_writable, read_candidates, write_candidates
 
 _EXAMPLES = """\
 examples:
@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     place = place_of(system, "--point", options.point, complete=True)
     label = label_of(system, options.mass, options.parameter) or system.name
     kept = read_candidates(options.output) if options.append and options.output.exists() else []
-    name = options.id or f"{label}-{FOLD if options.kind == FOLD else f'k{options.k}'}"
+    name = options.id or f"{label}-{short_name(options.kind, options.k)}"
     if any(candidate.id == name for candidate in kept):
         raise InputError(f"--id {name}: is in {options.output} already; choose another name")
 

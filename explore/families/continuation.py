@@ -25,6 +25,7 @@ Outcome = Literal["limit", "closed", "failed", "interrupted"]
 ON_SECTION = 1e-12
 """Distance from the section, relative to the largest of the orbit, below which a sample has no side."""
 
+RETURNED = "the family returns to Fix(S)"
 RETRACES = "the family goes back over its own orbits, each from its other point on Fix(R)"
 """Where both points on Fix(R) fall together: there the half orbit is a whole one, or the orbit an equilibrium."""
 
@@ -62,6 +63,16 @@ class Family:
     outcome: Outcome
     reason: str
     beginning: Ending | None = None
+
+    @property
+    def retraces(self) -> bool:
+        """Whether it ends because it goes back over its own orbits; files say so in the reason alone."""
+        return self.reason.startswith(RETRACES)
+
+    @property
+    def returned(self) -> bool:
+        """Whether it ends because it is back on Fix(S); files say so in the reason alone."""
+        return self.reason.startswith(RETURNED)
 
     @property
     def failed(self) -> bool:

@@ -62,6 +62,11 @@ class LocatedResonance:
     value: float
 
     @property
+    def is_fold(self) -> bool:
+        """Whether the family turns back there in the bifurcation parameter."""
+        return self.kind == FOLD
+
+    @property
     def point(self) -> Vector:
         """The bifurcation point, in the order of `ReversibleSystem.centre_coordinates`."""
         return self.orbit.centre(self.side)

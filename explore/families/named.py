@@ -24,7 +24,7 @@ import numpy as np
 from orbitproof.explore.engines import Progress
 from orbitproof.explore.families.branching import Sign, after_breakings, branch_seed, doubling_seed
 from orbitproof.explore.families.continuation import (
-    RETRACES,
+    RETURNED,
     Course,
     Family,
     Start,
@@ -109,7 +109,7 @@ def continue_family(
     reached = limits.reached(problem, last, states)
     if reached is not None and len(family.orbits) == 1:
         return replace(family, reason=f"{reached}, which its first orbit has passed ({describe(problem, last)})")
-    if family.outcome == "closed" or family.reason.startswith(RETRACES) or reached is not None:
+    if family.outcome == "closed" or family.retraces or reached is not None:
         return family
     if len(family.orbits) > 1 and in_fixed_space(problem, last):
         return family
@@ -272,9 +272,6 @@ class _Tracer:
         return extend(family, self.course(problem, upwards, family.orbits))
 
 
-RETURNED = "the family returns to Fix(S)"
-
-
 def _stop(problem: ShootingProblem, limits: Limits, orbits: tuple[SymmetricOrbit, ...]) -> Stop:
     """Stops at the limits and where an S-odd coordinate of a family outside Fix(S) changes sign."""
     odd = {name: problem.odd_unknowns(name) for name in problem.system.symmetries} if problem.symmetry is None else {}
@@ -292,7 +289,7 @@ def _stop(problem: ShootingProblem, limits: Limits, orbits: tuple[SymmetricOrbit
 
 def _with_symmetric_end(family: Family) -> Family:
     """A family that has just crossed Fix(S), ended exactly at the symmetry breaking there."""
-    if not family.reason.startswith(RETURNED):
+    if not family.returned:
         return family
     problem, before, beyond = family.problem, family.orbits[-2], family.orbits[-1]
     name, (index,) = next(

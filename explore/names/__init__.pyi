@@ -17,3 +17,4 @@ from .own_systems import label_of as label_of
 from .own_systems import place_of as place_of
 from .own_systems import system_named as system_named
 from .resonances import resonant_values as resonant_values
+from .resonances import short_name as short_name

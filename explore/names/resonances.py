@@ -1,8 +1,15 @@
-"""The stability parameters of resonances."""
+"""The stability parameters of resonances, and what ids call them."""
 
 from __future__ import annotations
 
 from math import cos, gcd, pi
+
+from orbitproof.shared.formats import FOLD
+
+
+def short_name(kind: str | None, k: int) -> str:
+    """What ids call a bifurcation: "fold", or "k3" for k = 3."""
+    return FOLD if kind == FOLD else f"k{k}"
 
 
 def resonant_values(k: int) -> tuple[float, ...]:

@@ -35,7 +35,7 @@ from orbitproof.explore.refinement.resonance import (
     working_context,
 )
 from orbitproof.explore.refinement.taylor import IntegrationFailure
-from orbitproof.shared.formats import KINDS, ONCE, Candidate
+from orbitproof.shared.formats import KINDS, LEADING_POWERS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -171,7 +171,7 @@ def refine(
     parity, symmetry = _checked(system, kind, k, guess, symmetry)
     try:
         regularisation = shorter_coordinates(system, parameters, guess, crossings)
-        problem = Resonance(system, dict(parameters), k, kind != "touch_and_go", parity, regularisation, crossings)
+        problem = Resonance(system, dict(parameters), k, LEADING_POWERS[kind] > 1, parity, regularisation, crossings)
         newton = _Newton(problem, guess, report)
         newton.approach(2 / 3 * _enough(digits), _enough(digits))
         margins = _checked_iterates(problem, newton.frame(), newton.at.iterates)

@@ -30,7 +30,7 @@ from orbitproof.explore.search.branches import branches_of, shared_branches
 from orbitproof.explore.search.outputs import write_catalogue, write_outputs, write_traced
 from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
-from orbitproof.shared.formats import FOLD, Candidate, InputError, read_candidates, write_candidates
+from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem, shown
 
@@ -224,8 +224,8 @@ def _is_complete(result: Traced, report: Reporter) -> bool:
     complete = not item.family.failed and not item.detection.undecided
     for line in item.detection.undecided:
         report.error(f"{item.title}: {line}")
-    found = {resonance.k for resonance in item.detection.resonances if resonance.kind != FOLD}
-    if result.task.folds and all(resonance.kind != FOLD for resonance in item.detection.resonances):
+    found = {resonance.k for resonance in item.detection.resonances if not resonance.is_fold}
+    if result.task.folds and not any(resonance.is_fold for resonance in item.detection.resonances):
         report.error(f"{item.title}: no fold found on the part traced; it ends: {item.family.reason}")
         complete = False
     for k in sorted(set(result.task.multiplicities) - found):

@@ -11,9 +11,10 @@ import numpy as np
 
 from orbitproof.explore.families import LocatedResonance, TracedFamily
 from orbitproof.explore.flow import Vector
+from orbitproof.explore.names import short_name
 from orbitproof.explore.orbits import Side
 from orbitproof.explore.refinement import Task
-from orbitproof.shared.formats import FOLD, Candidate
+from orbitproof.shared.formats import Candidate
 
 SAME_POINT = 1e-6
 """Largest distance, relative where a coordinate exceeds 1, of a refined point from its float64 approximation."""
@@ -82,7 +83,7 @@ def targets_of(item: TracedFamily, points: str) -> list[Target]:
     result: list[Target] = []
     for resonance in item.detection.resonances:
         k = resonance.k
-        what = FOLD if resonance.kind == FOLD else f"k{k}"
+        what = short_name(resonance.kind, k)
         counts[what] = counts.get(what, 0) + 1
         id = f"{label}-{what}-{counts[what]}"
         result.append(Target(item, resonance, resonance.side, id))

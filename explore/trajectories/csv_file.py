@@ -63,6 +63,6 @@ def _columns(trajectory: Trajectory, units: Units | None) -> tuple[Sequence[str]
     if trajectory.source.system not in THREE_BODY:
         return ("t", *names), np.ones(1 + len(names))
     length, time, velocity = ("LU", "TU", "LU/TU") if units is None else ("km", "s", "km/s")
-    labels = [f"{name} ({velocity if name.startswith('v') else length})" for name in names]
+    labels = [f"{name} ({unit})" for name, unit in zip(names, [length] * 3 + [velocity] * 3, strict=True)]
     scales = np.ones(7) if units is None else np.array([units.time, *[units.length] * 3, *[units.velocity] * 3])
     return (f"t ({time})", *labels), scales

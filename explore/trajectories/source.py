@@ -16,7 +16,6 @@ from orbitproof.explore.records import FamilyRecord, read_families
 from orbitproof.explore.trajectories.units import Units
 from orbitproof.shared.formats import (
     HALF_PERIOD,
-    ORBIT,
     Candidate,
     InputError,
     candidate_from_json,
@@ -95,9 +94,9 @@ def _certificate(path: Path, choice: Choice) -> SourceOrbit:
     entries = {entry["id"]: entry for entry in read_document(path, "certificates")["certificates"]}
     entry = entries[_identifier(path, choice, list(entries))]
     candidate = candidate_from_json(entry["statement"]["candidate"], f"{path}: certificate {entry['id']}")
-    what = "orbit" if candidate.kind == ORBIT else "bifurcation"
+    what = "orbit" if candidate.is_of_orbit else "bifurcation"
     said = f'the certificate says "{entry["verdict"]}" of the {what} at the first state, up to the radii of its box'
-    results = entry["results"] if candidate.kind == ORBIT else None
+    results = entry["results"] if candidate.is_of_orbit else None
     half_period = None if results is None else float(parse_exact(results["half_period"]["mid"]))
     return _bifurcating(candidate, f"certificate {candidate.id}", f"{said}; not checked again here", half_period)
 

@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb
 
 from orbitproof.figures.orbits import Array
-from orbitproof.shared.formats import FOLD, ORBIT, Candidate, InputError, candidate_from_json, validate_document
+from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.bifurcation import (
     BifurcationFunction,
@@ -75,7 +75,7 @@ class CertifiedCurves:
         validate_document(document, "candidates", f"{where}.statement.candidate")
         known = systems_with(SYSTEMS, certificate["statement"], stated)
         candidate = candidate_from_json(stated, f"{where}.statement.candidate", known)
-        if candidate.kind == ORBIT:
+        if candidate.is_of_orbit:
             raise InputError(f"{where}: orbit: no curve is certified there; choose another certificate")
         claim = level_form(candidate) if "level_form" in certificate["statement"] else candidate
         try:
@@ -88,7 +88,7 @@ class CertifiedCurves:
                 problem = check_enclosures(
                     checklist, claim, stored.iterates, stored.first_integral, stored.return_times
                 )
-                family, branch, point = (_at_fold if claim.kind == FOLD else _crossing)(checklist, problem, parts)
+                family, branch, point = (_at_fold if claim.is_fold else _crossing)(checklist, problem, parts)
                 beta = results["normal_form"].get("beta")
                 return cls(
                     claim=claim,

@@ -107,12 +107,13 @@ class Curve:
         """The curve of a certificate that is about a curve."""
         atlas = certificate.atlas
         pieces = atlas.curve_pieces()
-        begin = 0.0 if pieces[0].kind == "symmetric" and atlas.claim.is_of_symmetric_curve else -1.0
+        symmetric = atlas.claim.is_of_symmetric_curve
+        begin = 0.0 if pieces[0].is_symmetric and symmetric else -1.0
         length = 0.0
         stretches: list[Stretch] = []
         for number, piece in enumerate(pieces):
             following = pieces[number + 1] if number + 1 < len(pieces) else None
-            closes = following is None and atlas.claim.kind == "symmetric-loop" and piece.kind == "symmetric"
+            closes = following is None and symmetric and atlas.claim.is_closed and piece.is_symmetric
             s = np.linspace(begin, 0.0 if closes else 1.0, _SAMPLES)
             stretch = _stretch(certificate, piece, s, length)
             stretches.append(stretch)
@@ -157,7 +158,7 @@ def _stretch(certificate: AtlasCertificate, piece: Piece, s: Array, length: floa
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     results = [entry for entry in certificate.results if entry["piece"] == piece.id and entry["verdict"] == "proved"]
     intervals = [(float(parse_exact(a)), float(parse_exact(b))) for a, b in (entry["interval"] for entry in results)]
-    if piece.kind == "symmetric":
+    if piece.is_symmetric:
         intervals += [(-b, -a) for a, b in intervals]
     names = [str(entry["computation"].get("coordinates", PHYSICAL)) for entry in results]
     deviations = np.array([[float(parse_exact(text)) for text in entry["deviation"]] for entry in results])

@@ -14,7 +14,7 @@ from orbitproof.explore.records import ExtremumRecord, FamilyRecord, ResonanceRe
 from orbitproof.explore.records import read_families as read_records
 from orbitproof.figures.model.family import MarkedPoint, SampledFamily
 from orbitproof.figures.orbits import Array
-from orbitproof.shared.formats import ORBIT, InputError
+from orbitproof.shared.formats import InputError
 
 _SAME_ORBIT = 1e-3
 _EVENT = ("what", "arclength", "level", "k", "kind", "on_fix_r")
@@ -60,7 +60,7 @@ class SampledStability:
         Candidates that refine none of them, for example of other multiplicities, are placed by their point. Orbits
         that are claimed for themselves are at no resonance and have no place here.
         """
-        rest = [mark for mark in marks if mark.candidate.kind != ORBIT]
+        rest = [mark for mark in marks if not mark.candidate.is_of_orbit]
         result: list[Place] = []
         for resonance in self.resonances:
             known = [

@@ -22,7 +22,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import legend_row, verdict_handles
 from orbitproof.figures.pictures.marks import draw_point
 from orbitproof.figures.style import CURVE, INK, close, label_of, marker_of, use_style
-from orbitproof.shared.formats import FOLD, ORBIT, InputError
+from orbitproof.shared.formats import InputError
 from orbitproof.verify.certificate import read_certificates
 
 _WIDTH = 7.2
@@ -38,7 +38,7 @@ def write(certificates: Path, branches: Sequence[Path], folder: Path) -> list[Pa
     proved = {name: entry for name, entry in read_certificates(certificates).items() if entry.proved}
     if not proved:
         raise InputError(f'{certificates}: no certificate says "proved"; there is nothing certified to draw')
-    entries = {name: entry.to_json() for name, entry in proved.items() if entry.kind != ORBIT}
+    entries = {name: entry.to_json() for name, entry in proved.items() if entry.orbit is None}
     if not entries:
         raise InputError(f"{certificates}: orbits only, which have no curve; give certificates of bifurcations")
     records = {record.id: record for path in branches for record in read_branches(path)}
@@ -75,7 +75,7 @@ def draw_certified(curves: CertifiedCurves, branch: BranchRecord | None) -> Figu
     _level(figure.add_subplot(grid[0, 1]), curves, branch)
     colour = marker_of(curves.claim.k)[1]
     handles = [Patch(facecolor=CURVE, edgecolor=CURVE, label="family, enclosed")]
-    if curves.claim.kind != FOLD:
+    if curves.claim.has_branch:
         handles.append(Patch(facecolor=colour, edgecolor=colour, label="branch, enclosed"))
     handles.append(Patch(facecolor="none", edgecolor=INK, label="box of the certificate"))
     line = Line2D(
@@ -122,7 +122,7 @@ def _level(axes: Axes, curves: CertifiedCurves, branch: BranchRecord | None) -> 
     """|parameter - parameter*| against |p_1|: from the size of the box to that of the orbits that were followed."""
     claim = curves.claim
     colour = marker_of(claim.k)[1]
-    order = 1 if claim.kind == "touch_and_go" else 2
+    order = claim.leading_power
     reach = float(curves.radii[1])
     furthest = 100 * reach
     if branch is not None:
@@ -159,7 +159,7 @@ def _level(axes: Axes, curves: CertifiedCurves, branch: BranchRecord | None) -> 
     axes.set_yscale("log")
     name = claim.system.family_parameter
     quantity = label_of(name, unit=False) if name else curves.parameter_name
-    fold = claim.kind == FOLD
+    fold = claim.is_fold
     axes.set_xlabel("$|p_1 - p_1^*|$  (nondimensional)" if fold else "$|p_1|$  (nondimensional)")
     axes.set_ylabel(f"|{quantity} $-$ {'extremum' if fold else 'bifurcation'}|")
     where = {"above": "above", "below": "below", "both": "on both sides"}.get(curves.side, curves.side)

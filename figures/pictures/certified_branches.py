@@ -118,7 +118,7 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
         axes.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
         axes.set_aspect("equal", adjustable="datalim")
         axes.apply_aspect()
-    if curve.atlas.claim.kind == "symmetric-loop":
+    if curve.atlas.claim.is_closed and curve.atlas.claim.is_of_symmetric_curve:
         _magnify(axes, curve)
     if axis.is_logarithmic:
         axes.set_xscale("log")

@@ -16,6 +16,7 @@ from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.pictures.legends import legend_row
 from orbitproof.figures.pictures.marks import draw_resonance, resonances
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, level_label, marker_of
+from orbitproof.shared.formats import FOLD
 
 _WIDTH, _HEIGHT = 7.2, 6.4
 _STABLE = "#d9ead3"
@@ -102,13 +103,13 @@ def _legend(found: CertifiedStability) -> list[list[Any]]:
 
 
 def _label(point: ListedPoint) -> str:
-    if point.kind == "fold":
-        return "fold"
+    if point.kind == FOLD:
+        return FOLD
     return f"1:{point.k}" if point.k < _MANY else f"1:{_MANY} and above"
 
 
 def _look(point: ListedPoint) -> dict[str, Any]:
-    marker, colour = marker_of(point.k, "fold" if point.kind == "fold" else "")
+    marker, colour = marker_of(point.k, point.kind)
     small = point.k > _NAMED
     return {
         "marker": marker,

@@ -19,7 +19,6 @@ from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_mark, draw_resonance, resonances, show_around
 from orbitproof.figures.pictures.space import bounds_of, primary_handle, set_box, show_primaries
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of
-from orbitproof.shared.formats import ORBIT
 from orbitproof.shared.systems import THREE_BODY
 
 _ORBITS_SHOWN = 6
@@ -286,14 +285,14 @@ def _stability_curves(axes: Axes, family: SampledFamily, placements: Sequence[Pl
     for column in family.stability.T:
         axes.plot(abscissa, column, color=CURVE)
     axes.set_ylim(-_STABILITY_SHOWN, _STABILITY_SHOWN)
-    levels = resonances([p.mark.k for p in placements if p.mark.candidate.kind != ORBIT] or [1, 2, 3, 4])
+    levels = resonances([p.mark.k for p in placements if not p.mark.candidate.is_of_orbit] or [1, 2, 3, 4])
     for k, values in levels.items():
         for value in values:
             draw_resonance(axes, k, value)
     for placement in placements:
         found = family.stability_at(placement.arclength)
         x = float(np.interp(placement.arclength, family.arclength, abscissa))
-        if placement.mark.candidate.kind == ORBIT:
+        if placement.mark.candidate.is_of_orbit:
             for value in found[np.abs(found) < _STABILITY_SHOWN]:
                 draw_mark(axes, (x, value), placement.mark)
             continue

@@ -87,7 +87,7 @@ def draw_closed_curves(families: Sequence[SampledFamily], marks: Sequence[Sequen
         axes.plot(family.points[:, 0], family.points[:, 1], color=CURVE)
         axes.plot(family.points[:, 0], -family.points[:, 1], color=CURVE, linestyle=(0, (4, 1.5)))
         _primaries(axes, family)
-        breakings = [spot for spot in spots_on(family, own) if spot.mark.candidate.kind == "symmetry_breaking"]
+        breakings = [spot for spot in spots_on(family, own) if spot.mark.candidate.breaks_symmetry]
         for spot in breakings:
             draw_mark(axes, spot.position, spot.mark)
         shown += [spot.mark for spot in breakings]

@@ -10,15 +10,14 @@ from matplotlib.lines import Line2D
 
 from orbitproof.figures.pictures.marks import marker_size
 from orbitproof.figures.style import marker_of
-from orbitproof.shared.formats import ORBIT
 
 _LEGEND_ROW, _LEGEND_FOOT, _LABEL_HEIGHT = 0.2, 0.05, 0.44
 _KINDS = {
-    "symmetry_breaking": "symmetry breaking",
-    "fold": "fold",
-    "period_tupling": "period tupling",
-    "touch_and_go": "touch-and-go",
-    ORBIT: "one orbit",
+    "symmetry_breaking": "$k={k}$, symmetry breaking",
+    "fold": "$k={k}$, fold",
+    "period_tupling": "$k={k}$, period tupling",
+    "touch_and_go": "$k={k}$, touch-and-go",
+    "orbit": "one orbit",
 }
 
 
@@ -27,7 +26,7 @@ def legend_handles(claims: Iterable[tuple[int, str]]) -> list[Line2D]:
     handles = []
     for k, kind in sorted(set(claims)):
         marker, colour = marker_of(k, kind)
-        label = _KINDS[kind] if kind == ORBIT else f"$k={k}$, " + _KINDS[kind]
+        label = _KINDS[kind].format(k=k)
         handles.append(
             Line2D([], [], marker=marker, color=colour, linestyle="none", markersize=marker_size(marker), label=label)
         )

@@ -27,7 +27,6 @@ from orbitproof.figures.report.statements import (
     hypothesis_table,
     is_proved,
     kind_of,
-    name_of,
     parameter_text,
     piece_table,
     statement_blocks,
@@ -39,35 +38,39 @@ from orbitproof.verify.evidence import Reason, software
 
 TITLE = "Bifurcations and families of symmetric periodic orbits: theorems and their certificates"
 
+_CHAPTERS = {
+    "bifurcations": "Bifurcations",
+    "curves": "Curves of symmetric periodic orbits",
+    "surfaces": "Over ranges of a parameter",
+}
+"""The theorems, in this order."""
+
 Draw = Callable[[Checked], tuple[Picture, ...]]
 
 
 def report_of(entries: Sequence[Checked], draw: Draw = lambda entry: ()) -> Document:
     """The report. `draw` gives the pictures of a theorem."""
-    proved = [entry for entry in entries if is_proved(entry)]
-    numbers = {name_of(entry): number for number, entry in enumerate(_in_order(proved), start=1)}
-    rows = [entry for entry in proved if isinstance(entry, CheckedRow)]
-    atlases = [entry for entry in proved if isinstance(entry, CheckedAtlas)]
-    sections = [_summary(_in_order(proved), numbers)]
-    groups = (
-        ("bifurcations", "Bifurcations", rows),
-        ("curves", "Curves of symmetric periodic orbits", [entry for entry in atlases if not entry.atlas.is_surface]),
-        ("surfaces", "Over ranges of a parameter", [entry for entry in atlases if entry.atlas.is_surface]),
-    )
-    for label, title, group in groups:
-        if group:
+    proved = _in_order([entry for entry in entries if is_proved(entry)])
+    numbers = {entry.name: number for number, entry in enumerate(proved, start=1)}
+    sections = [_summary(proved, numbers)]
+    for label, title in _CHAPTERS.items():
+        if group := [entry for entry in proved if entry.chapter == label]:
             sections.append(Section(label, title, ()))
-            sections += [_theorem(entry, numbers[name_of(entry)], draw) for entry in group]
+            sections += [_theorem(entry, numbers[entry.name], draw) for entry in group]
     sections += _not_proved([entry for entry in entries if not is_proved(entry)])
     sections += [_checked(entries), _again(entries), _software(entries)]
-    if rows:
+    if rows := _rows(proved):
         sections += _boxes(rows)
     return Document(TITLE, (*sections, _references()))
 
 
 def _in_order(proved: Sequence[Checked]) -> list[Checked]:
-    """Bifurcations and orbits, then curves, then surfaces, each as they were given."""
-    return sorted(proved, key=lambda entry: isinstance(entry, CheckedAtlas) and 1 + entry.atlas.is_surface)
+    """By chapters, and in each as they were given."""
+    return sorted(proved, key=lambda entry: list(_CHAPTERS).index(entry.chapter))
+
+
+def _rows(entries: Sequence[Checked]) -> list[CheckedRow]:
+    return [entry for entry in entries if isinstance(entry, CheckedRow)]
 
 
 def theorem_label(name: str) -> str:
@@ -85,16 +88,15 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
             "certificates, words those that follow from them; each was checked again before it was printed. What that "
             "check shows, and what it leaves to be believed, stands in ",
             Place("checked", "What was checked"), ". Names such as ",
-            Code(name_of(proved[0]) if proved else "earth-moon-L1-halo-k1-1"),
+            Code(proved[0].name if proved else "earth-moon-L1-halo-k1-1"),
             " are labels: nothing is concluded from them.",
         )),
     ]  # fmt: skip
     rows: list[tuple[Runs, ...]] = []
     for entry in proved:
-        name = name_of(entry)
-        side = (entry.certificate.side or "") if isinstance(entry, CheckedRow) else ""
+        name = entry.name
         number: Runs = (Place(theorem_label(name), str(numbers[name])),)
-        rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (side,)))
+        rows.append((number, (kind_of(entry),), (name,), (parameter_text(entry),), (entry.side,)))
     if rows:
         header = ("theorem", "about", "certificate", "bifurcation parameter, period, or extent", "new orbits")
         table = Table(header, tuple(rows), "The theorems", (0.1, 0.19, 0.24, 0.31, 0.08))
@@ -103,7 +105,7 @@ def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
 
 
 def _theorem(entry: Checked, number: int, draw: Draw) -> Section:
-    name = name_of(entry)
+    name = entry.name
     statement = Statement(theorem_label(name), number, f"{kind_of(entry)}; {shown(name)}", statement_blocks(entry))
     blocks: list[Block] = [statement, hypothesis_table(entry)]
     if isinstance(entry, CheckedAtlas):
@@ -116,8 +118,7 @@ def _not_proved(entries: Sequence[Checked]) -> list[Section]:
         return []
     items: list[Runs] = []
     for entry in entries:
-        reason = entry.certificate.to_json()["reason"] if isinstance(entry, CheckedRow) else entry.document["reason"]
-        items.append((f"{shown(name_of(entry))}: {Reason(**reason).as_said}",))
+        items.append((f"{shown(entry.name)}: {Reason(**entry.document['reason']).as_said}",))
     words = (
         "These certificates claim nothing. That something is not proved does not mean that it is false. What the runs "
         "said is quoted; nothing checks it."
@@ -144,12 +145,11 @@ def _checked(entries: Sequence[Checked]) -> Section:
 
 def _again(entries: Sequence[Checked]) -> Section:
     lines = ["# follows from what the certificates carry"]
-    paths = list(dict.fromkeys((entry.path, isinstance(entry, CheckedAtlas)) for entry in entries))
-    verify = {path: "verify atlas" if is_atlas else "verify" for path, is_atlas in paths}
-    curves = {path: _curve_of(path, entries) for path, _ in paths}
-    lines += [f"orbitproof {verify[path]} --recheck {path.name}{curves[path]}" for path, _ in paths]
+    files = {entry.path: entry.command for entry in entries}
+    curves = {path: _curve_of(path, entries) for path in files}
+    lines += [f"orbitproof {verify} --recheck {path.name}{curves[path]}" for path, verify in files.items()]
     lines += ["", "# integrated again, with other settings"]
-    lines += [f"orbitproof {verify[path]} --recheck --integrate {path.name}{curves[path]}" for path, _ in paths]
+    lines += [f"orbitproof {verify} --recheck --integrate {path.name}{curves[path]}" for path, verify in files.items()]
     if second := _second_proofs(entries):
         lines += ["", "# bifurcations, by code that shares nothing with the first proof", *second]
     words = f"With orbitproof {metadata.version('orbitproof')} installed and the certificate files at hand:"
@@ -158,22 +158,22 @@ def _again(entries: Sequence[Checked]) -> Section:
 
 def _curve_of(path: Path, entries: Sequence[Checked]) -> str:
     """The option that names the curve on which the orbits of a file have a place; empty if they have none."""
-    rows = [entry for entry in entries if isinstance(entry, CheckedRow) and entry.path == path]
-    places = [place for entry in rows if (place := entry.certificate.to_json().get("place")) is not None]
+    there = [entry for entry in _rows(entries) if entry.path == path]
+    places = [place for entry in there if (place := entry.document.get("place")) is not None]
     if not places:
         return ""
     digest = places[0]["rests_on"]["digest"]
-    curves = [entry for entry in entries if isinstance(entry, CheckedAtlas) and entry.document["digest"] == digest]
+    curves = [entry for entry in entries if entry.document["digest"] == digest]
     return f" --curve {curves[0].path.name if curves else 'CERTIFICATE-OF-THE-CURVE'}"
 
 
 def _second_proofs(entries: Sequence[Checked]) -> list[str]:
     """The commands for what is proved and has a second proof; the others of its file are left out by name."""
-    rows = [entry for entry in entries if isinstance(entry, CheckedRow)]
+    rows = _rows(entries)
     lines = []
     for path in dict.fromkeys(entry.path for entry in rows):
         there = [entry for entry in rows if entry.path == path]
-        followed = [name_of(entry) for entry in there if is_proved(entry) and has_second_proof(entry)]
+        followed = [entry.name for entry in there if is_proved(entry) and has_second_proof(entry)]
         only = "" if len(followed) == len(there) else f" --only {' '.join(map(shown, followed))}"
         lines += [f"orbitproof verify --second-proof {path.name}{only}"] if followed else []
     return lines
@@ -185,15 +185,14 @@ def _software(entries: Sequence[Checked]) -> Section:
         rows.append((("this report and its checks",), (name,), (Code(version),)))
     made: dict[tuple[tuple[str, str], ...], int] = {}
     for entry in entries:
-        by = entry.certificate.software if isinstance(entry, CheckedRow) else entry.document["software"]
-        key = tuple(by.items())
+        key = tuple(entry.document["software"].items())
         made[key] = made.get(key, 0) + 1
     for by, count in made.items():
         for name, version in by:
             rows.append(((f"{count} certificates, as they record",), (name,), (Code(version),)))
     digests = tuple(
-        (((Place(theorem_label(name_of(entry)), name_of(entry)) if is_proved(entry) else name_of(entry)),),
-         (Code(str((entry.certificate.to_json() if isinstance(entry, CheckedRow) else entry.document)["digest"])),))
+        (((Place(theorem_label(entry.name), entry.name) if is_proved(entry) else entry.name),),
+         (Code(str(entry.document["digest"])),))
         for entry in entries
     )  # fmt: skip
     return Section("software", "Software and digests", (
@@ -204,7 +203,7 @@ def _software(entries: Sequence[Checked]) -> Section:
 
 def _boxes(rows: Sequence[CheckedRow]) -> list[Section]:
     words = "Numbers are exact: 0xMp-E is the hexadecimal integer M divided by 2 to the E, 0xMpE is M times 2 to the E."
-    tables = [Section(box_label(entry), name_of(entry), (box_table(entry),), level=2) for entry in rows]
+    tables = [Section(box_label(entry), entry.name, (box_table(entry),), level=2) for entry in rows]
     return [Section("boxes", "Boxes, exactly", (Paragraph((words,)),)), *tables]
 
 

@@ -48,7 +48,7 @@ def margin_on_atlas(atlas: Atlas, hypothesis: str, name: str, ball: arb) -> str:
     if not ball.is_finite():
         return ""
     covers = atlas.claim.covers
-    if hypothesis == "glued" and atlas.is_surface:
+    if hypothesis == "glued":
         for before, after in pairwise(atlas.surface_pieces()):
             for i, radius in enumerate(after.radii):
                 if name == f"p_{i} of {before.id} in {after.id}":

@@ -13,7 +13,6 @@ from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import FOLD
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
 
@@ -37,7 +36,7 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         figure = draw_orbit(entry.candidate, entry.certificate.orbit)
         return (_picture(f"orbit-{file_name(name)}", caption, figure),)
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
-    fold = entry.candidate.kind == FOLD
+    fold = entry.candidate.is_fold
     curves, along = ("the family", "it") if fold else ("the family and the branch", "the branch")
     caption = (
         f"{shown(name)}: (a) {curves} in the box of the certificate, enclosed; (b) the parameter along {along} from "

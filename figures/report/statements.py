@@ -13,7 +13,7 @@ from orbitproof.figures.report.document import Block, Code, Formulas, Items, Mat
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
-from orbitproof.shared.formats import ORBIT, Candidate
+from orbitproof.shared.formats import KINDS, SURFACE, Candidate
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import atlas_in_words, claim_in_words
@@ -29,26 +29,20 @@ _KINDS = {
     "touch_and_go": "Touch-and-go of order {k}",
     "orbit": "One symmetric periodic orbit",
 }
-_CURVES = {
+_BRANCHES = {
     "arc": "A curve of symmetric periodic orbits",
     "loop": "A closed curve of symmetric periodic orbits",
     "symmetric-arc": "A curve of symmetric periodic orbits, mapped to itself by {symmetry}",
     "symmetric-loop": "A closed curve of symmetric periodic orbits, mapped to itself by {symmetry}",
+    SURFACE: "Symmetry breaking over a range of parameters",
 }
-
-
-def name_of(entry: Checked) -> str:
-    """The id of a certificate."""
-    return entry.certificate.id if isinstance(entry, CheckedRow) else str(entry.document["id"])
 
 
 def kind_of(entry: Checked) -> str:
     """What a theorem is about, from the claim."""
     if isinstance(entry, CheckedRow):
         return _KINDS[entry.candidate.kind].format(k=entry.candidate.k)
-    if entry.atlas.is_surface:
-        return "Symmetry breaking over a range of parameters"
-    return _CURVES[entry.atlas.claim.kind].format(symmetry=entry.atlas.claim.symmetry)
+    return _BRANCHES[entry.atlas.claim.kind].format(symmetry=entry.atlas.claim.symmetry)
 
 
 def is_proved(entry: Checked) -> bool:
@@ -58,17 +52,12 @@ def is_proved(entry: Checked) -> bool:
 
 def statement_blocks(entry: Checked) -> tuple[Block, ...]:
     """The theorem in full, in the words of its certificate: system, box, what is proved and what that means."""
-    blocks = list(_blocks(_in_full(entry).split("\n")))
+    blocks = list(_blocks(str(entry.document["statement"]["in_full"]).split("\n")))
     if isinstance(entry, CheckedRow):
         where = Place(box_label(entry), "the table of boxes")
         blocks.append(Paragraph(("Centre, frame and radii stand exactly in ", where, ".")))
         blocks += _normal_form(entry)
     return (*blocks, *_notes(entry))
-
-
-def _in_full(entry: Checked) -> str:
-    statement = entry.certificate.statement if isinstance(entry, CheckedRow) else entry.document["statement"]
-    return str(statement["in_full"])
 
 
 _EQUATION = re.compile(r"  ([\w']+) = (.*)")
@@ -144,7 +133,7 @@ def hypothesis_table(entry: Checked) -> Table:
     kind = kind_of(entry)
     return Table(
         ("hypothesis", "what holds", "enclosure", "margin"), tuple(rows),
-        f"Hypotheses of {kind[0].lower()}{kind[1:]}, {shown(name_of(entry))}", (0.12, 0.34, 0.34, 0.13),
+        f"Hypotheses of {kind[0].lower()}{kind[1:]}, {shown(entry.name)}", (0.12, 0.34, 0.34, 0.13),
     ).without_empty_columns()  # fmt: skip
 
 
@@ -164,8 +153,7 @@ def piece_table(entry: CheckedAtlas) -> Table:
     """The proved intervals of a curve or surface: in how many parts, and for curves the margin of the tube."""
     atlas = entry.atlas
     tubes: dict[str, Sequence[Fraction]] = {piece.id: (piece.tube,) for piece in atlas.libration_pieces()}
-    if not atlas.is_surface:
-        tubes |= {piece.id: piece.tube for piece in atlas.curve_pieces()}
+    tubes |= {piece.id: piece.tube for piece in atlas.curve_pieces()}
     rows: list[tuple[Runs, ...]] = []
     for result in entry.document["results"]:
         if result["verdict"] == "proved":
@@ -176,7 +164,7 @@ def piece_table(entry: CheckedAtlas) -> Table:
             rows.append(((piece,), (_interval(result["interval"]),), parts, times, margin))
     return Table(
         ("piece", "s", "parts", "half periods", "deviation from the polynomial"), tuple(rows),
-        f"Proved intervals, {shown(name_of(entry))}", (0.12, 0.22, 0.08, 0.25, 0.25),
+        f"Proved intervals, {shown(entry.name)}", (0.12, 0.22, 0.08, 0.25, 0.25),
     ).without_empty_columns()  # fmt: skip
 
 
@@ -198,7 +186,7 @@ def box_table(entry: CheckedRow) -> Table:
     rows += _box_rows(claim, "")
     if entry.claim is not entry.candidate:
         rows += _box_rows(candidate, ", the candidate's own box")
-    title = f"The box of {shown(name_of(entry))}; entries of A that are 0 are left out"
+    title = f"The box of {shown(entry.name)}; entries of A that are 0 are left out"
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
 
 
@@ -228,7 +216,7 @@ def _extent(entry: CheckedAtlas) -> str:
     if covers is not None:
         parts.append(f"{covers.coordinate} from {exact_text(covers.start)} to {exact_text(covers.end)}")
     for what, are_orbits in (("bifurcation", False), ("orbit", True)):
-        there = [entry["on_curve"] and (entry["kind"] == ORBIT) == are_orbits for entry in conclusion["bifurcations"]]
+        there = [each["on_curve"] and (each["kind"] not in KINDS) == are_orbits for each in conclusion["bifurcations"]]
         if number := sum(there):
             parts.append(f"{number} certified {what}s on it" if number > 1 else f"one certified {what} on it")
     if "complete" in conclusion:

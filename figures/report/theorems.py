@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,26 @@ class CheckedRow:
     claim: Candidate
     check: Recheck
 
+    command = "verify"
+    """What proves it, and checks it again."""
+    chapter = "bifurcations"
+    """Of the report."""
+
+    @property
+    def name(self) -> str:
+        """The certificate's id."""
+        return self.certificate.id
+
+    @cached_property
+    def document(self) -> Mapping[str, Any]:
+        """The certificate as JSON."""
+        return self.certificate.to_json()
+
+    @property
+    def side(self) -> str:
+        """Where the new orbits are; empty if there are none."""
+        return self.certificate.side or ""
+
 
 @dataclass(frozen=True)
 class CheckedAtlas:
@@ -63,6 +84,19 @@ class CheckedAtlas:
     atlas: Atlas
     document: Mapping[str, Any]
     check: Recheck
+
+    command = "verify atlas"
+    side = ""
+
+    @property
+    def name(self) -> str:
+        """The certificate's id."""
+        return str(self.document["id"])
+
+    @property
+    def chapter(self) -> str:
+        """Of the report."""
+        return "surfaces" if self.atlas.is_surface else "curves"
 
 
 Checked = CheckedRow | CheckedAtlas

@@ -173,7 +173,7 @@ def write_report(
     Raises `Refused`, with what was found, if a certificate does not stand.
     """
     from orbitproof.figures.report.content import report_of
-    from orbitproof.figures.report.statements import is_proved, name_of
+    from orbitproof.figures.report.statements import is_proved
     from orbitproof.figures.report.theorems import check_files
     from orbitproof.figures.report.writers import format_of
     from orbitproof.figures.report.writers import write_report as write
@@ -191,12 +191,12 @@ def write_report(
     if pictures:
         from orbitproof.figures.report.pictures import pictures_of
 
-        display = Display({name_of(entry): 1.0 for entry in proved}, quiet)
+        display = Display({entry.name: 1.0 for entry in proved}, quiet)
         with display.shown():
             for entry in proved:
-                drawn[name_of(entry)] = pictures_of(entry)
-                display.finish(name_of(entry), "drawn" if drawn[name_of(entry)] else "has no picture")
-    report, written = report_of(entries, lambda entry: drawn.get(name_of(entry), ())), Written(told)
+                drawn[entry.name] = pictures_of(entry)
+                display.finish(entry.name, "drawn" if drawn[entry.name] else "has no picture")
+    report, written = report_of(entries, lambda entry: drawn.get(entry.name, ())), Written(told)
     for output in targets:
         written.add(write(output, report))
     return Report(tuple(written.paths), len(proved), len(entries))

@@ -14,7 +14,7 @@ from flint import arb
 
 from orbitproof.figures.tables.intervals import Interval, parse_interval
 from orbitproof.shared.formats import (
-    ORBIT,
+    KINDS,
     Candidate,
     InputError,
     candidate_from_json,
@@ -97,7 +97,7 @@ def read_rows(paths: Sequence[Path], candidates: Sequence[Path] = ()) -> list[Ce
             if name in sources:
                 raise InputError(f"{path}: id {name!r} is in {sources[name]} as well; give each certificate once")
             sources[name] = path
-            if certificate.kind == ORBIT:
+            if certificate.kind not in KINDS:
                 continue
             row, claims[name] = _row(certificate.to_json(), f"{path}: field certificates[{index}]")
             rows.append(row)

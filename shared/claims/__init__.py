@@ -6,6 +6,7 @@ from orbitproof.shared.claims.candidate import (
     FOLD,
     HALF_PERIOD,
     KINDS,
+    LEADING_POWERS,
     LEVEL,
     ONCE,
     ORBIT,

@@ -52,6 +52,11 @@ class Claim:
         return self.kind in ("symmetric-arc", "symmetric-loop")
 
     @property
+    def is_closed(self) -> bool:
+        """Whether the curve is claimed to be closed."""
+        return self.kind in ("loop", "symmetric-loop")
+
+    @property
     def needs_symmetry(self) -> bool:
         """Whether a claim of this kind is about a symmetry."""
         return self.is_of_symmetric_curve or self.kind == SURFACE

@@ -19,6 +19,9 @@ ONCE = ("symmetry_breaking", FOLD)
 """Kinds of bifurcations of period-two points, k = 1; all others have k > 1."""
 KINDS = (*ONCE, "period_tupling", "touch_and_go")
 
+LEADING_POWERS = {kind: 1 if kind == "touch_and_go" else 2 for kind in KINDS}
+"""Powers with which the bifurcation parameter begins to change along the new orbits, by kind (section 9.5)."""
+
 ORBIT = "orbit"
 """What a claim about one orbit says in place of the kind of a bifurcation; k = 1."""
 HALF_PERIOD, LEVEL, COORDINATE = "half period", "level", "coordinate"
@@ -141,6 +144,31 @@ class Candidate:
     def coordinates(self) -> tuple[str, ...]:
         """Names of the coordinates of the centre, 1 + n of them."""
         return self.system.centre_coordinates if self.level_sign is None else self.system.level_coordinates
+
+    @property
+    def is_of_orbit(self) -> bool:
+        """Whether it is about one orbit, and no bifurcation."""
+        return self.kind == ORBIT
+
+    @property
+    def is_fold(self) -> bool:
+        """Whether the family turns back there in the bifurcation parameter."""
+        return self.kind == FOLD
+
+    @property
+    def has_branch(self) -> bool:
+        """Whether other orbits branch off there."""
+        return not (self.is_of_orbit or self.is_fold)
+
+    @property
+    def breaks_symmetry(self) -> bool:
+        """Whether the orbits that branch off are not those that S maps to themselves."""
+        return self.kind == "symmetry_breaking"
+
+    @property
+    def leading_power(self) -> int:
+        """Of p_1, with which the bifurcation parameter begins to change along the branch, or the curve of a fold."""
+        return LEADING_POWERS[self.kind]
 
     @property
     def is_family_of_maps(self) -> bool:

@@ -57,6 +57,11 @@ class Piece:
     tube: Numbers
     coordinates: Coordinates = stored(always=True, default="auto")
 
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the curve is claimed to meet the points that the claim's symmetry fixes, at s = 0."""
+        return self.kind == "symmetric"
+
     def local(self, s: Fraction) -> Vector:
         """The coordinates p_0, .., p_n of the polynomial's point at s, exactly."""
         return (self.half_width * s, *(evaluate(coefficients, s) for coefficients in self.polynomial))

@@ -5,6 +5,7 @@ from orbitproof.shared.claims import (
     FOLD,
     HALF_PERIOD,
     KINDS,
+    LEADING_POWERS,
     LEVEL,
     ONCE,
     ORBIT,
