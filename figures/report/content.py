@@ -185,7 +185,7 @@ def _software(entries: Sequence[Checked]) -> Section:
         rows.append((("this report and its checks",), (name,), (Code(version),)))
     made: dict[tuple[tuple[str, str], ...], int] = {}
     for entry in entries:
-        key = tuple(entry.document["software"].items())
+        key = tuple(entry.document.get("software", {}).items())
         made[key] = made.get(key, 0) + 1
     for by, count in made.items():
         for name, version in by:
