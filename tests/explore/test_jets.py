@@ -172,9 +172,9 @@ def test_jets_of_iterates_agree_with_finite_differences(system: ReversibleSystem
 )
 def test_regularised_coordinates_give_the_same_jets_of_two_returns(point: tuple[str, ...]) -> None:
     """Directions off Fix(R) as well: the embedding holds on the whole section."""
-    context, numbers = working_context(200), [Fraction(x) for x in point]
-    basis = JetBasis.graded((1, 1, 1), 3)
-    directions = [[1, 0.5, -0.25, 0, 0], [0, 0, 0, 1, 0.5], [0, 1, 0, -0.5, 1]]
+    context, numbers = working_context(144), [Fraction(x) for x in point]
+    basis = JetBasis.graded((1, 1), 3)
+    directions = [[1, 0.5, -0.25, 0.5, 0], [0, -1, 0.25, 1, -0.5]]
     values = [context.mpf(x.numerator) / x.denominator for x in numbers]
     start, _ = start_jets(CR3BP, values, directions, basis)
 
@@ -186,7 +186,7 @@ def test_regularised_coordinates_give_the_same_jets_of_two_returns(point: tuple[
         assert own.time == pytest.approx(other.time, abs=1e-12)
         for left, right in zip(own.jets, other.jets, strict=True):
             scale = max(1, *(abs(c) for c in left.coefficients))
-            assert max(abs(a - b) for a, b in zip(left.coefficients, right.coefficients, strict=True)) < 1e-30 * scale
+            assert max(abs(a - b) for a, b in zip(left.coefficients, right.coefficients, strict=True)) < 1e-20 * scale
 
 
 def test_regularised_coordinates_are_chosen_close_to_the_smaller_primary_only() -> None:
