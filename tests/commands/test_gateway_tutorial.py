@@ -6,9 +6,10 @@ import json
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 from pathlib import Path
+
+import pytest
+from support.runs import done_here
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "gateway.md").read_text("utf-8")
@@ -17,17 +18,18 @@ COMMANDS = [
 ]
 
 
-def test_every_command_of_the_page_runs_and_proves_what_it_says(tmp_path: Path) -> None:
+def test_every_command_of_the_page_runs_and_proves_what_it_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     shutil.copy(ROOT / "docs" / "examples" / "gateway-rows.json", tmp_path)
     assert len(COMMANDS) == 7
     for line in COMMANDS:
-        done = subprocess.run(
-            [sys.executable, "-m", "orbitproof", *shlex.split(line)[1:]],
-            cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
+        code = done_here(shlex.split(line)[1:])
+        output, errors = capsys.readouterr()
+        assert code == 0, errors
         if "--certificates" in line:
-            assert "1 of 1 certificates say that an orbit near its row is proved" in done.stdout
+            assert "1 of 1 certificates say that an orbit near its row is proved" in output
     (entry,) = json.loads((tmp_path / "gateway-certificate.json").read_text())["certificates"]
     results = entry["results"]
     for ball in (results["period"], results["level"], results["least_distance"]["distance"]):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from support.notebooks import run_notebook
+from support.runs import done_here
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 BLOCK = re.compile(r"^```(\w+)[ ]?(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -17,7 +18,10 @@ EXIT = "exit="
 
 
 @pytest.mark.parametrize("page", ["own-system", "from-a-guess"])
-def test_every_block_of_a_tutorial_runs_and_prints_what_it_shows(page: str, tmp_path: Path) -> None:
+def test_every_block_of_a_tutorial_runs_and_prints_what_it_shows(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
     printed = ""
     blocks = BLOCK.findall((DOCS / f"{page}.md").read_text("utf-8"))
     assert [language for language, _, _ in blocks].count("sh") >= 4
@@ -30,15 +34,19 @@ def test_every_block_of_a_tutorial_runs_and_prints_what_it_shows(page: str, tmp_
         else:
             printed = ""
             code = int(name.removeprefix(EXIT) or 0)
-            lines = text.splitlines() if language == "sh" else [text]
-            for line in lines:
-                words = shlex.split(line)[1:] if language == "sh" else []
-                command = ["-m", "orbitproof", *words] if language == "sh" else ["-c", line]
-                done = subprocess.run(
-                    [sys.executable, *command], cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False
-                )
+            if language == "python":
+                words = [sys.executable, "-c", text]
+                done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=600, check=False)
                 assert done.returncode == code, done.stderr
-                printed += done.stdout
+                printed = done.stdout
+                continue
+            for line in text.splitlines():
+                program, *words = shlex.split(line)
+                assert program == "orbitproof"
+                found = done_here(words)
+                output, errors = capsys.readouterr()
+                assert found == code, errors
+                printed += output
 
 
 NOTEBOOKS = {

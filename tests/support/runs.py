@@ -1,4 +1,4 @@
-"""Commands in processes of their own that tests send signals to."""
+"""Commands in this process, and in processes of their own that tests send signals to."""
 
 from __future__ import annotations
 
@@ -11,10 +11,22 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
+from unittest import mock
+
+from orbitproof.__main__ import main
 
 ROOT = Path(__file__).resolve().parents[2]
 SEES_PROCESSES = Path("/proc/self/task").exists()
 _PATIENCE_SECONDS = 120.0
+
+
+def done_here(words: Sequence[str]) -> int:
+    """The exit code of ``orbitproof`` with these words, run in this process: what it compiles is compiled once."""
+    with mock.patch.object(sys, "argv", ["orbitproof", *words]):
+        try:
+            return main()
+        except SystemExit as end:
+            return int(end.code or 0)
 
 
 @contextmanager
