@@ -59,6 +59,16 @@ def words(*parts: Any) -> list[str]:
     return [str(part) for part in parts]
 
 
+@pytest.fixture(scope="module")
+def told(files: list[Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The report on these files, with its pictures, by format."""
+    folder = tmp_path_factory.mktemp("report")
+    targets = {suffix: folder / f"report.{suffix}" for suffix in ("html", "tex", "md")}
+    outputs = [word for target in targets.values() for word in ("-o", target)]
+    assert main(words(*files, *outputs, "--quiet")) == 0
+    return targets
+
+
 class Page(HTMLParser):
     """Text, ids and links of a page; fails where tags are not closed in order."""
 
@@ -94,12 +104,9 @@ class Page(HTMLParser):
 
 
 def test_an_html_report_holds_every_theorem_with_its_numbers_and_pictures(
-    files: list[Path], rows: list[Certificate], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    told: dict[str, Path], rows: list[Certificate]
 ) -> None:
-    target = tmp_path / "report.html"
-    assert main(words(*files, "-o", target, "--quiet")) == 0
-    assert capsys.readouterr().out.splitlines() == [str(target)]
-    page = Page(target.read_text("utf-8"))
+    page = Page(told["html"].read_text("utf-8"))
     assert page.pictures == 3
     assert {link[1:] for link in page.links if link.startswith("#")} <= page.ids
     for number, row in enumerate(rows, start=1):
@@ -114,11 +121,9 @@ def test_an_html_report_holds_every_theorem_with_its_numbers_and_pictures(
     assert "mu = h^3 this is the point" in page.text or "Over mu in" in page.text or "There are smooth" in page.text
 
 
-def test_every_format_says_the_same_theorems(files: list[Path], rows: list[Certificate], tmp_path: Path) -> None:
+def test_every_format_says_the_same_theorems(told: dict[str, Path], rows: list[Certificate]) -> None:
     plain = {}
-    for suffix in ("html", "tex", "md"):
-        target = tmp_path / f"report.{suffix}"
-        assert main(words(*files, "-o", target, "--quiet", "--no-pictures")) == 0
+    for suffix, target in told.items():
         text = target.read_text("utf-8")
         plain[suffix] = Page(text).text if suffix == "html" else re.sub(r"\\allowbreak\{\}|[\\{}`]", "", text)
     for row in rows:
@@ -128,10 +133,8 @@ def test_every_format_says_the_same_theorems(files: list[Path], rows: list[Certi
         assert all(str(row.to_json()["digest"]) in text for text in plain.values())
 
 
-def test_a_latex_report_is_balanced_and_names_pictures_that_exist(files: list[Path], tmp_path: Path) -> None:
-    target = tmp_path / "report.tex"
-    assert main(words(*files, "-o", target, "--quiet")) == 0
-    text = target.read_text("utf-8")
+def test_a_latex_report_is_balanced_and_names_pictures_that_exist(told: dict[str, Path]) -> None:
+    text = told["tex"].read_text("utf-8")
     depth = 0
     for token in re.findall(r"\\.|[{}]", text, re.DOTALL):
         depth += {"{": 1, "}": -1}.get(token, 0)
@@ -148,21 +151,19 @@ def test_a_latex_report_is_balanced_and_names_pictures_that_exist(files: list[Pa
     assert set(re.findall(r"\\hyperref\[([^]]*)\]", text)) <= labels
     pictures = re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", text)
     assert len(pictures) == 3
-    assert all((tmp_path / name).read_bytes().startswith(b"%PDF") for name in pictures)
+    assert all((told["tex"].parent / name).read_bytes().startswith(b"%PDF") for name in pictures)
     assert text.isascii()
 
 
-def test_a_markdown_report_has_tables_of_even_width(files: list[Path], tmp_path: Path) -> None:
-    target = tmp_path / "report.md"
-    assert main(words(*files, "-o", target, "--quiet")) == 0
-    text = target.read_text("utf-8")
+def test_a_markdown_report_has_tables_of_even_width(told: dict[str, Path]) -> None:
+    text = told["md"].read_text("utf-8")
     rows = [line for line in text.splitlines() if line.startswith("|")]
     assert rows
     for row, before in zip(rows[1:], rows, strict=False):
         if set(row) <= set("|- "):
             assert len(re.findall(r"(?<!\\)\|", row)) == len(re.findall(r"(?<!\\)\|", before))
     for name in re.findall(r"!\[.*\]\(([^)]*)\)", text):
-        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+        assert (told["md"].parent / name).read_bytes().startswith(b"\x89PNG")
 
 
 def _other_side(entry: dict[str, Any]) -> None:
@@ -182,7 +183,7 @@ def test_the_words_of_a_certificate_are_told_anew(rows: list[Certificate], tmp_p
     foreign = Certificate.from_json(forged(rows[0].to_json(), _more_words))
     write_certificates(tmp_path / "rows.json", [foreign])
     target = tmp_path / "report.html"
-    assert main(words(tmp_path / "rows.json", "-o", target, "--quiet")) == 0
+    assert main(words(tmp_path / "rows.json", "-o", target, "--quiet", "--no-pictures")) == 0
     page = Page(target.read_text("utf-8"))
     assert "orbits are stable" not in page.text
     assert "worded otherwise" in page.text
@@ -214,7 +215,7 @@ def test_a_changed_surface_is_told_in_its_own_words_and_refused_with_its_digest_
         document["conclusion"]["statement"] = theorem
 
     path.write_text(json.dumps(forged(surface, widen)))
-    assert main(words(path, "-o", tmp_path / "report.md", "--quiet")) == 0
+    assert main(words(path, "-o", tmp_path / "report.md", "--quiet", "--no-pictures")) == 0
     assert "analytic" not in (tmp_path / "report.md").read_text()
     kept = copy.deepcopy(surface)
     widen(kept)
@@ -237,7 +238,7 @@ def test_a_complete_list_of_resonances_is_told_as_it_is_certified(tmp_path: Path
     assert theorem != document["statement"]["theorem"]
     foreign = forged(document, lambda entry: entry["statement"].update(theorem=theorem, in_full=theorem))
     certificate.write_text(json.dumps(foreign))
-    assert main(words(certificate, "-o", tmp_path / "false.html", "--quiet")) == 0
+    assert main(words(certificate, "-o", tmp_path / "false.html", "--quiet", "--no-pictures")) == 0
     assert "beta in [347.22" not in Page((tmp_path / "false.html").read_text("utf-8")).text
     false = forged(document, lambda entry: entry["conclusion"]["complete"]["points"].pop())
     certificate.write_text(json.dumps(false))
@@ -276,7 +277,7 @@ def test_what_is_not_proved_is_told_as_such(rows: list[Certificate], tmp_path: P
     assert wrong.reason is not None
     write_certificates(tmp_path / "rows.json", [rows[0], wrong])
     target = tmp_path / "report.html"
-    assert main(words(tmp_path / "rows.json", "-o", target, "--quiet")) == 1
+    assert main(words(tmp_path / "rows.json", "-o", target, "--quiet", "--no-pictures")) == 1
     text = Page(target.read_text("utf-8")).text
     assert f"Theorem 1: {rows[0].id}" in text
     assert "Theorem 2" not in text
