@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from flint import arb
+from support import forgeries
 from support.claims import known
 from support.forgeries import (
     DATA,
@@ -26,8 +27,8 @@ from support.forgeries import (
 
 import orbitproof.verify.certificate.rechecking as rechecking
 from orbitproof.shared.formats import InputError
-from orbitproof.shared.systems import SYSTEMS, Program
-from orbitproof.verify.atlas import atlas_of
+from orbitproof.shared.systems import SYSTEMS, Program, ReversibleSystem
+from orbitproof.verify.atlas import atlas_of, conclusion
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import ball_from_json, ball_to_json
@@ -442,6 +443,32 @@ IS_WEAKER = ("deviation.*", "slope_deviation.*", ".rad")
 """Bounds that are larger are true as well, and what is concluded from them is derived from them."""
 
 
+@pytest.fixture
+def checked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One check of each certificate that an atlas rests on, and one integration to the other point of its orbit."""
+    checks: dict[tuple[str, bool], Recheck] = {}
+    points: dict[str, Any] = {}
+    enclose = conclusion.partner
+
+    def recheck_once(entry: Certificate, integrate: bool = False) -> Recheck:
+        key = json.dumps(entry.to_json(), sort_keys=True), integrate
+        if key not in checks:
+            checks[key] = recheck(entry, integrate)
+        return checks[key]
+
+    def enclose_once(system: ReversibleSystem, parameters: Any, point: Any, crossings: int) -> Any:
+        what = system.program.text(), system.reversing_symmetry, system.section, system.fixed_level
+        exact = {name: ball_to_json(ball) for name, ball in point.items()}
+        key = repr((what, parameters, exact, crossings))
+        if key not in points:
+            points[key] = enclose(system, parameters, point, crossings)
+        return points[key]
+
+    monkeypatch.setattr(forgeries, "recheck", recheck_once)
+    monkeypatch.setattr(conclusion, "partner", enclose_once)
+
+
+@pytest.mark.usefixtures("checked_once")
 @pytest.mark.parametrize("each", [1, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", ["curve", "family", "surface"])
 def test_every_changed_field_of_an_atlas_is_found_but_for_names(
