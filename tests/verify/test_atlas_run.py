@@ -20,10 +20,10 @@ from support.chain_cases import symmetric_loop
 from orbitproof.shared import format_exact
 from orbitproof.shared.processes import Answer, Task
 from orbitproof.verify.atlas import read_atlas_certificate
-from orbitproof.verify.run import Processes, whole
+from orbitproof.verify.run import Processes
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits
-from orbitproof.verify.run.splitting import covers, halves, interval_of, plan
+from orbitproof.verify.run.splitting import covers, halves, interval_of, plan, whole
 
 
 @given(st.lists(st.booleans(), max_size=6))
