@@ -138,7 +138,7 @@ def form_of(kind: Any) -> Form:
 
 
 def _union(kinds: tuple[Any, ...]) -> Form:
-    """Of a type and nothing; or of dataclasses that say in their ``kind`` which of them it is."""
+    """Of a type and nothing; of dataclasses that say in their ``kind`` which of them it is, or have other fields."""
     others = tuple(kind for kind in kinds if kind is not NoneType)
     if len(others) < len(kinds):
         inner = form_of(_one_of(others))
@@ -147,13 +147,28 @@ def _union(kinds: tuple[Any, ...]) -> Form:
             lambda entry, place: None if entry is None else inner.decode(entry, place),
             lambda definitions: {"anyOf": [inner.schema(definitions), {"type": "null"}]},
         )
-    by_kind = {_constant(kind).get("kind"): form_of(kind) for kind in others}
+    forms = [form_of(kind) for kind in others]
+    by_kind = {_constant(kind).get("kind"): form for kind, form in zip(others, forms, strict=True)}
+    if set(by_kind) == {None}:
+        return Form(
+            to_json,
+            lambda entry, place: _by_fields(others, entry, place).decode(entry, place),
+            lambda definitions: {"anyOf": [form.schema(definitions) for form in forms]},
+        )
     return Form(
         to_json,
         # Of one of them it may be a field with several values.
         lambda entry, place: (by_kind.get(entry["kind"]) or by_kind[None]).decode(entry, place),
-        lambda definitions: _union_schema(list(by_kind.values()), definitions),
+        lambda definitions: _union_schema(forms, definitions),
     )
+
+
+def _by_fields(kinds: tuple[Any, ...], entry: Mapping[str, Json], place: str) -> Form:
+    """The form of the one of these types whose necessary fields an object has."""
+    for kind in kinds:
+        if all(each.key in entry for each in _stored_fields(kind) if each.default is MISSING):
+            return form_of(kind)
+    raise InputError(f"{place}: lacks fields; write the file again")
 
 
 def _one_of(kinds: tuple[Any, ...]) -> Any:

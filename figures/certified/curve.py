@@ -156,12 +156,12 @@ class Curve:
 def _stretch(certificate: AtlasCertificate, piece: Piece, s: Array, length: float) -> Stretch:
     points = _points(piece, s)
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    results = [entry for entry in certificate.results if entry["piece"] == piece.id and entry["verdict"] == "proved"]
-    intervals = [(float(parse_exact(a)), float(parse_exact(b))) for a, b in (entry["interval"] for entry in results)]
+    results = [entry for entry in certificate.results if entry.piece == piece.id and entry.is_proved]
+    intervals = [(float(start), float(end)) for start, end in (entry.interval for entry in results)]
     if piece.is_symmetric:
         intervals += [(-b, -a) for a, b in intervals]
-    names = [str(entry["computation"].get("coordinates", PHYSICAL)) for entry in results]
-    deviations = np.array([[float(parse_exact(text)) for text in entry["deviation"]] for entry in results])
+    names = [entry.computation.coordinates or PHYSICAL for entry in results]
+    deviations = np.array([[float(value) for value in entry.deviation] for entry in results])
     return Stretch(
         piece=piece.id,
         s=s,

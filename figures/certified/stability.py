@@ -14,8 +14,9 @@ import numpy as np
 from orbitproof.figures.certified.curve import Curve, Stretch
 from orbitproof.figures.orbits import Array
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.atlas import AtlasCertificate
-from orbitproof.verify.stability import REACH
+from orbitproof.verify.atlas import AtlasCertificate, Result
+from orbitproof.verify.functions import StoredFunction
+from orbitproof.verify.stability import REACH, StabilityFunctions, StabilityResult
 
 
 @dataclass(frozen=True)
@@ -99,27 +100,29 @@ def _end(entry: Mapping[str, Any], which: int) -> tuple[str, float]:
     return entry["piece"], float(parse_exact(entry["interval"][which]))
 
 
-def _on_stretch(stretch: Stretch, results: Sequence[Mapping[str, Any]]) -> StabilityOnStretch:
+def _on_stretch(stretch: Stretch, results: Sequence[Result]) -> StabilityOnStretch:
     known = [
-        (float(parse_exact(result["interval"][0])), float(parse_exact(result["interval"][1])), result["stability"])
+        (float(result.interval[0]), float(result.interval[1]), result.stability)
         for result in results
-        if result["piece"] == stretch.piece and "characteristic" in result.get("stability", {})
+        if result.piece == stretch.piece
+        and isinstance(result, StabilityResult)
+        and isinstance(result.stability, StabilityFunctions)
     ]
     known.sort(key=lambda item: item[1] - item[0])
-    size = len(known[0][2]["characteristic"]) if known else 1
+    size = len(known[0][2].characteristic) if known else 1
     parameters = np.full((len(stretch.s), size), np.nan, complex)
     bounds = np.full((len(stretch.s), size), np.nan)
     level, half_period = (np.full(len(stretch.s), np.nan) for _ in range(2))
     for start, end, entry in reversed(known):
         inside = (stretch.s >= start) & (stretch.s <= end)
         tau = (stretch.s[inside] - (start + end) / 2) / ((end - start) / 2 * float(REACH))
-        parameters[inside], bounds[inside] = _parameters(entry["characteristic"], tau)
+        parameters[inside], bounds[inside] = _parameters(entry.characteristic, tau)
         for values, name in ((level, "level"), (half_period, "half_period")):
-            values[inside] = _values(entry[name], tau)[0]
+            values[inside] = _values(getattr(entry, name), tau)[0]
     return StabilityOnStretch(stretch, parameters, bounds, level, half_period)
 
 
-def _parameters(functions: Sequence[Mapping[str, Any]], tau: Array) -> tuple[Array, Array]:
+def _parameters(functions: Sequence[StoredFunction], tau: Array) -> tuple[Array, Array]:
     """The zeros of c^n - a_1 c^(n-1) + .., with what the bounds of the a_k mean for them to first order."""
     values, errors = zip(*(_values(entry, tau) for entry in functions), strict=True)
     n = len(values)
@@ -131,6 +134,6 @@ def _parameters(functions: Sequence[Mapping[str, Any]], tau: Array) -> tuple[Arr
     return zeros, shift / np.maximum(slope, 1e-300)
 
 
-def _values(entry: Mapping[str, Any], tau: Array) -> tuple[Array, float]:
-    coefficients = [float(parse_exact(text)) for text in entry["coefficients"]] or [0.0]
-    return np.polynomial.polynomial.polyval(tau, coefficients), float(parse_exact(entry["error"]))
+def _values(entry: StoredFunction, tau: Array) -> tuple[Array, float]:
+    coefficients = [float(value) for value in entry.coefficients] or [0.0]
+    return np.polynomial.polynomial.polyval(tau, coefficients), float(entry.error)

@@ -13,8 +13,8 @@ from orbitproof.figures.certified import heading_of
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK, label_of
 from orbitproof.shared.formats import Atlas, SurfacePiece
-from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.surface import SurfaceResult
 
 _WIDTH = 7.2
 _SAMPLES = 200
@@ -74,9 +74,9 @@ def _sheet(certificate: AtlasCertificate, piece: SurfacePiece) -> Sheet:
     s = np.linspace(-1.0, 1.0, _SAMPLES)
     intervals, ends = [], []
     for result in certificate.results:
-        if result["piece"] == piece.id and result["verdict"] == "proved":
-            intervals.append(tuple(float(parse_exact(text)) for text in result["interval"]))
-            ends += [float(parse_exact(part["interval"][1])) for part in result.get("parts", [])]
+        if result.piece == piece.id and result.is_proved:
+            intervals.append((float(result.interval[0]), float(result.interval[1])))
+            ends += [float(part.end) for part in (result.parts if isinstance(result, SurfaceResult) else ())]
     reached = -1.0
     for start, end in sorted(intervals):
         reached = max(reached, end) if start <= reached else reached

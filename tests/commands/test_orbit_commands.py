@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.stored import values
 
 from orbitproof.explore.__main__ import main as explore
 from orbitproof.shared.formats import read_atlas, read_candidates
@@ -37,9 +38,9 @@ def curve(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("curve") / "curve.json"
     atlas = read_atlas(DATA / "atlas-falkner-skan.json")
     results = json.loads((DATA / "stability-falkner-skan.json").read_text())
-    conclusion = conclude(atlas, results)
+    conclusion = conclude(atlas, values(results))
     assert conclusion.is_proved
-    write_atlas_certificate(path, make_atlas_certificate(atlas, results, told(conclusion)))
+    write_atlas_certificate(path, make_atlas_certificate(atlas, values(results), told(conclusion)))
     return path
 
 

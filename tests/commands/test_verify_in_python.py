@@ -55,7 +55,7 @@ def test_a_branch_is_proved_as_by_the_command(curve: verify.AtlasCertificate, fo
 def test_a_run_goes_on_from_its_file(curve: verify.AtlasCertificate, folder: Path, capsys: Any) -> None:
     again = verify.certify_atlas(read_atlas(SOURCE), output=folder / "curve.json")
     assert "pieces settled already, kept" in capsys.readouterr().err
-    assert again.results == curve.results
+    assert again.document["results"] == curve.document["results"]
     verify.write_atlas(folder / "curve.json", curve)
     assert verify.read_atlas(folder / "curve.json").document == curve.document
 

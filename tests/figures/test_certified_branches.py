@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from support.chain_cases import Case, certificate, circle_point, concluded, parabola, parabola_piece, symmetric_loop
+from support.stored import values
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.certified import Curve, heading_of
@@ -40,7 +41,7 @@ def document_of(case: Case, *bifurcations: Certificate, regularised: Sequence[st
         result.pop("reason", None)
         name = "Kustaanheimo-Stiefel" if result["piece"] in regularised else "physical"
         result["computation"] = {"seconds": 1.0, "steps": 3, "coordinates": name}
-    return make_atlas_certificate(atlas, results, told(concluded((atlas, results), *bifurcations)))
+    return make_atlas_certificate(atlas, values(results), told(concluded((atlas, results), *bifurcations)))
 
 
 def curve(case: Case, *bifurcations: Certificate, regularised: Sequence[str] = ()) -> Curve:
@@ -214,11 +215,11 @@ def surface_certificate(results: Sequence[dict[str, Any]]) -> AtlasCertificate:
         for name, middle in (("m1", Fraction(1, 4)), ("m2", Fraction(1, 2)))
     )
     atlas = Atlas("surface", "a surface", CR3BP, {}, Claim("symmetry-breaking-surface", "S"), pieces)
-    return AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
+    return AtlasCertificate(atlas, make_atlas_certificate(atlas, values(results), None))
 
 
 def test_pieces_of_a_surface_stand_over_their_parameters_as_high_as_their_orbits_reach(tmp_path: Path) -> None:
-    parts = [{"interval": ["-0x1", "0x0"]}, {"interval": ["0x0", "0x1"]}]
+    parts = [{"interval": ends, "point": [], "side": "above"} for ends in (["-0x1", "0x0"], ["0x0", "0x1"])]
     result = {
         "piece": "m1",
         "interval": ["-0x1", "0x1"],

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from support.picture_texts import unreadable
 from support.stability_cases import atlas, listed, results
+from support.stored import values
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.certified import CertifiedStability
@@ -32,7 +33,9 @@ def style() -> Iterator[None]:
 
 def document(**changes: Any) -> dict[str, Any]:
     conclusion = listed(results())
-    return make_atlas_certificate(atlas(), results(), {**conclusion, "complete": {**conclusion["complete"], **changes}})
+    return make_atlas_certificate(
+        atlas(), values(results()), {**conclusion, "complete": {**conclusion["complete"], **changes}}
+    )
 
 
 def stability(**changes: Any) -> CertifiedStability:
@@ -100,14 +103,14 @@ def test_the_curve_lies_on_the_drawn_resonances() -> None:
 
 
 def test_a_certificate_without_a_list_has_no_such_picture() -> None:
-    plain = make_atlas_certificate(atlas(), results(), told(conclude(atlas(), results())))
+    plain = make_atlas_certificate(atlas(), values(results()), told(conclude(atlas(), values(results()))))
     assert CertifiedStability.of(AtlasCertificate(atlas(), plain)) is None
 
 
 @pytest.mark.parametrize("with_list", [True, False])
 def test_the_command_draws_it_if_there_is_a_list(with_list: bool, tmp_path: Path) -> None:
     path, folder = tmp_path / "curve.json", tmp_path / "pictures"
-    plain = make_atlas_certificate(atlas(), results(), told(conclude(atlas(), results())))
+    plain = make_atlas_certificate(atlas(), values(results()), told(conclude(atlas(), values(results()))))
     write_atlas_certificate(path, document() if with_list else plain)
     assert main(["atlas", str(path), "-o", str(folder)]) == 0
     assert bool(list(folder.glob("stability-*.png"))) is with_list

@@ -15,6 +15,7 @@ import pytest
 from flint import arb, ctx
 from support.claims import known
 from support.conclusions import conclude
+from support.stored import entry_of
 
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases import LyapunovFamily, lyapunov_atlas
@@ -248,7 +249,7 @@ def test_the_family_is_proved_down_to_the_libration_point(
 ) -> None:
     """With the certified symmetry breaking of the halo orbits on it, and the speed of the linear centre at eps = 0."""
     assert isinstance(proved.outcome, Proved)
-    conclusion = conclude(atlas, [proved.to_json()], [breaking])
+    conclusion = conclude(atlas, [entry_of(proved)], [breaking])
     assert isinstance(conclusion.outcome, Proved)
     on = [entry.id for entry in conclusion.bifurcations if entry.place is not None]
     assert on == ["earth-moon-L1-halo-k1-1"]
@@ -275,7 +276,7 @@ def test_a_bifurcation_of_another_point_or_mass_is_not_on_the_family(
 ) -> None:
     for system, parameters in ((AROUND["L2"], atlas.parameters), (atlas.system, {"mu": EARTH_MOON / 2})):
         other = replace(atlas, system=system, parameters=parameters)
-        (entry,) = conclude(other, [proved.to_json()], [breaking]).bifurcations
+        (entry,) = conclude(other, [entry_of(proved)], [breaking]).bifurcations
         assert entry.place is None
 
 
@@ -291,7 +292,7 @@ def test_only_the_family_of_that_mass_is_proved(atlas: Atlas, claim: str) -> Non
     part = (Fraction(0), Fraction(1, 8))
     result = prove_piece(atlas.system, {"mu": mu}, piece, part, ORACLE, PieceLimits(48, 20, 8))
     assert result.is_proved == (claim == "true")
-    assert claim == "true" or "of the tube" in result.to_json()["reason"]["message"]
+    assert claim == "true" or "of the tube" in entry_of(result)["reason"]["message"]
 
 
 def test_a_point_is_written_in_units_of_its_orbit() -> None:

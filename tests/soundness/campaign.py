@@ -34,6 +34,7 @@ from support import atlas_work, stability_cases  # noqa: E402
 from support.chain_cases import parabola  # noqa: E402
 from support.claims import known, shifted, verdict_of  # noqa: E402
 from support.forgeries import DATA, Change, Document, atlas_certificate, changes, checked, forged, honest, read  # noqa: E402
+from support.stored import values  # noqa: E402
 from test_soundness_campaign import (  # noqa: E402
     LIMITS,
     Trial,
@@ -293,7 +294,7 @@ def _atlas_document(kind: str) -> Document:
     ]
     if kind == "list":
         known_ = stability_cases.results()
-        found = make_atlas_certificate(stability_cases.atlas(), known_, stability_cases.listed(known_))
+        found = make_atlas_certificate(stability_cases.atlas(), values(known_), stability_cases.listed(known_))
     elif kind == "surface":
         found = atlas_certificate(read("surface.json"), json.loads((DATA / "surface-results.json").read_text()))
     elif kind == "family":
@@ -368,9 +369,13 @@ def derived_again(kind: str, changed: Document) -> Document:
             rests_on = [Certificate.from_json(entry) for entry in changed.get("rests_on", ())]
             atlas, results = atlas_of(changed), changed["results"]
             conclusion = conclusion_of(
-                atlas, results, rests_on, lambda entries: [recheck(entry) for entry in entries], order_of(changed)
+                atlas,
+                values(results),
+                rests_on,
+                lambda entries: [recheck(entry) for entry in entries],
+                order_of(changed),
             )
-            again = make_atlas_certificate(atlas, results, conclusion, rests_on)
+            again = make_atlas_certificate(atlas, values(results), conclusion, rests_on)
             return json.loads(json.dumps(again))  # type: ignore[no-any-return]
         return rechecking.derived(changed)
     except (KeyError, ValueError):

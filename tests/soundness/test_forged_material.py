@@ -17,6 +17,7 @@ from support.chain_cases import symmetric_arc
 from support.claims import known
 from support.conclusions import conclude
 from support.forgeries import Document, atlas_certificate, checked, forged, honest
+from support.stored import value_of, values
 from test_forged_certificates import fabricated, of_parabola
 
 import orbitproof.verify.certificate.rechecking as rechecking
@@ -74,7 +75,7 @@ def test_functions_that_were_moved_to_another_interval_are_found_by_integrating(
 
     moved = copy.deepcopy(true)
     moved[1]["interval"] = ends
-    document = make_atlas_certificate(atlas, moved, stability_cases.listed(moved))
+    document = make_atlas_certificate(atlas, values(moved), stability_cases.listed(moved))
     if document["verdict"] == "proved":
         assert checked(document).stands
     found = checked(document, whole)
@@ -361,13 +362,13 @@ def test_a_forged_certificate_before_an_honest_one_of_the_same_id_is_refused(
 
     both = told(conclude(atlas, results, [lie, point], lambda entry: recheck(point)))
     assert [entry["on_curve"] for entry in both["bifurcations"]] == [True, False]
-    document = make_atlas_certificate(atlas, results, both, [lie, point])
+    document = make_atlas_certificate(atlas, values(results), both, [lie, point])
     write_atlas_certificate(tmp_path / "forged.json", document)
     assert main(["--recheck", str(tmp_path / "forged.json"), "--quiet"]) == 1
     assert "appears twice" in capsys.readouterr().err
     assert checked(document).level is Level.NONE
     with pytest.raises(ValueError, match="appears twice"):
-        conclusion_of(atlas, results, [lie, point], lambda entries: [recheck(point) for _ in entries], None)
+        conclusion_of(atlas, values(results), [lie, point], lambda entries: [recheck(point) for _ in entries], None)
 
 
 def test_checks_belong_to_certificates_and_not_to_their_ids(point: Certificate) -> None:
@@ -395,7 +396,7 @@ def test_an_interval_that_no_answer_comes_back_of_is_not_confirmed() -> None:
         ) -> None:
             for each in intervals[first:]:
                 argument = task_again(atlas, each, None).argument
-                finished(each.name, honest(document["results"])(argument, lambda fraction, label: None))
+                finished(each.name, value_of(honest(document["results"])(argument, lambda fraction, label: None)))
 
         check = recheck_atlas(document, (), True, Means(lambda entries, integrate: [], prove))
         assert check.stands == (first == 0), check.why

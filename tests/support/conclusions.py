@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from support.stored import values
+
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import Examine, certified_point
 from orbitproof.verify.atlas.conclusion import partner as other_point
@@ -24,11 +26,11 @@ def conclude(
 ) -> Conclusion[ProvedCurve]:
     """See `curve.conclude`."""
     points = [certified_point(atlas, entry, examine) for entry in certificates]
-    return conclude_of_points(atlas, results, points, partner)
+    return conclude_of_points(atlas, values(results), points, partner)
 
 
 def with_complete_list(
     atlas: Atlas, results: Sequence[Mapping[str, Any]], curve: Conclusion[ProvedCurve], order: int
 ) -> dict[str, Any]:
     """The conclusion with the list of an order, as JSON."""
-    return told(conclude_list(atlas, results, curve, order))
+    return told(conclude_list(atlas, values(results), curve, order))

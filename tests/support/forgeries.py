@@ -13,6 +13,7 @@ from typing import Any
 from support import atlas_work
 from support.chain_cases import parabola
 from support.conclusions import conclude
+from support.stored import value_of, values
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
@@ -48,13 +49,13 @@ def noticed(check: Recheck) -> bool:
 def conclusion_of(atlas: Atlas, results: Sequence[Mapping[str, Any]], rests_on: Sequence[Certificate]) -> Document:
     """What results give together, as JSON."""
     if atlas.is_surface:
-        return told(conclude_surface(atlas, results))
+        return told(conclude_surface(atlas, values(results)))
     return told(conclude(atlas, results, rests_on))
 
 
 def atlas_certificate(atlas: Atlas, results: Sequence[Document], rests_on: Sequence[Certificate] = ()) -> Document:
     """The certificate that results give."""
-    return make_atlas_certificate(atlas, results, conclusion_of(atlas, results, rests_on), rests_on)
+    return make_atlas_certificate(atlas, values(results), conclusion_of(atlas, results, rests_on), rests_on)
 
 
 def checked(document: Mapping[str, Any], prover: Prover | None = None, given: Sequence[Certificate] = ()) -> Recheck:
@@ -64,7 +65,7 @@ def checked(document: Mapping[str, Any], prover: Prover | None = None, given: Se
         assert prover is not None
         for each in intervals:
             argument = task_again(atlas, each, None).argument
-            finished(each.name, prover(argument, lambda fraction, label: None))
+            finished(each.name, value_of(prover(argument, lambda fraction, label: None)))
 
     means = Means(lambda entries, integrate: [recheck(entry, integrate) for entry in entries], prove)
     return recheck_atlas(document, given, prover is not None, means)

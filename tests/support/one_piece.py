@@ -8,13 +8,15 @@ from functools import cached_property
 from typing import Any
 
 from support.conclusions import with_complete_list
+from support.stored import entry_of, values
 
 from orbitproof.shared.claims import Atlas, Claim, Piece
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import TubeOfOrbits, stability_to_json
+from orbitproof.verify.stability import TubeOfOrbits, stability_of_piece
 
 LIMITS = PieceLimits(96, 30, 16)
 
@@ -47,12 +49,14 @@ class OnePiece:
         found = prove_piece(self.system, {}, piece, (Fraction(-1), Fraction(1)), ORACLE, self.limits)
         assert isinstance(found.outcome, Proved), found.outcome
         known = found.outcome.results
-        stability = stability_to_json(
-            TubeOfOrbits(self.system, {}, piece, (known.start, known.end), self.limits, "physical", ORACLE),
-            half=known.half_return,
+        stability = to_json(
+            stability_of_piece(
+                TubeOfOrbits(self.system, {}, piece, (known.start, known.end), self.limits, "physical", ORACLE),
+                half=known.half_return,
+            )
         )
-        return [{**found.to_json(), "stability": stability}]
+        return [{**entry_of(found), "stability": stability}]
 
     def listed(self, order: int) -> dict[str, Any]:
         """The conclusion with the complete list."""
-        return with_complete_list(self.atlas, self.results, conclude(self.atlas, self.results), order)
+        return with_complete_list(self.atlas, self.results, conclude(self.atlas, values(self.results)), order)

@@ -14,6 +14,7 @@ from typing import Any
 import mpmath
 import pytest
 from support.exact_elements import number
+from support.stored import entry_of
 from support.wide_checks import OMEGA, TWIST
 
 from orbitproof.shared import parse_exact
@@ -109,7 +110,7 @@ def check_circle(piece: Piece, result: PieceResult[ProvedInterval]) -> None:
 def refused(result: PieceResult[ProvedInterval]) -> str:
     """The reason why a piece is not proved."""
     assert isinstance(result.outcome, NotProved)
-    assert result.to_json()["verdict"] == "not proved"
+    assert entry_of(result)["verdict"] == "not proved"
     assert result.outcome.reason.remedy
     return result.outcome.reason.message
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from support.conclusions import with_complete_list
+from support.stored import values
 
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.formats import read_atlas
@@ -31,4 +32,4 @@ def results() -> Results:
 
 def listed(found: Results, order: int = 12) -> dict[str, Any]:
     """The conclusion with the complete list."""
-    return with_complete_list(atlas(), found, conclude(atlas(), found), order)
+    return with_complete_list(atlas(), found, conclude(atlas(), values(found)), order)

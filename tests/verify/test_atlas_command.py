@@ -17,6 +17,7 @@ import pytest
 from support import atlas_work
 from support.atlas_runs import CURVE, ROOT, go, refused, write
 from support.runs import started, wait_until
+from support.stored import values
 
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas
@@ -24,12 +25,11 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.atlas import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import digest
 from orbitproof.verify.run.branch_command import _parser, main
-from orbitproof.verify.run.splitting import interval_of
 
 
 def certificate_of(atlas: Atlas, work: Any) -> dict[str, Any]:
     run, _ = go(atlas, work)
-    return make_atlas_certificate(atlas, run.results, None)
+    return make_atlas_certificate(atlas, values(run.results), None)
 
 
 def test_a_certificate_is_written_and_read_again(tmp_path: Path) -> None:
@@ -40,7 +40,7 @@ def test_a_certificate_is_written_and_read_again(tmp_path: Path) -> None:
     assert stored.document == certificate
     assert replace(stored.atlas, provenance=CURVE.provenance) == CURVE
     assert not stored.is_proved
-    keys = [(result["piece"], interval_of(result)) for result in stored.results]
+    keys = [(result.piece, result.interval) for result in stored.results]
     assert keys == sorted(keys)
 
 
@@ -126,7 +126,7 @@ def test_a_piece_that_cannot_be_proved_is_named_and_the_rest_is_kept(tmp_path: P
     assert "[4/3]" not in errors
     assert "Traceback" not in errors
     stored = read_atlas_certificate(target)
-    assert {r["piece"] for r in stored.results if r["verdict"] == "proved"} == {"p000", "p002"}
+    assert {r.piece for r in stored.results if r.is_proved} == {"p000", "p002"}
 
     # The same command with more splits proves p001 and nothing else.
     assert main([source, "-o", str(target), "--max-splits", "2"], atlas_work.short_only) == 0
@@ -139,7 +139,7 @@ def test_a_process_that_ends_costs_its_piece_only_and_is_tried_again(tmp_path: P
     source, target = write(tmp_path / "atlas.json"), tmp_path / "curve.json"
     assert main([source, "-o", str(target), "--jobs", "2"], atlas_work.dying) == 1
     assert "exit code 3" in capsys.readouterr().err
-    assert {r["piece"] for r in read_atlas_certificate(target).results if r["verdict"] == "proved"} == {"p000", "p002"}
+    assert {r.piece for r in read_atlas_certificate(target).results if r.is_proved} == {"p000", "p002"}
     assert main([source, "-o", str(target), "--quiet"], atlas_work.proving) == 0
 
 
@@ -195,7 +195,7 @@ def test_an_interrupt_keeps_finished_pieces_and_the_same_command_goes_on(tmp_pat
     assert "not finished" in output
     stored = read_atlas_certificate(target)
     assert stored.document["reason"]["condition"] == "unfinished"
-    assert [result["piece"] for result in stored.results] == ["p000"]
+    assert [result.piece for result in stored.results] == ["p000"]
     assert main(["--recheck", str(target)]) == 1
 
     assert main([source, "-o", str(target)], atlas_work.proving) == 0

@@ -11,6 +11,7 @@ from support import atlas_work
 from support.atlas_runs import CURVE, go
 from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, forged, honest, of_parabola
+from support.stored import value_of, values
 
 from orbitproof.shared.claims import Atlas
 from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate, recheck_atlas
@@ -24,9 +25,9 @@ from orbitproof.verify.run.branch_tasks import task_again
 def document() -> dict[str, Any]:
     run, _ = go(CURVE, atlas_work.proving)
     conclusion = conclusion_of(
-        CURVE, run.results, (), lambda entries: (), None, lambda names: nullcontext(lambda name: None)
+        CURVE, values(run.results), (), lambda entries: (), None, lambda names: nullcontext(lambda name: None)
     )
-    return make_atlas_certificate(CURVE, run.results, conclusion, ())
+    return make_atlas_certificate(CURVE, values(run.results), conclusion, ())
 
 
 def without_integrating(changed: Mapping[str, Any]) -> Recheck:
@@ -41,7 +42,7 @@ def checked(change: Callable[[dict[str, Any]], None]) -> Recheck:
             result = atlas_work.proving(task_again(atlas, each, None).argument, lambda fraction, label: None)
             if result["piece"] == "p001":
                 change(result)
-            finished(each.name, result)
+            finished(each.name, value_of(result))
 
     return recheck_atlas(document(), (), True, Means(lambda entries, integrate: (), prove))
 
@@ -51,8 +52,8 @@ def test_an_integration_that_finds_the_same_confirms() -> None:
 
 
 def test_an_atlas_of_which_nothing_is_proved_does_not_pass_the_last_level() -> None:
-    conclusion = conclusion_of(CURVE, (), (), lambda entries: (), None)
-    nothing = make_atlas_certificate(CURVE, (), conclusion)
+    conclusion = conclusion_of(CURVE, values(()), (), lambda entries: (), None)
+    nothing = make_atlas_certificate(CURVE, values(()), conclusion)
     found = recheck_atlas(
         nothing, (), True, Means(lambda entries, integrate: (), lambda atlas, intervals, finished: None)
     )
@@ -105,9 +106,11 @@ def test_a_contradiction_is_not_mended_by_a_second_integration() -> None:
 
 def test_sides_that_differ_contradict_each_other() -> None:
     result = document()["results"][1]
-    above, below = ({**result, "parts": [{"interval": ["-0x1", "0x1"], "side": side}]} for side in ("above", "below"))
-    assert not list(_contradictions(above, above))
-    assert [finding.place for finding in _contradictions(above, below)] == [
+    above, below = (
+        {**result, "parts": [{"interval": ["-0x1", "0x1"], "point": [], "side": side}]} for side in ("above", "below")
+    )
+    assert not list(_contradictions(value_of(above), value_of(above)))
+    assert [finding.place for finding in _contradictions(value_of(above), value_of(below))] == [
         "piece p001, s in [-0x1, 0x1], part [-0x1, 0x1], side"
     ]
 
@@ -129,7 +132,7 @@ def test_what_is_malformed_is_found_before_anything_is_evaluated(change: Any, pl
 
 def test_a_run_that_was_not_finished_is_no_certificate() -> None:
     run, _ = go(CURVE, atlas_work.proving)
-    found = without_integrating(make_atlas_certificate(CURVE, run.results[:2], None, ()))
+    found = without_integrating(make_atlas_certificate(CURVE, values(run.results[:2]), None, ()))
     assert (found.level, found.findings[0].place) == (Level.NONE, "conclusion")
 
 
@@ -142,7 +145,7 @@ def test_two_certificates_of_one_id_are_refused() -> None:
     entry = not_proved(known("fs3"), Reason("time", "it is late", "give it more"), 0.0)
     run, _ = go(CURVE, atlas_work.proving)
     with pytest.raises(ValueError, match="appears twice"):
-        conclusion_of(CURVE, run.results, [entry, entry], lambda entries: [], None)
+        conclusion_of(CURVE, values(run.results), [entry, entry], lambda entries: [], None)
 
 
 def test_what_another_integration_finds_about_a_bifurcation_on_the_curve_is_said() -> None:
@@ -157,7 +160,7 @@ def test_what_another_integration_finds_about_a_bifurcation_on_the_curve_is_said
     def prove(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Any], str]) -> None:
         for each in intervals:
             argument = task_again(atlas, each, None).argument
-            finished(each.name, honest(results)(argument, lambda fraction, label: None))
+            finished(each.name, value_of(honest(results)(argument, lambda fraction, label: None)))
 
     def examined(entries: Sequence[Certificate], integrate: bool, *found: Finding, **changes: Any) -> list[Recheck]:
         integrated.extend(entry.id for entry in entries if integrate)

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from support import atlas_work
 from support.atlas_runs import CURVE, ROOT, go, refused, write
 from support.chain_cases import symmetric_loop
+from support.stored import values
 
 from orbitproof.shared import format_exact
 from orbitproof.shared.processes import Answer, Task
@@ -23,7 +24,7 @@ from orbitproof.verify.atlas import read_atlas_certificate
 from orbitproof.verify.run import Processes
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits
-from orbitproof.verify.run.splitting import covers, halves, interval_of, plan, whole
+from orbitproof.verify.run.splitting import covers, halves, plan, whole
 
 
 @given(st.lists(st.booleans(), max_size=6))
@@ -59,8 +60,8 @@ def test_a_piece_that_fails_is_split_and_the_others_are_left_whole() -> None:
     assert [name for name, _ in engine.asked].count("p001") == 2 * (1 + 2) + 4
     assert [name for name, _ in engine.asked].count("p000") == 1
     assert run.plan_of("p001").is_proved
-    assert covers([interval_of(r) for r in run.results_of("p001") if r["verdict"] == "proved"], whole(CURVE.pieces[1]))
-    proved = [interval_of(result) for result in run.results_of("p001") if result["verdict"] == "proved"]
+    assert covers([r.interval for r in run.results_of("p001") if r.is_proved], whole(CURVE.pieces[1]))
+    proved = [result.interval for result in run.results_of("p001") if result.is_proved]
     assert all(left[1] > right[0] for left, right in pairwise(sorted(proved)))
 
 
@@ -86,15 +87,15 @@ def test_more_splits_go_on_where_fewer_ended() -> None:
 def test_a_proved_interval_counts_only_if_it_covers_what_is_asked() -> None:
     piece = CURVE.pieces[1]
     nearly = {"piece": "p001", "interval": ["-0x1", format_exact(1 - Fraction(1, 2**40))], "verdict": "proved"}
-    assert plan(piece, [nearly], [{}], 3).missing == (((Fraction(-1), Fraction(1)), 0),)
-    assert plan(piece, [{**nearly, "interval": ["-0x1", "0x1"]}], [{}], 3).is_proved
+    assert plan(piece, values([nearly]), [{}], 3).missing == (((Fraction(-1), Fraction(1)), 0),)
+    assert plan(piece, values([{**nearly, "interval": ["-0x1", "0x1"]}]), [{}], 3).is_proved
 
 
 def test_more_precision_is_tried_before_an_interval_is_split() -> None:
     run, engine = go(CURVE, atlas_work.precise_only)
     assert not run.pending
     assert [name for name, _ in engine.asked].count("p001") == 2
-    precisions = [result["computation"]["precision"] for result in run.results_of("p001")]
+    precisions = [result.computation.precision for result in run.results_of("p001")]
     assert precisions[0] < precisions[1]
     assert run.plan_of("p001").is_proved
 
@@ -105,7 +106,7 @@ def test_what_takes_too_long_is_split_at_once() -> None:
         "piece": "p001", "interval": ["-0x1", "0x1"], "verdict": "not proved",
         "reason": {"condition": "time", "message": "", "remedy": ""}, "computation": {"precision": 80},
     }  # fmt: skip
-    missing = plan(piece, [late], [{"precision": 80}, {"precision": 128}], 3).missing
+    missing = plan(piece, values([late]), [{"precision": 80}, {"precision": 128}], 3).missing
     assert missing == tuple((half, 0) for half in halves(whole(piece)))
 
 
@@ -179,7 +180,9 @@ def test_an_interval_on_which_a_list_is_open_is_tried_again_and_halved() -> None
         return {"piece": piece.id, "interval": list(interval), "verdict": "proved", "computation": computation}
 
     def left(results: list[dict[str, Any]], condition: str, settled: int = 0) -> Any:
-        return plan(piece, results, attempts, 6, lambda result: "" if result in results[:settled] else condition)
+        return plan(
+            piece, values(results), attempts, 6, lambda result: "" if result in results[:settled] else condition
+        )
 
     whole_one = [entry(("-1", "1"), 80)]
     assert left(whole_one, "", 1).is_proved

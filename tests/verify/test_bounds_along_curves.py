@@ -17,6 +17,7 @@ from flint import arb, arb_poly, ctx
 from scipy.integrate import solve_ivp
 from support.closed_form_lists import ellipse, line, result, results
 from support.flow_checks import ball
+from support.stored import function_of, json_of_function, unconfirmed_of, values
 
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.systems import ReversibleSystem
@@ -31,15 +32,13 @@ from orbitproof.verify.functions import (
     determinant,
     error_of,
     function,
-    function_from_json,
-    function_to_json,
     known_part,
     restricted,
     slope,
 )
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.out_of_plane import KnownVariations, variations_across
-from orbitproof.verify.stability import CompleteList, CurveEnd, Gap, Kind, Matter, Resonance, unconfirmed
+from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions, variations_across
+from orbitproof.verify.stability import CompleteList, CurveEnd, Gap, Kind, Matter, Resonance
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.complete_list import Finder
 from orbitproof.verify.stability.extrema import extrema_on
@@ -129,11 +128,11 @@ def element(*coefficients: Any, error: Any = 0) -> Series:
 def test_stored_functions_lose_nothing_and_leave_room_for_another_integration(seed: int) -> None:
     source = random.Random(seed)
     found = element(*(Fraction(source.getrandbits(110), 2**100) for _ in range(6)), error=source.random() * 2.0**-50)
-    stored = function_from_json(function_to_json(found))
+    stored = function_of(json_of_function(found))
     lost = sum((abs(arb(0) + ball(c) - stored.polynomial[n]) for n, c in enumerate(known_part(found, 0))), arb(0))
     assert lost > 0
     assert lost + ball(error_of(found)) <= stored.as_found.error
-    exact = function_from_json(function_to_json(element(*known_part(found, 0))))
+    exact = function_of(json_of_function(element(*known_part(found, 0))))
     assert lost <= exact.as_found.error
 
 
@@ -206,7 +205,7 @@ def test_the_zero_in_the_tube_is_enclosed_with_unknown_parts_of_every_grade(grad
     e = sign * error
     root = [0.125 - e, 0.125 / (1 + e), (-1 + (1 + e / 2) ** 0.5) / (2 * e)][grade]
     (omega,) = curve.omega
-    found = function_from_json(function_to_json(omega))
+    found = function_of(json_of_function(omega))
     middle = float(known_part(omega, 0)[0])
     assert abs(root - middle) <= float(error_of(omega)) + 1e-12
     assert found.value(arb(0)).contains(arb(root))
@@ -277,14 +276,14 @@ def proved(name: str) -> tuple[Atlas, list[dict[str, Any]], Chain]:
     system = line(1, 1, True) if name == "line" else ellipse(1, 1, "breaks")
     atlas = system.atlas(4 if name == "line" else 10)
     found = results(system, atlas, split=True)
-    outcome = conclude(atlas, found).outcome
+    outcome = conclude(atlas, values(found)).outcome
     assert isinstance(outcome, Proved), outcome
     return atlas, found, outcome.results.chain
 
 
 def segments(name: str) -> list[Segment]:
     _, found, chain = proved(name)
-    return [s for n, stretch in enumerate(chain.stretches) for s in segments_of(n, stretch, found)[0]]
+    return [s for n, stretch in enumerate(chain.stretches) for s in segments_of(n, stretch, values(found))[0]]
 
 
 def finder(sigma: BoundedFunction, start: Fraction, entered: Fraction, end: Fraction) -> Finder:
@@ -326,7 +325,7 @@ def test_a_double_zero_is_a_gap_of_its_resonance() -> None:
 def test_segments_follow_each_other_from_beginning_to_end(name: str) -> None:
     _, found, chain = proved(name)
     for number, stretch in enumerate(chain.stretches):
-        parts, gaps = segments_of(number, stretch, found)
+        parts, gaps = segments_of(number, stretch, values(found))
         assert gaps == []
         assert parts[0].start == stretch.enters
         assert parts[0].entered == min(max(stretch.enters, stretch.entered), parts[0].end)
@@ -334,7 +333,7 @@ def test_segments_follow_each_other_from_beginning_to_end(name: str) -> None:
         for before, after in pairwise(parts):
             assert before.end == after.start == after.entered
         without = [entry for entry in found if entry["piece"] != stretch.tube.piece.id]
-        (gap,) = segments_of(number, stretch, without)[1]
+        (gap,) = segments_of(number, stretch, values(without))[1]
         assert (gap.start, gap.end, gap.subject) == (stretch.enters, stretch.leaves, Matter.EVERYTHING)
 
 
@@ -356,7 +355,7 @@ def test_functions_of_the_other_half_of_a_symmetric_piece_are_mirrored() -> None
     """At the end of a symmetric loop s < 0 is used; Sigma, level and time agree with those of the other side."""
     _, found, chain = proved("loop")
     number = len(chain.stretches) - 1
-    parts = segments_of(number, chain.stretches[number], found)[0]
+    parts = segments_of(number, chain.stretches[number], values(found))[0]
     (stored,) = [
         entry
         for entry in found
@@ -364,10 +363,10 @@ def test_functions_of_the_other_half_of_a_symmetric_piece_are_mirrored() -> None
     ]
     (mirrored,) = [part for part in parts if part.middle < 0]
     assert mirrored.middle < 0
-    original = [function_from_json(entry) for entry in stored["stability"]["characteristic"]]
+    original = [function_of(entry) for entry in stored["stability"]["characteristic"]]
     for at in (-0.75, 0.25, 0.5):
         assert mirrored.characteristic[0].value(arb(at)).contains(original[0].value(arb(-at)).mid())
-        level = function_from_json(stored["stability"]["level"])
+        level = function_of(stored["stability"]["level"])
         assert mirrored.level.value(arb(at)).contains(level.value(arb(-at)).mid())
 
 
@@ -375,7 +374,7 @@ def test_an_interval_that_the_proof_of_the_curve_does_not_count_gives_no_functio
     _, found, chain = proved("line")
     piece = chain.stretches[1].tube.piece.id
     moved = [entry | {"interval": ["-1", "1"]} if entry["piece"] == piece else entry for entry in found]
-    parts, gaps = segments_of(1, chain.stretches[1], moved)
+    parts, gaps = segments_of(1, chain.stretches[1], values(moved))
     assert parts == []
     assert [gap.subject for gap in gaps] == [Matter.EVERYTHING]
 
@@ -388,12 +387,12 @@ def test_functions_of_a_regular_piece_say_nothing_of_the_other_half() -> None:
     found = [result(system, piece, half, 1e-7) for piece in atlas.curve_pieces() for half in halves]
     for number, entry in enumerate(found):
         entry["computation"] = {"precision": 200 - number % 2}
-    outcome = conclude(atlas, found).outcome
+    outcome = conclude(atlas, values(found)).outcome
     assert isinstance(outcome, Proved)
     for number, stretch in enumerate(outcome.results.chain.stretches):
-        for part in segments_of(number, stretch, found)[0]:
+        for part in segments_of(number, stretch, values(found))[0]:
             stored = found[2 * number + (part.middle > 0)]["stability"]["characteristic"][0]
-            assert part.characteristic[0].polynomial[1] == function_from_json(stored).polynomial[1]
+            assert part.characteristic[0].polynomial[1] == function_of(stored).polynomial[1]
 
 
 def test_the_second_integration_begins_with_the_error_of_its_points() -> None:
@@ -419,7 +418,7 @@ def test_variations_across_hold_those_of_all_initial_values(side: int) -> None:
     )
     flow = WideArithmetic(Grading((1,), 0), 60, 0, 16, width=4)
     found = variations_across(system, flow, {"x": element(1, error=Fraction(1, 1024))}, SHARE, 1, ORACLE)
-    assert isinstance(found, tuple)
+    assert isinstance(found, VariationFunctions)
     start = 1 + side / 1024
     true = solve_ivp(
         lambda t, w: [w[1], -((start * np.cos(t)) ** 2) * w[0], w[3], -((start * np.cos(t)) ** 2) * w[2]],
@@ -429,8 +428,8 @@ def test_variations_across_hold_those_of_all_initial_values(side: int) -> None:
         rtol=1e-12,
         atol=1e-12,
     ).y[:, -1]
-    for entry, value in zip(found, true[[0, 2, 1, 3]], strict=True):
-        enclosure = function_from_json(function_to_json(entry))
+    for entry, value in zip(found.entries, true[[0, 2, 1, 3]], strict=True):
+        enclosure = entry.enclosed
         assert (BoundedFunction(enclosure.polynomial, enclosure.error / 2).value(arb(0)) + arb(0, 1e-9)).contains(
             arb(float(value))
         )
@@ -520,19 +519,19 @@ def test_every_function_is_confirmed(place: str, how: str) -> None:
         entry = entries[place]
         entry |= {"coefficients": ["1", "2.001"]} if how == "coefficient" else {"error": "0x1p-18"}
 
-    assert list(unconfirmed(functions_of(), functions_of())) == []
-    assert len(list(unconfirmed(functions_of(), functions_of(change)))) == 1
+    assert list(unconfirmed_of(functions_of(), functions_of())) == []
+    assert len(list(unconfirmed_of(functions_of(), functions_of(change)))) == 1
 
 
 def test_what_is_not_found_again_is_not_confirmed() -> None:
     none = {"reason": {"message": "the tube is too wide"}}
-    assert list(unconfirmed(functions_of(), none))
-    assert list(unconfirmed(none, functions_of())) == []
+    assert list(unconfirmed_of(functions_of(), none))
+    assert list(unconfirmed_of(none, functions_of())) == []
     fewer, across = functions_of(), functions_of()
     fewer["characteristic"] = fewer["characteristic"][:1]
     del across["out_of_plane"]
-    assert list(unconfirmed(functions_of(), fewer))
-    assert list(unconfirmed(functions_of(), across))
+    assert list(unconfirmed_of(functions_of(), fewer))
+    assert list(unconfirmed_of(functions_of(), across))
 
 
 # Distances

@@ -16,6 +16,7 @@ from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
 from support.stability_cases import Results, atlas, listed, results
+from support.stored import value_of, values
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.formats import read_atlas
@@ -183,14 +184,14 @@ def coarser(found: Results, number: int, factor: int) -> Results:
 def test_what_leaves_a_list_open_on_an_interval_is_known() -> None:
     piece = atlas().curve_pieces()[1]
     true = results()
-    assert open_on(piece, true[1], 12) == ""
+    assert open_on(piece, value_of(true[1]), 12) == ""
     one = ceil(1 / parse_exact(true[1]["stability"]["characteristic"][0]["error"]))
-    assert open_on(piece, coarser(true, 1, one)[1], 12) == "zeros"
-    assert open_on(piece, coarser(true, 1, one * 2**12)[1], 12) == "stability"
+    assert open_on(piece, value_of(coarser(true, 1, one)[1]), 12) == "zeros"
+    assert open_on(piece, value_of(coarser(true, 1, one * 2**12)[1]), 12) == "stability"
     broken = {**true[1]["stability"], "characteristic": [{"coefficients": ["1"], "error": "-1"}]}
-    assert open_on(piece, {**true[1], "stability": broken}, 12) == "zeros"
+    assert open_on(piece, value_of({**true[1], "stability": broken}), 12) == "zeros"
     for missing in without_stability(true, 1), without_stability(true, 1, {"message": "tired"}):
-        assert open_on(piece, missing[1], 12) == "stability"
+        assert open_on(piece, value_of(missing[1]), 12) == "stability"
 
 
 def test_a_narrow_interval_counts_where_a_wide_one_says_less() -> None:
@@ -212,22 +213,24 @@ def certified(k: int, s: float, piece: str = "p015") -> Bifurcation:
 
 @pytest.mark.parametrize("k", [3, 5])
 def test_certificates_are_matched_by_where_they_are(k: int) -> None:
-    outcome = conclude(atlas(), results()).outcome
+    outcome = conclude(atlas(), values(results())).outcome
     assert isinstance(outcome, Proved)
     chain = outcome.results.chain
-    plain = complete_list(atlas(), chain, results(), 6)
+    plain = complete_list(atlas(), chain, values(results()), 6)
     (at,) = [point for point in plain.points if point.k == k]
     entry = replace(certified(k, float(at.s.mid())), place=Place(at.piece, at.s, False))
-    (found,) = [p for p in complete_list(atlas(), chain, results(), 6, [entry]).points if p.k == k]
+    (found,) = [p for p in complete_list(atlas(), chain, values(results()), 6, [entry]).points if p.k == k]
     assert found.certificates == ("row",)
     beside = Place(at.piece, at.s + 1e-3, False)
     for wrong in (replace(entry, k=k + 1), replace(entry, k=2 * k), replace(entry, place=beside)):
         if wrong.k <= 6:
             with pytest.raises(EmptyIntersectionError):
-                complete_list(atlas(), chain, results(), 6, [wrong])
+                complete_list(atlas(), chain, values(results()), 6, [wrong])
     foreign = replace(entry, place=None, is_foreign=True)
-    assert not any(point.certificates for point in complete_list(atlas(), chain, results(), 6, [foreign]).points)
-    assert complete_list(atlas(), chain, results(), k - 1, [entry]).points
+    assert not any(
+        point.certificates for point in complete_list(atlas(), chain, values(results()), 6, [foreign]).points
+    )
+    assert complete_list(atlas(), chain, values(results()), k - 1, [entry]).points
 
 
 def test_two_certificates_of_a_resonance_of_order_six_are_matched_with_its_point() -> None:
@@ -281,25 +284,25 @@ def test_folds_and_symmetry_breakings_are_matched_by_kind(kind: str, found: Kind
 
 @pytest.mark.parametrize("other_point", [True, False])
 def test_doubling_is_certified_at_the_point_of_the_orbit_where_it_is_found(other_point: bool) -> None:
-    outcome = conclude(atlas(), results()).outcome
+    outcome = conclude(atlas(), values(results())).outcome
     assert isinstance(outcome, Proved)
     chain = outcome.results.chain
-    (at,) = [point for point in complete_list(atlas(), chain, results(), 2).points if point.k == 2]
+    (at,) = [point for point in complete_list(atlas(), chain, values(results()), 2).points if point.k == 2]
     assert at.kind is Kind.HERE
     place = Place(at.piece, at.s, False, other_point)
     entry = Bifurcation("row", "period_tupling", 2, place, "", {})
     if other_point:
         with pytest.raises(EmptyIntersectionError):
-            complete_list(atlas(), chain, results(), 2, [entry])
+            complete_list(atlas(), chain, values(results()), 2, [entry])
     else:
-        assert complete_list(atlas(), chain, results(), 2, [entry]).points[0].certificates == ("row",)
+        assert complete_list(atlas(), chain, values(results()), 2, [entry]).points[0].certificates == ("row",)
 
 
 # Forgeries
 
 
 def document_of(found: Results) -> dict[str, Any]:
-    return make_atlas_certificate(atlas(), found, listed(found))
+    return make_atlas_certificate(atlas(), values(found), listed(found))
 
 
 def left_out(entry: dict[str, Any]) -> None:

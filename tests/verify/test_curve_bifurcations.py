@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -29,6 +28,7 @@ from support.chain_cases import (
 from support.claims import known
 from support.conclusions import conclude
 from support.curve_cases import proof, refusal
+from support.stored import entry_of
 
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import read_atlas
@@ -289,10 +289,7 @@ def test_an_orbit_that_is_not_symmetric_has_no_other_point() -> None:
 def test_two_pieces_of_a_branch_are_proved_and_glued_and_carry_its_bifurcations() -> None:
     atlas = read_atlas(DATA / "atlas-falkner-skan.json")
     pieces = atlas.curve_pieces()
-    results = [
-        json.loads(json.dumps(prove_piece(atlas.system, {}, piece, (Fraction(-1), Fraction(1)), ORACLE).to_json()))
-        for piece in pieces
-    ]
+    results = [entry_of(prove_piece(atlas.system, {}, piece, (Fraction(-1), Fraction(1)), ORACLE)) for piece in pieces]
     certificates = [certify(known(name)) for name in ("fs2", "fs3", "fs4")]
     conclusion = conclude(atlas, results, certificates)
     assert conclusion.is_proved

@@ -22,6 +22,7 @@ from support.chain_cases import (
     with_results,
 )
 from support.curve_cases import refusal
+from support.stored import values
 
 from orbitproof.shared.claims import Claim, Covers
 from orbitproof.verify.curve.conditions import check_two_points
@@ -95,7 +96,7 @@ def test_along_a_symmetric_loop_a_coordinate_can_increase_from_one_symmetric_poi
 def test_on_both_sides_of_a_symmetric_point_only_what_the_symmetry_negates_increases() -> None:
     piece = circle_piece(0, 0.0, "symmetric")
     back = reversed_piece(piece)
-    tube, other = read_tube(piece, [proved(piece)]), read_tube(back, [proved(back)])
+    tube, other = read_tube(piece, values([proved(piece)])), read_tube(back, values([proved(back)]))
     everywhere = (Fraction(-1), Fraction(1))
     with ctx.workprec(128):
         assert tube.coordinate_increases(1, tube.runs[0], *everywhere)
@@ -118,7 +119,7 @@ def test_two_points_that_are_not_told_apart_may_be_one() -> None:
 def test_signs_on_an_interval_are_those_of_the_curve(centre: int, width: int) -> None:
     """z - zero of the circle's regular piece around 0: positive exactly where the whole interval is."""
     piece = replace(circle_piece(0, 0.0), id="p")
-    tube = read_tube(piece, [proved(piece)])
+    tube = read_tube(piece, values([proved(piece)]))
     lower, upper = (Fraction(max(-1, min(1, value))) for value in (centre / 8 - width / 80, centre / 8 + width / 80))
     with ctx.workprec(128):
         positive = tube.coordinate_is_beyond_zero(1, 1, tube.runs[0], lower, upper)
@@ -132,7 +133,7 @@ def test_what_is_unknown_of_a_coordinate_may_change_its_sign(height: Fraction, k
     """x of the circle's piece around 0, moved such that it is `height` at s = 0, known to 2^-30."""
     piece = circle_piece(0, 0.0)
     piece = replace(piece, centre=(piece.centre[0] - piece.point(Fraction(0))[0] + height, *piece.centre[1:]))
-    tube = read_tube(piece, [{**proved(piece), "deviation": ["0x1p-30", "0x1p-30"]}])
+    tube = read_tube(piece, values([{**proved(piece), "deviation": ["0x1p-30", "0x1p-30"]}]))
     with ctx.workprec(128):
         assert tube.coordinate_is_beyond_zero(0, 1, tube.runs[0], Fraction(0), Fraction(1, 2**16)) == known
 
@@ -141,7 +142,7 @@ def test_runs_end_at_every_gap_and_are_as_long_as_their_longest_interval() -> No
     piece = circle_piece(0, 0.0)
 
     def runs(*intervals: tuple[str, str]) -> list[tuple[Fraction, Fraction]]:
-        tube = read_tube(piece, [{**proved(piece), "interval": list(interval)} for interval in intervals])
+        tube = read_tube(piece, values([{**proved(piece), "interval": list(interval)} for interval in intervals]))
         return [(run.start, run.end) for run in tube.runs]
 
     assert runs(("-1", "0x1p-20"), ("0x3p-20", "1")) == [

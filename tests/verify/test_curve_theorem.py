@@ -32,8 +32,10 @@ from support.chain_cases import (
     without,
 )
 from support.curve_cases import proof, refusal
+from support.stored import values
 
 from orbitproof.shared.claims import Claim, Piece
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve.conditions import hypotheses_of
@@ -94,7 +96,7 @@ def test_a_stretch_is_entered_between_bounds_and_holds_what_lies_surely_behind_t
 def test_slopes_of_a_regular_piece_are_known_to_their_bound_at_its_middle_too() -> None:
     atlas, results = loop()
     result = {**results[0], "slope_deviation": ["0.125", "0.25"]}
-    tube = read_tube(atlas.curve_pieces()[0], [result])
+    tube = read_tube(atlas.curve_pieces()[0], values([result]))
     for s in (Fraction(0), Fraction(1, 2), Fraction(-1)):
         _, *across = tube.local_slope(tube.runs[0], s)
         assert [float(ball.rad()) >= width for ball, width in zip(across, (0.125, 0.25), strict=True)] == [True, True]
@@ -311,12 +313,19 @@ BAD_NUMBERS: dict[str, dict[str, Any]] = {
     "another verdict": {"verdict": "Proved"},
     "no verdict": {"verdict": True},
 }
+NO_RESULT = ("NaN", "infinite", "a float", "slope NaN", "interval not a number", "another verdict", "no verdict")
 
 
 @pytest.mark.parametrize("number", [0, 2])
 @pytest.mark.parametrize("name", BAD_NUMBERS)
 def test_results_that_are_not_finite_exact_bounds_do_not_count(name: str, number: int) -> None:
-    assert "nothing is proved" in refusal(concluded(with_results(symmetric_loop(), number, BAD_NUMBERS[name])))
+    """What is no exact number is no result; what is none of a proof does not count."""
+    case = with_results(symmetric_loop(), number, BAD_NUMBERS[name])
+    if name in NO_RESULT:
+        with pytest.raises(InputError):
+            concluded(case)
+    else:
+        assert "nothing is proved" in refusal(concluded(case))
 
 
 def test_a_result_of_another_piece_does_not_count() -> None:
@@ -331,7 +340,7 @@ def test_half_periods_that_are_not_known_are_not_stated() -> None:
 def test_enclosures_of_a_piece_contain_the_curve(at: float, share: float, number: int) -> None:
     atlas, results = symmetric_loop()
     piece = atlas.curve_pieces()[number]
-    tube = read_tube(piece, [results[number]])
+    tube = read_tube(piece, values([results[number]]))
     s = Fraction(at)
     angle = number * math.pi / 5 + math.asin(at * float(HALF_WIDTH))
     truth = (math.cos(angle), math.sin(angle), 3 - math.cos(angle))

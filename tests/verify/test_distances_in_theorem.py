@@ -12,9 +12,11 @@ import pytest
 from support import stability_cases
 from support.conclusions import with_complete_list
 from support.forgeries import checked, forged, honest, noticed
+from support.stored import values
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
+from orbitproof.shared.codec import to_json
 from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.curve import PieceLimits, conclude
 from orbitproof.verify.distances import Where
@@ -42,12 +44,14 @@ def results() -> Results:
         functions = orbit_functions(
             TubeOfOrbits(atlas.system, {}, piece, (start, end), PieceLimits(64, 28, 28), "physical", ORACLE)
         )
-        entry["stability"] = functions.to_json()
+        entry["stability"] = to_json(functions.stored)
     return found
 
 
 def document_of(found: Results, atlas: Atlas) -> dict[str, Any]:
-    return make_atlas_certificate(atlas, found, with_complete_list(atlas, found, conclude(atlas, found), 2))
+    return make_atlas_certificate(
+        atlas, values(found), with_complete_list(atlas, found, conclude(atlas, values(found)), 2)
+    )
 
 
 def test_the_theorem_encloses_distances_at_and_between_the_ends(results: Results) -> None:
@@ -66,7 +70,7 @@ def test_the_theorem_encloses_distances_at_and_between_the_ends(results: Results
 def test_of_a_system_without_a_body_nothing_is_said_of_distances(results: Results) -> None:
     """Even if they are stored."""
     atlas = stability_cases.atlas()
-    document = with_complete_list(atlas, results, conclude(atlas, results), 2)
+    document = with_complete_list(atlas, results, conclude(atlas, values(results)), 2)
     (stable,) = document["complete"]["stable"]
     assert "half_period" in stable["between"]
     assert "least_distance" not in stable["between"]

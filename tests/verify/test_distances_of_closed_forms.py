@@ -16,9 +16,10 @@ from support.list_truths import KnownCurve, Truth, misses
 from support.one_piece import OnePiece
 from support.piece_cases import slow
 from support.skew_products import SkewProduct
+from support.stored import stored_distances
 
 from orbitproof.shared import format_exact, parse_exact
-from orbitproof.verify.distances import Where, distances_from_json
+from orbitproof.verify.distances import Where
 from orbitproof.verify.distances.ranges import Extreme
 from orbitproof.verify.functions import REACH
 
@@ -63,7 +64,7 @@ def places(truth: Any) -> list[set[Where]]:
 def test_bounds_contain_the_closed_form_at_random_parameters(name: str) -> None:
     """Where the least or the greatest distance is taken is true, and missing only beside a change of it."""
     proof, curve = case(name)
-    known = distances_from_json(proof.results[0]["stability"]["distance"])
+    known = stored_distances(proof.results[0]["stability"]["distance"])
     assert known is not None
     source = np.random.default_rng(7)
     missing = 0

@@ -14,6 +14,7 @@ import pytest
 from flint import arb, ctx
 from support.conclusions import conclude
 from support.curve_cases import refusal
+from support.stored import entry_of
 
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.refinement.newton import refine
@@ -53,7 +54,7 @@ def prove(system: ReversibleSystem) -> PieceResult[ProvedInterval]:
 
 @cache
 def results() -> list[Any]:
-    return [json.loads(json.dumps(prove(atlas().system).to_json()))]
+    return [entry_of(prove(atlas().system))]
 
 
 @cache

@@ -15,6 +15,7 @@ from flint import arb, ctx
 from support.closed_form_maps import claim, description, table, tables_of_maps, verdict
 from support.forgeries import noticed
 from support.map_cases import CASES, failed, proof
+from support.stored import values
 
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.shared.formats import (
@@ -207,7 +208,7 @@ def test_no_result_of_another_number_of_crossings_is_used_again() -> None:
         "verdict": "proved",
         "computation": {"seconds": 1},
     }
-    document = make_atlas_certificate(atlas, [result], None)
+    document = make_atlas_certificate(atlas, values([result]), None)
     before = AtlasCertificate(atlas, document)
     assert reusable(before, atlas, ()) == [result]
     assert reusable(before, replace(atlas, claim=replace(atlas.claim, crossings=1)), ()) == []

@@ -16,6 +16,7 @@ from support.flow_checks import ball
 from support.forgeries import checked
 from support.one_piece import OnePiece
 from support.stability_cases import atlas, listed, results
+from support.stored import value_of, values
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.systems import ReversibleSystem, record
@@ -127,7 +128,7 @@ def test_a_list_whose_hypothesis_is_not_shown_is_not_proved(monkeypatch: Any) ->
     assert conclusion["reason"] == reason.to_json()
     assert conclusion["statement"] == ""
     assert conclusion["complete"]["order"] == 5
-    assert checked(make_atlas_certificate(atlas(), results(), conclusion)).stands
+    assert checked(make_atlas_certificate(atlas(), values(results()), conclusion)).stands
 
 
 def functions(x: Any, y: Any) -> tuple[Any, ...]:
@@ -218,7 +219,7 @@ def test_resonances_are_listed_for_any_number_of_stability_parameters(size: int)
 def test_nothing_is_open_on_an_interval_for_what_is_not_said_of_three_parameters() -> None:
     case = over_duffing(3)
     (piece,) = case.atlas.curve_pieces()
-    assert open_on(piece, case.results[0], 7) == ""
+    assert open_on(piece, value_of(case.results[0]), 7) == ""
 
 
 def test_functions_of_another_number_of_parameters_are_a_gap() -> None:

@@ -14,6 +14,7 @@ import pytest
 from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
 from support.stability_cases import atlas, listed, results
+from support.stored import values
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Claim
@@ -53,7 +54,7 @@ def _precision() -> Any:
 
 @cache
 def chain() -> Chain:
-    outcome = conclude(atlas(), results()).outcome
+    outcome = conclude(atlas(), values(results())).outcome
     assert isinstance(outcome, Proved)
     return outcome.results.chain
 
@@ -61,7 +62,7 @@ def chain() -> Chain:
 @cache
 def found(order: int = 4) -> CompleteList:
     with ctx.workprec(160):
-        return complete_list(atlas(), chain(), results(), order)
+        return complete_list(atlas(), chain(), values(results()), order)
 
 
 # Values decide

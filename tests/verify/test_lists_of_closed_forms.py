@@ -16,14 +16,16 @@ from support.conclusions import with_complete_list
 from support.list_truths import Truth, misses
 from support.piece_cases import slow
 from support.skew_products import SkewProduct, energy, half_period
+from support.stored import entry_of, function_of, values
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
+from orbitproof.shared.codec import to_json
 from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.evidence import Proved
-from orbitproof.verify.functions import REACH, function_from_json
+from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import SLOPE_BITS, stability_to_json
+from orbitproof.verify.stability import SLOPE_BITS, stability_of_piece
 from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 
 Make = Callable[[int], SkewProduct]
@@ -60,7 +62,7 @@ def claimed(system: SkewProduct, share: int = 1) -> Atlas:
 
 def check(system: SkewProduct, atlas: Atlas, found: Sequence[dict[str, Any]], order: int, undecided: int = 0) -> None:
     """The list has all that is true, and no more; at most so many places are named as not covered."""
-    document = with_complete_list(atlas, found, conclude(atlas, found), order)
+    document = with_complete_list(atlas, found, conclude(atlas, values(found)), order)
     assert document["verdict"] == "proved"
     said = document["complete"]
     assert misses(Truth(curve_of(system, atlas), order), said) == []
@@ -81,7 +83,7 @@ def test_what_wide_bounds_leave_open_is_named() -> None:
     system = SYSTEMS["symmetric loop"](1)
     atlas = claimed(system)
     found = results(system, atlas, error=3e-3)
-    document = with_complete_list(atlas, found, conclude(atlas, found), 5)["complete"]
+    document = with_complete_list(atlas, found, conclude(atlas, values(found)), 5)["complete"]
     assert document["gaps"]
     assert misses(Truth(curve_of(system, atlas), 5), document) == []
 
@@ -95,7 +97,7 @@ def test_out_of_a_plane_nothing_is_said_without_the_symmetry_of_the_curve(power:
     assert stiffness is not None
     other = replace(atlas.system, stiffness_across=lambda state, _: (stiffness(state, _)[0] + state[2] ** power,))
     found = results(system, atlas, split=True)
-    complete = with_complete_list(replace(atlas, system=other), found, conclude(atlas, found), 2)["complete"]
+    complete = with_complete_list(replace(atlas, system=other), found, conclude(atlas, values(found)), 2)["complete"]
     assert ("out_of_plane" in complete) == (power == 2)
 
 
@@ -136,7 +138,7 @@ def test_any_change_of_a_list_is_noticed() -> None:
     atlas = claimed(system)
     found = results(system, atlas)
     said, truth = (
-        with_complete_list(atlas, found, conclude(atlas, found), 5)["complete"],
+        with_complete_list(atlas, found, conclude(atlas, values(found)), 5)["complete"],
         Truth(curve_of(system, atlas), 5),
     )
     assert misses(truth, said) == []
@@ -175,7 +177,9 @@ def test_sigma_of_a_skew_product_contains_the_closed_form(make: Callable[[], Ske
     piece, n = atlas.curve_pieces()[5], system.size
     interval = (Fraction(-1, 4), Fraction(1, 4))
     limits = PieceLimits(56, 16, 8)
-    found = orbit_functions(TubeOfOrbits(system.system, {}, piece, interval, limits, "physical", ORACLE)).to_json()
+    found = to_json(
+        orbit_functions(TubeOfOrbits(system.system, {}, piece, interval, limits, "physical", ORACLE)).stored
+    )
     for number in range(-4, 5):
         place = system.places(piece, np.array([float(REACH) * number / 4 / 4]))
         amplitude = system.amplitude(place)[0]
@@ -184,7 +188,7 @@ def test_sigma_of_a_skew_product_contains_the_closed_form(make: Callable[[], Ske
         stored = [*found["characteristic"], found["level"], found["half_period"]]
         with ctx.workprec(128):
             for entry, value in zip(stored, expected, strict=True):
-                enclosure = function_from_json(entry).value(arb(number) / 4)
+                enclosure = function_of(entry).value(arb(number) / 4)
                 assert (enclosure + arb(0, 1e-8 * max(1.0, abs(value)))).contains(arb(value))
                 assert float(enclosure.rad()) < 1e-3 * max(1.0, abs(value))
     assert len(found["characteristic"]) == n
@@ -201,9 +205,11 @@ def test_lists_of_integrated_pieces_are_complete_and_true(name: str) -> None:
         proof = prove_piece(system.system, {}, piece, interval, ORACLE, LIMITS, None, symmetry, slope_bits=SLOPE_BITS)
         assert isinstance(proof.outcome, Proved)
         known = proof.outcome.results
-        stability = stability_to_json(
-            TubeOfOrbits(system.system, {}, piece, (known.start, known.end), LIMITS, "physical", ORACLE, symmetry),
-            half=known.half_return,
+        stability = to_json(
+            stability_of_piece(
+                TubeOfOrbits(system.system, {}, piece, (known.start, known.end), LIMITS, "physical", ORACLE, symmetry),
+                half=known.half_return,
+            )
         )
-        found.append(proof.to_json() | {"stability": stability})
+        found.append(entry_of(proof) | {"stability": stability})
     check(system, atlas, found, 8)

@@ -21,18 +21,19 @@ from flint import arb, ctx
 from support.conclusions import with_complete_list
 from support.list_truths import Truth, misses
 from support.piece_cases import slow
+from support.stored import ENTRIES, entry_of, function_of, stored_distances, unconfirmed_of, values
 from support.three_body import Numbers, Orbits, numbers
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas, Piece
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import atlas_from_json, read_atlas
 from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
-from orbitproof.verify.distances import Where, distances_from_json
+from orbitproof.verify.distances import Where
 from orbitproof.verify.evidence import Proved
-from orbitproof.verify.functions import REACH, function_from_json
+from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
-from orbitproof.verify.stability import SLOPE_BITS, TubeOfOrbits, stability_to_json, unconfirmed
+from orbitproof.verify.stability import SLOPE_BITS, TubeOfOrbits, stability_of_piece
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())
@@ -65,7 +66,7 @@ def case(name: str) -> tuple[Atlas, Results]:
 def listed(name: str) -> dict[str, Any]:
     """The conclusion."""
     atlas, results = case(name)
-    document = with_complete_list(atlas, results, conclude(atlas, results), ORDERS.get(name, 12))
+    document = with_complete_list(atlas, results, conclude(atlas, values(results)), ORDERS.get(name, 12))
     assert document["verdict"] == "proved"
     return document
 
@@ -79,7 +80,7 @@ def truth(name: str) -> tuple[Numbers, Truth]:
 
 def contains(known: dict[str, Any], taus: Any, values: Any) -> bool:
     """Whether a stored function encloses values that are known to 9 digits of their greatest size, and closely."""
-    function, size = function_from_json(known), float(np.abs(values).max())
+    function, size = function_of(known), float(np.abs(values).max())
     enclosures = [function.value(arb(tau)) for tau in taus]
     return all(float(enclosure.rad()) < 1e-2 * size for enclosure in enclosures) and all(
         (enclosure + arb(0, 1e-9 * size)).contains(arb(value))
@@ -124,7 +125,7 @@ def check_functions(name: str, result: dict[str, Any], number: int = _RANDOM) ->
 
 def check_distances(known: dict[str, Any], taus: Any, values: Any) -> None:
     """Bounds of the least and the greatest, and at which point of Fix(R) they are."""
-    stored = distances_from_json(known)
+    stored = stored_distances(known)
     assert stored is not None
     ends = {Where.HERE: values[2], Where.THERE: values[3]}
     for function, row in ((stored.here, values[2]), (stored.there, values[3])):
@@ -260,12 +261,14 @@ def test_a_new_proof_of_a_piece_contains_the_numbers_too(name: str) -> None:
     assert isinstance(proof.outcome, Proved)
     known = proof.outcome.results
     interval = known.start, known.end
-    stability = stability_to_json(
-        TubeOfOrbits(atlas.system, atlas.parameters, piece, interval, limits, "regularised", ORACLE),
-        half=known.half_return,
+    stability = to_json(
+        stability_of_piece(
+            TubeOfOrbits(atlas.system, atlas.parameters, piece, interval, limits, "regularised", ORACLE),
+            half=known.half_return,
+        )
     )
-    result = proof.to_json() | {"stability": stability}
+    result = entry_of(proof) | {"stability": stability}
     check_functions(name, result)
-    said = with_complete_list(atlas, [result], conclude(atlas, [result]), 12)["complete"]
+    said = with_complete_list(atlas, [result], conclude(atlas, values([result])), 12)["complete"]
     assert misses(truth(name)[1], said) == []
-    assert list(unconfirmed(stored["stability"], stability)) == []
+    assert list(unconfirmed_of(stored["stability"], stability)) == []

@@ -14,6 +14,7 @@ from flint import arb
 from support import stability_cases
 from support.claims import known
 from support.conclusions import with_complete_list
+from support.stored import values
 
 from orbitproof.shared.formats import Atlas, Candidate, Equation
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, DescriptionError, ReversibleSystem, described
@@ -111,7 +112,7 @@ def test_a_theorem_about_a_curve_and_its_list_do_so_too() -> None:
     assert atlas.claim.increasing
     texts = []
     for each in (atlas, atlas_of(atlas)):
-        document = with_complete_list(each, results, conclude(each, results), 4)
+        document = with_complete_list(each, results, conclude(each, values(results)), 4)
         assert document["verdict"] == "proved"
         texts.append([document["statement"], *(item["statement"] for item in document["hypotheses"])])
         texts[-1].append("\n".join(setting(each.system, each.parameters, None)))
@@ -125,7 +126,7 @@ def test_a_list_has_another_letter_for_points_where_a_coordinate_has_its_own() -
     atlas, results = stability_cases.atlas(), stability_cases.results()
     claim = replace(atlas.claim, increasing=("b",), covers=None)
     other = replace(atlas, system=renamed(FALKNER_SKAN, names), claim=claim)
-    text = with_complete_list(other, results, conclude(other, results), 3)["statement"]
+    text = with_complete_list(other, results, conclude(other, values(results)), 3)["statement"]
     assert "Sigma(x) be the stability matrix of the orbit of x" in text
 
 

@@ -17,18 +17,18 @@ from scipy.integrate import solve_ivp
 from support.conclusions import with_complete_list
 from support.flow_checks import ball
 from support.forgeries import checked, forged, honest
+from support.stored import ENTRIES, function_of, values, variations_of
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import AROUND, CR3BP
 from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, conclude, derived_parameter
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
-from orbitproof.verify.functions import REACH, function_from_json
+from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.out_of_plane import variations_from_json
-from orbitproof.verify.out_of_plane.out_of_plane import ENTRIES
 from orbitproof.verify.stability.across_list import list_across
 from orbitproof.verify.stability.complete_list import complete_list
 from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
@@ -80,7 +80,7 @@ def half_variation(eps: float, vy: float, mu: float, x_l: float, half_period: fl
 
 def check_containment(entry: dict[str, Any], start: Fraction, end: Fraction, shares: list[float]) -> None:
     (piece,) = atlas().curve_pieces()
-    known = variations_from_json(entry["out_of_plane"])
+    known = variations_of(entry["out_of_plane"])
     assert known is not None
     mu = atlas().parameters["mu"]
     x_l = float(derived_parameter(atlas().system, "x_l", atlas().parameters, 80).middle)
@@ -88,7 +88,7 @@ def check_containment(entry: dict[str, Any], start: Fraction, end: Fraction, sha
         s = start + (end - start) * Fraction(share)
         tau = ball((2 * (s - start) / (end - start) - 1) / REACH)
         eps, vy = (float(value) for value in piece.point(s))
-        half_period = float(function_from_json(entry["half_period"]).value(tau).mid())
+        half_period = float(function_of(entry["half_period"]).value(tau).mid())
         expected = half_variation(eps, vy, float(mu), x_l, half_period)
         for enclosed, value in zip(known.entries, expected.ravel(), strict=True):
             assert (enclosed.value(tau) + arb(0, 1e-7)).contains(arb(value))
@@ -107,15 +107,17 @@ def test_an_integration_of_a_part_contains_them_too() -> None:
     interval = (Fraction(1, 2), Fraction(3, 4))
     (piece,) = atlas().curve_pieces()
     limits = PieceLimits(72, 28, 16)
-    found = orbit_functions(
-        TubeOfOrbits(atlas().system, atlas().parameters, piece, interval, limits, "physical", ORACLE)
-    ).to_json()
+    found = to_json(
+        orbit_functions(
+            TubeOfOrbits(atlas().system, atlas().parameters, piece, interval, limits, "physical", ORACLE)
+        ).stored
+    )
     check_containment(found, *interval, [0.1, 0.9])
 
 
 def test_at_the_libration_point_it_is_that_of_the_linear_frequencies() -> None:
     """s_v = cos(2 pi sqrt(c)/omega) with omega^4 - (2 - c) omega^2 + (1 + 2c)(1 - c) = 0."""
-    known = variations_from_json(results()[0]["stability"]["out_of_plane"])
+    known = variations_of(results()[0]["stability"]["out_of_plane"])
     assert known is not None
     mu = float(atlas().parameters["mu"])
     x_l = float(derived_parameter(atlas().system, "x_l", atlas().parameters, 80).middle)
@@ -137,7 +139,7 @@ def test_the_stiffness_is_that_of_the_three_body_problem() -> None:
 
 
 def listed(found: Results, order: int = 12) -> dict[str, Any]:
-    return with_complete_list(atlas(), found, conclude(atlas(), found), order)
+    return with_complete_list(atlas(), found, conclude(atlas(), values(found)), order)
 
 
 def test_the_halo_orbits_are_born_at_exactly_one_point() -> None:
@@ -179,10 +181,10 @@ def certified(s: float, kind: str = "symmetry_breaking") -> Bifurcation:
 
 
 def test_a_certified_symmetry_breaking_is_the_birth_or_contradicts_the_list() -> None:
-    outcome = conclude(atlas(), results()).outcome
+    outcome = conclude(atlas(), values(results())).outcome
     assert isinstance(outcome, Proved)
     chain = outcome.results.chain
-    plane = complete_list(atlas(), chain, results(), 4)
+    plane = complete_list(atlas(), chain, values(results()), 4)
     (birth,) = list_across(atlas(), chain, plane, []).found.points  # type: ignore[union-attr]
     place = float(birth.s.mid())
     (point,) = list_across(atlas(), chain, plane, [certified(place)]).found.points  # type: ignore[union-attr]
@@ -193,7 +195,7 @@ def test_a_certified_symmetry_breaking_is_the_birth_or_contradicts_the_list() ->
 
 
 def document_of(found: Results) -> dict[str, Any]:
-    return make_atlas_certificate(atlas(), found, listed(found, 3))
+    return make_atlas_certificate(atlas(), values(found), listed(found, 3))
 
 
 def no_birth(entry: dict[str, Any]) -> None:

@@ -15,9 +15,11 @@ import pytest
 from flint import arb, arb_poly, ctx, fmpz_poly
 from scipy.integrate import solve_ivp
 from support.flow_checks import ball
+from support.stored import stored_distances, unconfirmed_of
 
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Piece
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import piece_from_json
 from orbitproof.shared.systems import CR3BP
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
@@ -25,7 +27,6 @@ from orbitproof.verify.curve import PieceLimits
 from orbitproof.verify.distances import (
     KnownDistances,
     Where,
-    distances_from_json,
     is_distance_of_orbits,
     ranges_between,
 )
@@ -33,7 +34,6 @@ from orbitproof.verify.distances.distances import PARTS, Cells
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
 
@@ -57,9 +57,11 @@ def case(name: str) -> tuple[Piece, dict[str, Fraction]]:
 def enclosed(name: str, limits: PieceLimits) -> dict[str, Any]:
     piece, parameters = case(name)
     coordinates = "regularised" if name == "regularised" else "physical"
-    return orbit_functions(
-        TubeOfOrbits(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, ORACLE, "S")
-    ).to_json()
+    return to_json(
+        orbit_functions(
+            TubeOfOrbits(CR3BP, parameters, piece, INTERVALS[name], limits, coordinates, ORACLE, "S")
+        ).stored
+    )
 
 
 @pytest.fixture(scope="module", params=["symmetric", pytest.param("regularised", marks=pytest.mark.slow)])
@@ -89,7 +91,7 @@ def distances_of(piece: Piece, s: Fraction, mu: float) -> Any:
 def test_distances_of_independent_orbits_lie_within_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
     name, entry = found
     piece, parameters = case(name)
-    known = distances_from_json(entry["distance"])
+    known = stored_distances(entry["distance"])
     assert known is not None
     start, end = INTERVALS[name]
     source = np.random.default_rng(3)
@@ -149,18 +151,18 @@ def test_what_is_not_finite_has_no_sign() -> None:
 def test_another_integration_confirms_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
     name, entry = found
     if name == "symmetric":
-        assert list(unconfirmed(entry, enclosed(name, PieceLimits(104, 32, 22)))) == []
+        assert list(unconfirmed_of(entry, enclosed(name, PieceLimits(104, 32, 22)))) == []
 
 
 def test_an_integration_confirms_itself_and_one_that_rounds_another_way(found: tuple[str, dict[str, Any]]) -> None:
     _, entry = found
-    assert list(unconfirmed(entry, entry)) == []
+    assert list(unconfirmed_of(entry, entry)) == []
     fresh = copy.deepcopy(entry)
     for share, confirmed in ((Fraction(1, 2**14), True), (Fraction(1, 2**6), False)):
         for part, old in zip(fresh["distance"]["parts"], entry["distance"]["parts"], strict=True):
             low, high = (parse_exact(bound) for bound in old["greatest"])
             part["greatest"] = [format_exact(low * (1 - share)), format_exact(high * (1 + share))]
-        assert (list(unconfirmed(entry, fresh)) == []) == confirmed
+        assert (list(unconfirmed_of(entry, fresh)) == []) == confirmed
 
 
 def narrow_least(distance: dict[str, Any]) -> None:
@@ -205,12 +207,12 @@ def test_forged_distances_are_not_confirmed(
     for name in ("here", "there"):
         function = fresh["distance"][name]
         function["error"] = format_exact(parse_exact(function["error"]) / 4)
-    assert list(unconfirmed(entry, fresh)) == []
+    assert list(unconfirmed_of(entry, fresh)) == []
     forged = copy.deepcopy(entry)
     change(forged["distance"])
-    assert list(unconfirmed(forged, fresh))
+    assert list(unconfirmed_of(forged, fresh))
     without = {key: value for key, value in fresh.items() if key != "distance"}
-    assert "distances are not enclosed again" in list(unconfirmed(entry, without))
+    assert "distances are not enclosed again" in list(unconfirmed_of(entry, without))
 
 
 @pytest.mark.parametrize("bounds", [["-0x1", "0x1"], ["0x2", "0x1"]])
@@ -218,11 +220,11 @@ def test_bounds_that_are_none_are_refused(found: tuple[str, dict[str, Any]], bou
     distance = copy.deepcopy(found[1]["distance"])
     distance["parts"][0]["least"] = bounds
     with pytest.raises(ValueError, match="bounds of a distance"):
-        distances_from_json(distance)
+        stored_distances(distance)
     distance = copy.deepcopy(found[1]["distance"])
     del distance["parts"][0]
     with pytest.raises(ValueError, match="number of parts"):
-        distances_from_json(distance)
+        stored_distances(distance)
 
 
 def test_only_distances_with_the_symmetries_of_the_curve_count() -> None:
@@ -260,7 +262,7 @@ def stored(places: list[Where]) -> KnownDistances:
     ]
     shapes = {"here": ["0x4", "0x4", "0x1"], "there": ["0x31", "-0xe", "0x1"]}
     entry = {name: {"coefficients": row, "error": "0x0"} for name, row in shapes.items()}
-    known = distances_from_json({**entry, "parts": parts})
+    known = stored_distances({**entry, "parts": parts})
     assert known is not None
     return known
 

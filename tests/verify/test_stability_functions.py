@@ -11,15 +11,15 @@ from typing import Any
 import pytest
 from flint import arb, arb_poly, ctx
 from support.flow_checks import ball
+from support.stored import function_of, json_of_function
 
+from orbitproof.shared.formats import InputError
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.functions import (
     REACH,
     BoundedFunction,
     function,
-    function_from_json,
-    function_to_json,
     inverse,
     restricted,
     slope,
@@ -49,7 +49,7 @@ def element(*coefficients: str, error: str = "0") -> Series:
 
 
 def enclosed(series: Series) -> BoundedFunction:
-    return function_from_json(function_to_json(series))
+    return function_of(json_of_function(series))
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -110,8 +110,8 @@ def test_functions_without_error_are_confirmed_with_more_bits() -> None:
 def test_functions_that_are_none_are_refused(coefficient: str, error: str) -> None:
     """Among them those with numbers so long that a list from them would take hours."""
     entry = {"coefficients": [coefficient], "error": error}
-    with pytest.raises(ValueError):
-        function_from_json(entry)
+    with pytest.raises((InputError, ValueError)):
+        function_of(entry)
 
 
 # The curve in its tube

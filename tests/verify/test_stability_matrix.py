@@ -14,15 +14,17 @@ import pytest
 from flint import arb, ctx
 from scipy.integrate import solve_ivp
 from support.stability_cases import atlas, results
+from support.stored import function_of
 
 from orbitproof.shared import parse_exact
 from orbitproof.shared.claims import Piece
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import piece_from_json
 from orbitproof.shared.systems import AROUND, CR3BP, FALKNER_SKAN
 from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.curve import PieceLimits, derived_parameter, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, Proved
-from orbitproof.verify.functions import REACH, bounded, function, function_from_json, restricted
+from orbitproof.verify.functions import REACH, bounded, function, restricted
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, TubeOfOrbits, orbit_functions
 from orbitproof.verify.stability.units import scales
@@ -67,9 +69,9 @@ def check_falkner_skan(
     middle, radius = float(start + end) / 2, float(end - start) / 2 * float(REACH)
     taus = [arb(float(value)) for value in (s - middle) / radius]
     names = ("half_period", "level")
-    period, level = ([function_from_json(entry[name]).value(tau) for tau in taus] for name in names)
-    sigma = [function_from_json(entry["characteristic"][0]).value(tau) for tau in taus]
-    factor = [function_from_json(entry["first_factor"]).value(tau) for tau in taus]
+    period, level = ([function_of(entry[name]).value(tau) for tau in taus] for name in names)
+    sigma = [function_of(entry["characteristic"][0]).value(tau) for tau in taus]
+    factor = [function_of(entry["first_factor"]).value(tau) for tau in taus]
     out, around = variations(piece, s, np.array([float(value) for value in period]))
     assert np.allclose([float(value) for value in level], [float(piece.point(Fraction(x))[0]) for x in s], rtol=1e-12)
     for enclosure, value in zip(sigma, around, strict=True):
@@ -90,9 +92,11 @@ def test_sigma_contains_independent_variations_at_random_points() -> None:
 def test_another_interval_and_other_settings_enclose_the_same() -> None:
     piece = atlas().curve_pieces()[1]
     interval = (Fraction(1, 4), Fraction(1, 2))
-    found = orbit_functions(
-        TubeOfOrbits(atlas().system, {}, piece, interval, PieceLimits(60, 24, 16), "physical", ORACLE)
-    ).to_json()
+    found = to_json(
+        orbit_functions(
+            TubeOfOrbits(atlas().system, {}, piece, interval, PieceLimits(60, 24, 16), "physical", ORACLE)
+        ).stored
+    )
     check_falkner_skan(piece, found, interval, 20)
 
 
@@ -109,9 +113,9 @@ def test_the_half_return_of_a_proof_gives_the_same(tube: Fraction | None) -> Non
     if tube is not None:
         # As if the proof had followed a tube about another curve.
         half = replace(half, state=tuple(element.scaled(Fraction(0)) for element in half.state))
-    found = orbit_functions(
-        TubeOfOrbits(atlas().system, {}, piece, interval, limits, "physical", ORACLE), half=half
-    ).to_json()
+    found = to_json(
+        orbit_functions(TubeOfOrbits(atlas().system, {}, piece, interval, limits, "physical", ORACLE), half=half).stored
+    )
     check_falkner_skan(piece, found, interval, 20)
 
 
@@ -123,11 +127,13 @@ def test_planar_orbits_in_units_of_their_size_have_the_stability_of_the_three_bo
     piece = piece_from_json(entry["piece"], system, "piece")
     assert isinstance(piece, Piece)
     interval = (Fraction(1, 2), Fraction(3, 4))
-    found = orbit_functions(
-        TubeOfOrbits(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical", ORACLE)
-    ).to_json()
-    functions = [function_from_json(found[name]) for name in ("half_period", "level")]
-    (sigma,) = (function_from_json(part) for part in found["characteristic"])
+    found = to_json(
+        orbit_functions(
+            TubeOfOrbits(system, parameters, piece, interval, PieceLimits(72, 28, 16), "physical", ORACLE)
+        ).stored
+    )
+    functions = [function_of(found[name]) for name in ("half_period", "level")]
+    (sigma,) = (function_of(part) for part in found["characteristic"])
     taus = [arb(number) / 32 for number in range(-30, 31, 6)]
     periods, sizes = (np.array([float(function_.value(tau)) for tau in taus]) for function_ in functions)
     s = [Fraction(5, 8) + Fraction(1, 8) * REACH * Fraction(number, 32) for number in range(-30, 31, 6)]
@@ -266,19 +272,19 @@ def check_three_body(name: str, interval: tuple[Fraction, Fraction], limits: Pie
     assert isinstance(piece, Piece)
     parameters = {key: parse_exact(value) for key, value in entry["parameters"].items()}
     coordinates = "regularised" if name == "regularised" else "physical"
-    found = orbit_functions(
-        TubeOfOrbits(CR3BP, parameters, piece, interval, limits, coordinates, ORACLE, "S")
-    ).to_json()
+    found = to_json(
+        orbit_functions(TubeOfOrbits(CR3BP, parameters, piece, interval, limits, coordinates, ORACLE, "S")).stored
+    )
     source = np.random.default_rng(2)
     start, end = interval
     s = source.uniform(float(start), float(end), number)
     middle, radius = float(start + end) / 2, float(end - start) / 2 * float(REACH)
     taus = [arb(float(value)) for value in (s - middle) / radius]
     points = np.array([[float(value) for value in piece.point(Fraction(x))] for x in s]).T
-    periods = np.array([float(function_from_json(found["half_period"]).value(tau)) for tau in taus])
+    periods = np.array([float(function_of(found["half_period"]).value(tau)) for tau in taus])
     for coefficients in independent_coefficients(points, float(parameters["mu"]), periods):
         for stored, values in zip(found["characteristic"], coefficients, strict=True):
-            function_ = function_from_json(stored)
+            function_ = function_of(stored)
             scale = max(1.0, float(np.max(np.abs(values))))
             for tau, value in zip(taus, values, strict=True):
                 enclosure = function_.value(tau)

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 from support.claims import known
+from support.stored import entry_of, values
 from support.surface_cases import ONE, WHOLE, exactly, number, point_of
 
 from orbitproof.explore.flow import flow_of
@@ -132,7 +133,7 @@ def test_the_certified_point_of_the_earth_moon_system_is_the_surfaces(
     piece: SurfacePiece, proved: PieceResult[ProvedParts], atlas: Atlas
 ) -> None:
     """A symmetry breaking that was certified in the CR3BP, at one mass: h(mu, 0) encloses it."""
-    sheet = read_sheet(piece, "h", [proved.to_json()])
+    sheet = read_sheet(piece, "h", values([entry_of(proved)]))
     candidate = known("em1")
     mu = MASS_PARAMETERS["earth-moon"]
     assert candidate.parameters["mu"] == mu
@@ -208,7 +209,7 @@ def test_a_false_surface_piece_is_not_proved(name: str, piece: SurfacePiece) -> 
 
 @pytest.mark.parametrize("interval", [(-2 * ONE, ONE), (ONE, ONE), (ONE, -ONE)])
 def test_an_interval_outside_the_piece_is_refused(interval: tuple[Fraction, Fraction], piece: SurfacePiece) -> None:
-    assert "no interval" in prove_surface_piece(HILL, piece, interval, ORACLE, FAST).to_json()["reason"]["message"]
+    assert "no interval" in prove_surface_piece(HILL, piece, interval, ORACLE, FAST).stored.reason.message
 
 
 def test_what_the_box_is_made_of(piece: SurfacePiece) -> None:

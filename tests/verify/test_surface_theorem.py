@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx
+from support.stored import entry_of, part_of, value_of, values
 from support.surface_cases import ONE, WHOLE, exactly, point_of
 
 from orbitproof.explore.__main__ import main
@@ -27,7 +28,7 @@ from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve import Conclusion
 from orbitproof.verify.evidence import NotProved, Proved, ball_from_json, ball_to_json, enclose, hull
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.surface import ProvedSurface, conclude_surface, prove_surface_piece, unshown
+from orbitproof.verify.surface import ProvedSurface, SurfaceResult, conclude_surface, prove_surface_piece, unshown
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at
 from orbitproof.verify.surface.proved_parts import ProvedPart
@@ -89,7 +90,7 @@ def three() -> list[SurfacePiece]:
 def conclude(
     pieces: Sequence[SurfacePiece], results: Sequence[dict[str, Any]] | None = None
 ) -> Conclusion[ProvedSurface]:
-    return conclude_surface(flat_atlas(pieces), [result_of(p) for p in pieces] if results is None else results)
+    return conclude_surface(flat_atlas(pieces), values([result_of(p) for p in pieces] if results is None else results))
 
 
 def test_pieces_that_overlap_become_one_surface() -> None:
@@ -126,7 +127,7 @@ def test_the_parameter_stays_in_the_range_of_the_system_and_ends_are_exact() -> 
     edges = [(Fraction(1, 2), Fraction(3, 4)), (Fraction(5, 8), ONE), (Fraction(7, 8), Fraction(9, 8))]
     beyond = [flat_piece(k, *edge) for k, edge in enumerate(edges)]
     claim = flat_atlas(beyond, "0.5", "0.9").claim
-    outcome = conclude_surface(replace(flat_atlas(beyond), claim=claim), [result_of(p) for p in beyond]).outcome
+    outcome = conclude_surface(replace(flat_atlas(beyond), claim=claim), values([result_of(p) for p in beyond])).outcome
     assert isinstance(outcome, NotProved)
     assert outcome.reason.condition == "parameter"
     assert "leaves (-1, 1)" in outcome.reason.message
@@ -136,7 +137,9 @@ def test_ranges_of_parameters_are_rounded_inward() -> None:
     start, end = Fraction(1, 8) + Fraction(1, 2**50), Fraction(1, 2) - Fraction(1, 2**50)
     atlas = flat_atlas([flat_piece(1, start, end)])
     atlas = replace(atlas, claim=replace(atlas.claim, covers=None))
-    statement = conclusion_in_words(conclude_surface(atlas, [result_of(piece) for piece in atlas.surface_pieces()]))
+    statement = conclusion_in_words(
+        conclude_surface(atlas, values([result_of(piece) for piece in atlas.surface_pieces()]))
+    )
     assert "of h in [0.125000000001, 0.499999999999]" in statement
 
 
@@ -163,7 +166,12 @@ def _drop(pieces: list[SurfacePiece], results: list[dict[str, Any]]) -> None:
 
 
 def _unproved(pieces: list[SurfacePiece], results: list[dict[str, Any]]) -> None:
-    results[1] = {"piece": "p002", "interval": ["-1", "1"], "verdict": "not proved", "reason": {}}
+    results[1] = {
+        "piece": "p002",
+        "interval": ["-1", "1"],
+        "verdict": "not proved",
+        "reason": {"message": "no", "remedy": ""},
+    }
 
 
 def _gap(pieces: list[SurfacePiece], results: list[dict[str, Any]]) -> None:
@@ -240,7 +248,7 @@ def message_of(pieces: Sequence[SurfacePiece], results: Sequence[dict[str, Any]]
     atlas = flat_atlas(pieces, **covers)
     if not covers:
         atlas = replace(atlas, claim=replace(atlas.claim, covers=None))
-    outcome = conclude_surface(atlas, [result_of(p) for p in pieces] if results is None else results).outcome
+    outcome = conclude_surface(atlas, values([result_of(p) for p in pieces] if results is None else results)).outcome
     return "proved" if isinstance(outcome, Proved) else outcome.reason.message
 
 
@@ -287,7 +295,7 @@ def test_a_parameter_increases_only_if_it_does_so_everywhere() -> None:
 def test_at_the_joint_of_two_parts_a_point_may_be_that_of_either() -> None:
     piece = three()[0]
     left, right = (tuple(arb(sign * value, 2**-40) for value in (1, 0, 2)) for sign in (-1, 1))
-    parts = (ProvedPart(-ONE, Fraction(0), left, "below"), ProvedPart(Fraction(0), ONE, right, "below"))
+    parts = (ProvedPart((-ONE, Fraction(0)), left, "below"), ProvedPart((Fraction(0), ONE), right, "below"))
     sheet = Sheet(piece, piece.parameters["h"], parts)
     for edges, points in (
         ((-ONE / 2, -ONE / 4), [left]), ((ONE / 4, ONE), [right]), ((-ONE / 4, ONE / 4), [left, right]),
@@ -330,7 +338,7 @@ def test_a_stored_part_shows_each_of_its_inequalities(
 ) -> None:
     results = json.loads((Path(__file__).parents[1] / "data" / "surface-results.json").read_text())
     part = results[0]["parts"][0]
-    assert not list(unshown(piece, part))
+    assert not list(unshown(piece, part_of(part)))
     entry = part["hypotheses"][name]
     stored = ball_from_json(entry[key])
     # Just over the edge, to both sides.
@@ -339,25 +347,27 @@ def test_a_stored_part_shows_each_of_its_inequalities(
         entry[key] = ball_to_json(ball)
         if name == "point":
             part["point"] = list(entry.values())[:3]
-        assert any(key in text for text in unshown(piece, part)), ball
+        assert any(key in text for text in unshown(piece, part_of(part))), ball
 
 
 def test_a_stored_part_has_the_point_and_the_side_of_its_hypotheses(piece: SurfacePiece) -> None:
     results = json.loads((Path(__file__).parents[1] / "data" / "surface-results.json").read_text())
     part = results[0]["parts"][0]
     other = [*part["point"][:2], ball_to_json(arb(0))]
-    assert list(unshown(piece, {**part, "point": other})) == ["the point is not that of the hypothesis"]
+    assert list(unshown(piece, part_of({**part, "point": other}))) == ["the point is not that of the hypothesis"]
     assert part["side"] == "below"
-    assert any("the side is 'above'" in text for text in unshown(piece, {**part, "side": "above"}))
+    assert any("the side is 'above'" in text for text in unshown(piece, part_of({**part, "side": "above"})))
 
 
 def test_a_point_that_is_not_finite_proves_nothing() -> None:
     pieces = three()
-    results = [result_of(piece) for piece in pieces]
-    results[1]["parts"][0]["point"][0]["mid"] = "nan"
+    results = [value_of(result_of(piece)) for piece in pieces]
+    assert isinstance(results[1], SurfaceResult)
+    first, *rest = results[1].parts
+    results[1] = replace(results[1], parts=(replace(first, point=(arb(float("nan")), *first.point[1:])), *rest))
     conclusion = conclude(pieces, results)
     assert isinstance(conclusion.outcome, NotProved)
-    assert conclusion.outcome.reason.condition == "results"
+    assert conclusion.outcome.reason.condition == "pieces"
 
 
 def test_a_conclusion_cannot_say_more_than_its_hypotheses() -> None:
@@ -417,8 +427,8 @@ def test_the_theorem_for_l1_and_all_masses(tmp_path: Path) -> None:
     path = tmp_path / "mass.json"
     assert main(["atlas-mass", "--point", "L1", "--quiet", "-o", str(path)]) == 0
     atlas = read_atlas(path)
-    results = [prove_surface_piece(HILL, piece, WHOLE, ORACLE).to_json() for piece in atlas.surface_pieces()]
-    conclusion = conclude_surface(atlas, results)
+    results = [entry_of(prove_surface_piece(HILL, piece, WHOLE, ORACLE)) for piece in atlas.surface_pieces()]
+    conclusion = conclude_surface(atlas, values(results))
     assert isinstance(conclusion.outcome, Proved), conclusion.outcome.reason
     assert "for all mu in (0, 0.500188017]" in conclusion_in_words(conclusion)
     assert "|z| <= 0.004 mu^(1/3)" in conclusion_in_words(conclusion)

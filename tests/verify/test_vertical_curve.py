@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from support.conclusions import conclude
+from support.stored import entry_of
 
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.certificate import Limits
@@ -27,7 +28,7 @@ def test_an_arc_of_the_vertical_family_is_one_curve_and_none_with_another_number
     (piece,) = atlas.curve_pieces()
     assert atlas.claim.crossings == 2
     found = prove_piece(atlas.system, atlas.parameters, piece, WHOLE, ORACLE, crossings=2)
-    results = [json.loads(json.dumps(found.to_json()))]
+    results = [json.loads(json.dumps(entry_of(found)))]
     conclusion = conclude(atlas, results)
     assert conclusion.is_proved
     assert "z takes all values from 0.1 to 0.12" in conclusion_in_words(conclusion)

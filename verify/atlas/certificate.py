@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -21,10 +22,11 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import record
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
-from orbitproof.verify.atlas.results import Result, interval_of
+from orbitproof.verify.atlas.results import Result, results_from_json
 from orbitproof.verify.certificate import Certificate, digest, system_names
-from orbitproof.verify.certificate.stored_balls import from_json
+from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Reason, software
+from orbitproof.verify.stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.words import branch_in_full
 
 SCHEMA = "atlas-certificate"
@@ -63,17 +65,22 @@ def make_atlas_certificate(
     results: Sequence[Result],
     conclusion: Mapping[str, Any] | None,
     rests_on: Sequence[Certificate] = (),
+    as_json: Callable[[Result], Any] = to_json,
 ) -> dict[str, Any]:
     """The certificate of an atlas, with the results in order along the curve.
 
     `conclusion` is what `conclusion_of` makes of the results; `None` as long as intervals are missing.
     `rests_on` are the certificates of bifurcations that it was made with; it carries them without their places on
-    curves, which it says itself.
+    curves, which it says itself. `as_json` makes the JSON of a result.
     """
     place = {piece.id: number for number, piece in enumerate(atlas.pieces)}
-    ordered = sorted(results, key=lambda result: (place[result["piece"]], interval_of(result)))
-    known = {name for result in results for name in result.get("stability", ())}
-    statement = statement_of(atlas, "distance" in known, "out_of_plane" in known)
+    ordered = sorted(results, key=lambda result: (place[result.piece], result.interval))
+    stability = [result.stability for result in results if isinstance(result, StabilityResult)]
+    known = [functions for functions in stability if isinstance(functions, StabilityFunctions)]
+    with_distance, with_variations = (
+        any(getattr(functions, name) is not None for functions in known) for name in ("distance", "out_of_plane")
+    )
+    statement = statement_of(atlas, with_distance, with_variations)
     if conclusion is None:
         verdict = "not proved"
         message, remedy = "not all intervals were tried", "run the same command again; it goes on from here"
@@ -90,12 +97,12 @@ def make_atlas_certificate(
         "verdict": verdict,
         "reason": reason,
         "statement": statement,
-        "results": ordered,
+        "results": [as_json(result) for result in ordered],
         "conclusion": conclusion,
         "rests_on": [entry.without_place().to_json() for entry in rests_on],
         "computation": {
-            "intervals": sum(result["verdict"] == "proved" for result in ordered),
-            "seconds": round(sum(result["computation"]["seconds"] for result in ordered), 3),
+            "intervals": sum(result.is_proved for result in ordered),
+            "seconds": round(sum(result.computation.seconds for result in ordered), 3),
         },
         "software": software(),
     }
@@ -172,11 +179,10 @@ class AtlasCertificate:
         except (LookupError, TypeError, ValueError) as error:
             raise InputError(f"certificate {self.id!r}: {name} of the list: {error}") from None
 
-    @property
-    def results(self) -> Sequence[Result]:
-        """What was found on the intervals, in order along the curve."""
-        results: Sequence[Result] = self.document["results"]
-        return results
+    @cached_property
+    def results(self) -> tuple[Result, ...]:
+        """What was found on the intervals, in order along the curve. Raises `InputError` if it cannot be read."""
+        return results_from_json(self.atlas, self.document["results"])
 
 
 def read_atlas_certificate(path: Path) -> AtlasCertificate:
@@ -214,15 +220,22 @@ def results_for(certificate: AtlasCertificate, atlas: Atlas) -> list[Result]:
     if not same_claim or certificate.document["software"] != software():
         return []
     unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
-    return [result for result in certificate.results if result["piece"] in unchanged]
+    return [result for result in certificate.results if result.piece in unchanged]
 
 
 class Lines:
-    """Results as lines of a file: each is validated and written once, however often the file is."""
+    """Results as lines of a file: each is put into JSON, validated and written once, however often the file is."""
 
     def __init__(self) -> None:
         # With its text a result is kept, so that its identity is not given to another one.
         self._known: dict[int, tuple[Any, str]] = {}
+        self._entries: dict[int, tuple[Result, Any]] = {}
+
+    def entry(self, result: Result) -> Any:
+        """The JSON of a result, always the same object."""
+        if id(result) not in self._entries:
+            self._entries[id(result)] = result, to_json(result)
+        return self._entries[id(result)][1]
 
     def __call__(self, entry: Any) -> str:
         """An entry on one line."""
@@ -230,7 +243,7 @@ class Lines:
             self._known[id(entry)] = entry, json.dumps(entry, allow_nan=False)
         return self._known[id(entry)][1]
 
-    def unknown(self, results: Sequence[Result]) -> list[Result]:
+    def unknown(self, results: Sequence[Any]) -> list[Any]:
         """Those that were not written yet."""
         return [result for result in results if id(result) not in self._known]
 

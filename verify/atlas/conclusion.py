@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import Any
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import certified_point
+from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
 from orbitproof.verify.curve import conclude, enclose_other_point
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import conclude_list
+from orbitproof.verify.stability import StabilityResult, conclude_list
 from orbitproof.verify.surface import conclude_surface
 from orbitproof.verify.words import BranchConclusion, conclusion_in_words
 
@@ -25,7 +26,7 @@ Placing = Callable[[Sequence[str]], AbstractContextManager[Callable[[str], None]
 
 def conclusion_of(
     atlas: Atlas,
-    results: Sequence[Mapping[str, Any]],
+    results: Sequence[Result],
     bifurcations: Sequence[Certificate],
     check: Callable[[Sequence[Certificate]], Sequence[Recheck]],
     order: int | None,
@@ -56,7 +57,11 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner)
-    return told(conclusion if order is None else conclude_list(atlas, results, conclusion, order))
+    return told(conclusion if order is None else conclude_list(atlas, _of_curve(results), conclusion, order))
+
+
+def _of_curve(results: Sequence[Result]) -> list[StabilityResult]:
+    return [result for result in results if isinstance(result, StabilityResult)]
 
 
 def told(conclusion: BranchConclusion) -> dict[str, Any]:

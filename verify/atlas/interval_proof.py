@@ -7,20 +7,21 @@ by whom it is carried there and back, is another matter.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import AnyPiece, Atlas, LibrationPiece, SurfacePiece, piece_from_json
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.processes import Report
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
-from orbitproof.verify.atlas.results import Settings
+from orbitproof.verify.atlas.results import Result, Settings
 from orbitproof.verify.certificate import systems_with
-from orbitproof.verify.curve import Interval, PieceLimits, prove_piece
-from orbitproof.verify.evidence import Proved
+from orbitproof.verify.certificate.stored_balls import to_json
+from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_piece
+from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.oracle import ORACLE, counsel
-from orbitproof.verify.stability import SLOPE_BITS, TubeOfOrbits, stability_to_json
+from orbitproof.verify.stability import SLOPE_BITS, StabilityResult, TubeOfOrbits, stability_of_piece
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -63,7 +64,6 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
     """What a process does: prove a piece on an interval; the JSON of the result."""
     system = _system_of(argument)
     piece = piece_from_json(argument["piece"], system, "piece")
-    start, end = (parse_exact(text) for text in argument["interval"])
     began = time.monotonic()
     timeout = argument["timeout"]
 
@@ -73,37 +73,46 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
             raise _OutOfTimeError
 
     try:
-        if isinstance(piece, SurfacePiece):
-            surface_limits = SurfaceLimits(**argument["integrator"])
-            parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
-            return prove_surface_piece(
-                system, piece, (start, end), ORACLE, surface_limits, stepped, argument["symmetry"], parts, counsel
-            ).to_json()
-        if isinstance(piece, LibrationPiece):
-            surface_limits = SurfaceLimits(**argument["integrator"])
-            return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).to_json()
-        parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
-        limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
-        more = {"crossings": crossings, **({"slope_bits": SLOPE_BITS} if argument.get("stability") else {})}
-        found = prove_piece(
-            system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more
-        )
-        result = found.to_json()
-        if argument.get("stability") and isinstance(found.outcome, Proved):
-            known = found.outcome.results
-            tube = TubeOfOrbits(
-                system, parameters, piece, (known.start, known.end), limits, str(found.computation["coordinates"]),
-                ORACLE, argument["symmetry"], crossings,
-            )  # fmt: skip
-            result["stability"] = stability_to_json(tube, stepped, known.half_return)
-            result["computation"]["seconds"] = round(time.monotonic() - began, 3)
-        return result
+        return dict(to_json(_proved(argument, system, piece, stepped, began)))
     except _OutOfTimeError:
         condition, message = "time", f"the time limit of {timeout:g} s has passed"
     except Exception as error:
         # A defect costs one interval, not the run; it is retried by the next run.
         condition, message = "process", " ".join(f"broke off: {type(error).__name__}: {error}".split())
-    return not_proved(argument, condition, message, time.monotonic() - began)
+    return dict(to_json(not_proved(argument, condition, message, time.monotonic() - began)))
+
+
+def _proved(
+    argument: Mapping[str, Any],
+    system: ReversibleSystem,
+    piece: AnyPiece,
+    stepped: Callable[[float], None],
+    began: float,
+) -> Result:
+    start, end = (parse_exact(text) for text in argument["interval"])
+    if isinstance(piece, SurfacePiece):
+        surface_limits = SurfaceLimits(**argument["integrator"])
+        parts = [(parse_exact(first), parse_exact(last)) for first, last in argument.get("parts", ())]
+        return prove_surface_piece(
+            system, piece, (start, end), ORACLE, surface_limits, stepped, argument["symmetry"], parts, counsel
+        ).stored
+    if isinstance(piece, LibrationPiece):
+        surface_limits = SurfaceLimits(**argument["integrator"])
+        return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).stored
+    parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
+    limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
+    more = {"crossings": crossings, **({"slope_bits": SLOPE_BITS} if argument.get("stability") else {})}
+    found = prove_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more)
+    if not (argument.get("stability") and isinstance(found.outcome, Proved)):
+        return found.stored
+    known = found.outcome.results
+    tube = TubeOfOrbits(
+        system, parameters, piece, (known.start, known.end), limits, str(found.computation.coordinates),
+        ORACLE, argument["symmetry"], crossings,
+    )  # fmt: skip
+    stability = stability_of_piece(tube, stepped, known.half_return)
+    computation = replace(found.computation, seconds=round(time.monotonic() - began, 3))
+    return StabilityResult(**{**vars(found.stored), "computation": computation, "stability": stability})
 
 
 def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:
@@ -122,12 +131,9 @@ _REMEDIES = {
 }
 
 
-def not_proved(argument: Mapping[str, Any], condition: str, message: str, seconds: float) -> dict[str, Any]:
+def not_proved(argument: Mapping[str, Any], condition: str, message: str, seconds: float) -> Result:
     """The result of a task that was not brought to an end."""
-    return {
-        "piece": argument["piece"]["id"],
-        "interval": list(argument["interval"]),
-        "verdict": "not proved",
-        "reason": {"condition": condition, "message": message, "remedy": _REMEDIES[condition]},
-        "computation": {**argument["integrator"], "seconds": round(seconds, 3)},
-    }
+    start, end = (parse_exact(text) for text in argument["interval"])
+    computation = Computation(round(seconds, 3), **argument["integrator"])
+    reason = Reason(condition, message, _REMEDIES[condition])
+    return Result(str(argument["piece"]["id"]), (start, end), NOT_PROVED, computation, reason)

@@ -15,12 +15,14 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
-from orbitproof.shared.formats import AnyPiece, Atlas, atlas_from_json, validate_document
-from orbitproof.shared.numbers import parse_exact
+from flint import arb
+
+from orbitproof.shared.formats import AnyPiece, Atlas, InputError, atlas_from_json, validate_document
+from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
 from orbitproof.verify.atlas.certificate import SCHEMA, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
-from orbitproof.verify.atlas.results import Result, Settings, covers, interval_of
+from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
 from orbitproof.verify.certificate import (
     NOT_INTEGRATED,
     UNCHECKED_REASON,
@@ -45,9 +47,9 @@ from orbitproof.verify.certificate import (
     unknown_reason,
 )
 from orbitproof.verify.curve import CurveTheorem, Interval, PieceLimits
-from orbitproof.verify.evidence import ball_from_json, quoted_name
-from orbitproof.verify.stability import unconfirmed
-from orbitproof.verify.surface import SurfaceLimits, SurfaceTheorem, unshown
+from orbitproof.verify.evidence import NotKnown, quoted_name
+from orbitproof.verify.stability import StabilityResult, unconfirmed
+from orbitproof.verify.surface import ProvedPart, SurfaceLimits, SurfaceResult, SurfaceTheorem, unshown
 
 _MORE = {"precision": 32, "order": 4, "width": 8}
 _MORE_OF_SAME_WIDTH = {"precision": 32, "order": 4}
@@ -143,18 +145,21 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
     yield from digest_findings(document)
     validate_document(document, SCHEMA, "the certificate")
     atlas = atlas_of(document)
-    known = {piece.id for piece in atlas.pieces}
     symmetric = {piece.id for piece in atlas.pieces if piece.kind == "symmetric"}
-    for index, result in enumerate(document["results"]):
-        if result["piece"] not in known:
-            yield Finding(f"results[{index}].piece", "no such piece in the atlas")
-        if result["piece"] in symmetric and result["verdict"] == "proved":
-            start, end = interval_of(result)
+    try:
+        results = results_from_json(atlas, document["results"])
+    except InputError as error:
+        place, _, message = str(error).partition(": ")
+        yield Finding(place, message)
+        return
+    for index, result in enumerate(results):
+        if result.piece in symmetric and result.is_proved:
+            start, end = result.interval
             # What is proved about 0 there is proved of both halves together.
             if start <= 0 <= end and start != -end:
                 yield Finding(f"results[{index}].interval", "contains the symmetric point and is not centred there")
-        settings = (result["computation"].get(name, 1) for name in ("precision", "order", "width", "top", "steps"))
-        if not all(0 <= value <= _LARGEST for value in settings):
+        settings = (getattr(result.computation, name) for name in ("precision", "order", "width", "top", "steps"))
+        if not all(value is None or 0 <= value <= _LARGEST for value in settings):
             yield Finding(f"results[{index}].computation", "the settings of the integrator are not possible")
     conclusion = document["conclusion"]
     if conclusion is None:
@@ -185,18 +190,17 @@ def _conclusion(
     bifurcations = _rests_on(document)
     yield from _other_certificates(document, given)
     yield from decimals(document["results"], "results")
-    if atlas.is_surface:
-        pieces = {piece.id: piece for piece in atlas.surface_pieces()}
-        for index, result in enumerate(document["results"]):
-            for number, part in enumerate(result.get("parts", ())):
-                place = f"results[{index}].parts[{number}]"
-                if result["piece"] not in pieces:
-                    yield Finding(place, "the piece is not one of the surface")
-                    continue
-                yield from (Finding(place, text) for text in unshown(pieces[result["piece"]], part))
-    conclusion = means.conclude(atlas, document["results"], bifurcations, order_of(document))
+    results = results_from_json(atlas, document["results"])
+    pieces = {piece.id: piece for piece in atlas.surface_pieces()} if atlas.is_surface else {}
+    for index, result in enumerate(results):
+        for number, part in enumerate(result.parts if isinstance(result, SurfaceResult) else ()):
+            place = f"results[{index}].parts[{number}]"
+            yield from (Finding(place, text) for text in unshown(pieces[result.piece], part))
+    conclusion = means.conclude(atlas, results, bifurcations, order_of(document))
     examination.hypotheses = len(conclusion["hypotheses"])
-    again = make_atlas_certificate(atlas, document["results"], conclusion, bifurcations)
+    again = make_atlas_certificate(atlas, results, conclusion, bifurcations)
+    # What is stored is what was read; how its numbers are written is not compared.
+    again["results"] = document["results"]
     again["statement"] = named_as(document["statement"], again["statement"])
     # What made the file may differ.
     apart = ("software", "digest")
@@ -229,7 +233,7 @@ def _other_certificates(document: Document, given: Sequence[Certificate]) -> Ite
 def _integration(document: Document, means: Means, examination: Examination) -> Iterator[Finding]:
     assert means.prove is not None
     atlas = atlas_of(document)
-    if not any(result["verdict"] == "proved" for result in document["results"]):
+    if not any(result.is_proved for result in results_from_json(atlas, document["results"])):
         raise NothingToCheckError(NOT_INTEGRATED.format(what="proved intervals"))
     results: dict[str, Result] = {}
     findings: dict[str, list[Finding]] = {}
@@ -241,22 +245,22 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
         def finished(name: str, fresh: Result, before: Mapping[str, Result] = before) -> str:
             contradictions.extend(_contradictions(before[name], fresh))
             results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh))
-            return f"{fresh['verdict']} again"
+            return f"{fresh.verdict} again"
 
         if remaining := [interval for interval in intervals if findings.get(interval.name, True)]:
             # What is not answered is not confirmed.
             findings.update({each.name: [Finding(each.name, "was not integrated again")] for each in remaining})
             means.prove(atlas, remaining, finished)
     # What was not brought to an end says nothing of the interval.
-    ended = {name: result for name, result in results.items() if result.get("reason", {}).get("condition") in _ENDED}
+    ended = {name: result.reason for name, result in results.items() if condition_of(result) in _ENDED}
     found = [finding for name, entries in findings.items() if name not in ended for finding in entries]
     yield from dict.fromkeys(contradictions)
     yield from found
     if contradictions or found:
         return
     if ended:
-        name, result = next(iter(ended.items()))
-        raise CannotBeCheckedError(f"{name}: {result['reason']['message']}; {result['reason']['remedy']}")
+        name, reason = next(iter(ended.items()))
+        raise CannotBeCheckedError(f"{name}: {reason.message}; {reason.remedy}" if reason else name)
     if document["verdict"] != "proved":
         return
     conclusion = means.conclude(atlas, list(results.values()), [], order_of(document))
@@ -280,18 +284,19 @@ def _intervals(
     names = asdict(SurfaceLimits() if atlas.is_surface else PieceLimits())
     is_stated = document["statement"]["atlas"]["system"] == atlas.system.name not in BRANCH_SYSTEMS
     intervals, before = [], {}
-    for number, result in enumerate(entry for entry in document["results"] if entry["verdict"] == "proved"):
-        made = result["computation"]
-        name = f"{number + 1}: {result['piece']} [{', '.join(result['interval'])}]"
+    results = results_from_json(atlas, document["results"])
+    for number, result in enumerate(entry for entry in results if entry.is_proved):
+        made = {name: value for name, value in vars(result.computation).items() if value is not None}
+        name = f"{number + 1}: {result.piece} {_ends(result.interval)}"
         settings = {name: int(made.get(name, value)) + more.get(name, 0) for name, value in names.items()}
         intervals.append(
             ProvedBefore(
                 name,
-                pieces[result["piece"]],
-                interval_of(result),
+                pieces[result.piece],
+                result.interval,
                 settings,
-                "stability" in result,
-                tuple(interval_of(part) for part in result.get("parts", ())),
+                isinstance(result, StabilityResult) and result.stability is not None,
+                tuple(part.interval for part in _parts(result)),
                 max(1, int(made.get("steps", 1))),
                 _stated(document) if is_stated else None,
             )
@@ -313,63 +318,77 @@ def _stated(document: Document) -> dict[str, Any]:
 
 def _contradictions(stored: Result, fresh: Result) -> Iterator[Finding]:
     """Where a new proof of an interval and the stored one cannot both be true; no further integration mends that."""
-    if fresh["verdict"] != "proved":
+    if not fresh.is_proved:
         return
-    place = f"piece {stored['piece']}, s in [{', '.join(stored['interval'])}]"
-    yield from overlap(ball_from_json(stored["time"]), ball_from_json(fresh["time"]), f"{place}, half period")
-    for part in stored.get("parts", ()):
-        for entry in (entry for entry in fresh["parts"] if covers([interval_of(part)], interval_of(entry))):
-            if part["side"] != entry["side"]:
-                where = f"{place}, part [{', '.join(part['interval'])}], side"
-                yield Finding(where, f"stored is {part['side']!r}, found {entry['side']!r}")
+    place = _place_of(stored)
+    yield from overlap(_time(stored), _time(fresh), f"{place}, half period")
+    for part in _parts(stored):
+        for entry in (entry for entry in _parts(fresh) if covers([part.interval], entry.interval)):
+            if part.side != entry.side:
+                where = f"{place}, part {_ends(part.interval)}, side"
+                yield Finding(where, f"stored is {part.side!r}, found {entry.side!r}")
 
 
 def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
     """What a new proof of an interval does not confirm."""
-    place = f"piece {stored['piece']}, s in [{', '.join(stored['interval'])}]"
-    if fresh["verdict"] != "proved":
-        yield Finding(place, f"is not proved again: {fresh['reason']['message']}")
+    place = _place_of(stored)
+    if fresh.reason is not None:
+        yield Finding(place, f"is not proved again: {fresh.reason.message}")
         return
-    if not covers([interval_of(fresh)], interval_of(stored)):
+    if not covers([fresh.interval], stored.interval):
         yield Finding(place, "is proved on less than that")
-    yield from confirmed(ball_from_json(stored["time"]), ball_from_json(fresh["time"]), f"{place}, half period")
-    for key in ("deviation", "slope_deviation"):
-        if len(stored.get(key, ())) != len(fresh.get(key, ())):
-            yield Finding(place, f"another number of bounds {key}")
-        for j, (old, new) in enumerate(zip(stored.get(key, ()), fresh.get(key, ()), strict=False), start=1):
-            if parse_exact(new) > parse_exact(old):
-                sizes = (
-                    f"stored is {float(parse_exact(old)):.6g}, the new integration finds {float(parse_exact(new)):.6g}"
-                )
-                yield Finding(f"{place}, {key} {j}", sizes)
-    if "stability" in stored:
+    yield from confirmed(_time(stored), _time(fresh), f"{place}, half period")
+    for name in ("deviation", "slope_deviation"):
+        bounds = getattr(stored, name), getattr(fresh, name)
+        if len(bounds[0]) != len(bounds[1]):
+            yield Finding(place, f"another number of bounds {name}")
+        for j, (old, new) in enumerate(zip(*bounds, strict=False), start=1):
+            if new > old:
+                sizes = f"stored is {float(old):.6g}, the new integration finds {float(new):.6g}"
+                yield Finding(f"{place}, {name} {j}", sizes)
+    known = stored.stability if isinstance(stored, StabilityResult) else None
+    if known is not None:
         # Functions of s are written in a variable that runs over the interval: on another one they are others.
-        if "reason" not in stored["stability"] and interval_of(fresh) != interval_of(stored):
-            ends = ", ".join(fresh["interval"])
-            yield Finding(f"{place}, stability", f"its functions are of another interval: that is proved on [{ends}]")
-        found = unconfirmed(stored["stability"], fresh.get("stability", {"reason": {"message": "it is missing"}}))
+        if not isinstance(known, NotKnown) and fresh.interval != stored.interval:
+            words = f"its functions are of another interval: that is proved on {_ends(fresh.interval)}"
+            yield Finding(f"{place}, stability", words)
+        found = unconfirmed(known, fresh.stability if isinstance(fresh, StabilityResult) else None)
         yield from (Finding(f"{place}, stability", text) for text in found)
-    for part in stored.get("parts", ()):
-        inside = [entry for entry in fresh["parts"] if covers([interval_of(part)], interval_of(entry))]
-        where = f"{place}, part [{', '.join(part['interval'])}]"
-        if not covers([interval_of(entry) for entry in inside], interval_of(part)):
+    for part in _parts(stored):
+        inside = [entry for entry in _parts(fresh) if covers([part.interval], entry.interval)]
+        where = f"{place}, part {_ends(part.interval)}"
+        if not covers([entry.interval for entry in inside], part.interval):
             yield Finding(where, "is not proved again on all of it")
         for entry in inside:
             yield from _part_findings(part, entry, where)
 
 
-def _part_findings(stored: Document, fresh: Document, place: str) -> Iterator[Finding]:
-    balls: list[tuple[str, Any, Any]] = [
-        (f"p_{i}", old, new) for i, (old, new) in enumerate(zip(stored["point"], fresh["point"], strict=True))
-    ]
-    if list(stored["hypotheses"]) != list(fresh["hypotheses"]):
-        yield Finding(place, f"stored hypotheses are {', '.join(map(quoted_name, stored['hypotheses']))}")
+def _part_findings(stored: ProvedPart, fresh: ProvedPart, place: str) -> Iterator[Finding]:
+    balls = [(f"p_{i}", old, new) for i, (old, new) in enumerate(zip(stored.point, fresh.point, strict=True))]
+    if list(stored.enclosures) != list(fresh.enclosures):
+        yield Finding(place, f"stored hypotheses are {', '.join(map(quoted_name, stored.enclosures))}")
         return
-    for name, old_balls in stored["hypotheses"].items():
-        new_balls = fresh["hypotheses"][name]
+    for name, old_balls in stored.enclosures.items():
+        new_balls = fresh.enclosures[name]
         if set(old_balls) != set(new_balls):
             yield Finding(f"{place}, {name}", "has other enclosures than the new proof")
             continue
         balls += [(f"{name}, {key}", old, new_balls[key]) for key, old in old_balls.items()]
     for name, old, new in balls:
-        yield from confirmed(ball_from_json(old), ball_from_json(new), f"{place}, {name}")
+        yield from confirmed(old, new, f"{place}, {name}")
+
+
+def _place_of(result: Result) -> str:
+    return f"piece {result.piece}, s in {_ends(result.interval)}"
+
+
+def _ends(interval: Interval) -> str:
+    return f"[{', '.join(map(format_exact, interval))}]"
+
+
+def _time(result: Result) -> arb:
+    return arb(float("nan")) if result.time is None else result.time
+
+
+def _parts(result: Result) -> tuple[ProvedPart, ...]:
+    return result.parts if isinstance(result, SurfaceResult) else ()

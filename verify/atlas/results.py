@@ -1,18 +1,43 @@
-"""What was found on the intervals of the pieces of an atlas, as JSON: the interval, and why it is not proved."""
+"""What was found on the intervals of the pieces of an atlas: as values, and as they stand in files and answers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
-from orbitproof.shared.numbers import parse_exact
-from orbitproof.verify.curve import Interval
+from orbitproof.shared.formats import AnyPiece, Atlas, InputError, Piece, SurfacePiece
+from orbitproof.verify.certificate.stored_balls import from_json
+from orbitproof.verify.curve import Interval, IntervalResult
+from orbitproof.verify.stability import StabilityResult
+from orbitproof.verify.surface import SurfaceResult
 
-Result = Mapping[str, Any]
-"""What was found on one interval of a piece; the definition ``result`` of the schema."""
+Result = IntervalResult
+"""Of a piece of a curve it is a `StabilityResult`, of one of a surface a `SurfaceResult`."""
 
 Settings = Mapping[str, int]
-"""Of the integrator, by name, as they stand in a result's ``computation``."""
+"""Of the integrator, by name, as they stand in a result's `Computation`."""
+
+
+def results_from_json(atlas: Atlas, entries: Sequence[Mapping[str, Any]]) -> tuple[Result, ...]:
+    """The results of a file, which fits the schema. Raises `InputError` for one that is about no piece of the atlas."""
+    pieces = {piece.id: piece for piece in atlas.pieces}
+    found = []
+    for index, entry in enumerate(entries):
+        if entry["piece"] not in pieces:
+            raise InputError(f"results[{index}].piece: no such piece in the atlas")
+        found.append(result_from_json(pieces[entry["piece"]], entry, f"results[{index}]"))
+    return tuple(found)
+
+
+def result_from_json(piece: AnyPiece, entry: Mapping[str, Any], place: str) -> Result:
+    """What was found for a piece. Raises `InputError` that begins with `place`."""
+    kind: type[Result] = StabilityResult
+    if not isinstance(piece, Piece):
+        kind = SurfaceResult if isinstance(piece, SurfacePiece) else IntervalResult
+    for name in sorted(set(entry) - {each.name for each in fields(kind)}):
+        raise InputError(f"{place}.{name}: is not found for such a piece; write the file again")
+    return from_json(kind, entry, place)
 
 
 def covers(intervals: Sequence[Interval], wanted: Interval) -> bool:
@@ -27,13 +52,6 @@ def covers(intervals: Sequence[Interval], wanted: Interval) -> bool:
     return False
 
 
-def interval_of(result: Mapping[str, Any]) -> Interval:
-    """The interval of s that a result is about."""
-    start, end = result["interval"]
-    return parse_exact(start), parse_exact(end)
-
-
-def condition_of(result: Mapping[str, Any]) -> str:
+def condition_of(result: Result) -> str:
     """What stopped a proof, in one word; empty if the result does not say."""
-    reason = result.get("reason")
-    return str(reason.get("condition", "")) if isinstance(reason, Mapping) else ""
+    return "" if result.reason is None else result.reason.condition

@@ -9,13 +9,16 @@ from orbitproof.verify.curve.lyapunov_family import certified_system, jacobi_con
 from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import PieceLimits, prove_piece
 from orbitproof.verify.curve.piece_result import (
+    NOT_PROVED,
+    PROVED,
     Account,
+    Computation,
     Interval,
+    IntervalResult,
     PieceResult,
     about_pieces,
     attempt,
     broken_off,
-    interval_to_json,
 )
 from orbitproof.verify.curve.proved_curve import CurveTheorem, ProvedCurve, conclude
 from orbitproof.verify.curve.proved_intervals import ProvedInterval

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from flint import arb
 
@@ -11,6 +10,7 @@ from orbitproof.shared.formats import Atlas
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
+from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end
 from orbitproof.verify.evidence import Checklist, Evidence, all_finite, exact_text, excludes_zero
 
@@ -32,19 +32,19 @@ def hypotheses_of(atlas: Atlas) -> tuple[str, ...]:
     )
 
 
-def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Chain:
+def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[IntervalResult]) -> Chain:
     """Check every hypothesis of the claim; raises `NotEstablishedError` at the first that is not shown.
 
-    `results`: one JSON object for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
+    `results`: one for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
     """
     claim = atlas.claim
     check_symmetries(checklist, atlas.system, claim.symmetry)
     statement = "the pieces are of the kinds that the claim takes, regular, and adapted to its symmetry"
     with checklist.hypothesis("pieces", "15.3", statement, "write the atlas again") as evidence:
         _check_pieces(evidence, atlas)
-    by_piece: dict[str, list[Mapping[str, Any]]] = {piece.id: [] for piece in atlas.curve_pieces()}
+    by_piece: dict[str, list[IntervalResult]] = {piece.id: [] for piece in atlas.curve_pieces()}
     for result in results:
-        by_piece.setdefault(str(result.get("piece")), []).append(result)
+        by_piece.setdefault(result.piece, []).append(result)
     tubes = [read_tube(piece, by_piece[piece.id]) for piece in atlas.curve_pieces()]
     found: Chain | None = None
     statement = "every piece is proved where the curve uses it and leads into the tube of the next one"

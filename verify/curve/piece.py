@@ -113,7 +113,7 @@ def prove_piece(
     limits = PieceLimits() if limits is None else limits
     proof = _Proof(system, parameters, piece, interval, oracle, limits, symmetry, slope_bits, crossings)
     found = proof.result(progress)
-    in_physical = found.computation["coordinates"] == PHYSICAL and system.name in REGULARISATIONS
+    in_physical = found.computation.coordinates == PHYSICAL and system.name in REGULARISATIONS
     mended = isinstance(found.outcome, NotProved) and found.outcome.reason.condition in _MENDED_BY_COORDINATES
     if not (in_physical and mended):
         return found

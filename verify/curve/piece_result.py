@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
+from flint import arb
 
-from orbitproof.shared.numbers import format_exact
+from orbitproof.shared.errors import InputError
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -23,15 +24,74 @@ from orbitproof.verify.evidence import (
 )
 
 Interval = tuple[Fraction, Fraction]
-Account = dict[str, float | int | str]
-"""Settings of the integrator, steps, coordinates and seconds, by name."""
+Account = dict[str, Any]
+"""What becomes a `Computation`, by name, as long as it goes on."""
+
+
+@dataclass(frozen=True)
+class Computation:
+    """How an interval was integrated.
+
+    Attributes:
+        seconds: of the machine that did it.
+        precision: bits.
+        order: degree of the expansions in time.
+        width: degree of the expansions in s.
+        top: of a surface, the highest derivatives across the curve.
+        steps: of the integration.
+        coordinates: those that were integrated.
+    """
+
+    seconds: float
+    precision: int | None = None
+    order: int | None = None
+    width: int | None = None
+    top: int | None = None
+    steps: int | None = None
+    coordinates: str | None = None
+
+
+@dataclass(frozen=True)
+class IntervalResult:
+    """What was found for a piece on an interval of s: what is proved, or why it is not.
+
+    Attributes:
+        piece: its id.
+        interval: on which it is proved, or which was asked for.
+        verdict: "proved" or "not proved".
+        computation: how.
+        reason: why it is not proved; `None` if it is.
+        deviation, slope_deviation: as of `ProvedInterval`.
+        time: half periods of the orbits.
+    """
+
+    piece: str
+    interval: Interval
+    verdict: str
+    computation: Computation
+    reason: Reason | None = None
+    deviation: tuple[Fraction, ...] = ()
+    slope_deviation: tuple[Fraction, ...] = ()
+    time: arb | None = None
+
+    def __post_init__(self) -> None:
+        if self.verdict != (PROVED if self.reason is None else NOT_PROVED):
+            raise InputError("verdict: does not fit the reason; write the file again")
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether the claim of the piece is proved on the interval."""
+        return self.reason is None
+
+
+PROVED, NOT_PROVED = "proved", "not proved"
 
 
 class Results(Protocol):
     """What is known of a piece on an interval that is proved."""
 
-    def to_json(self) -> dict[str, Any]:
-        """Its part of the JSON object of the result; all numbers that carry proof are exact."""
+    def stored(self, piece: str, computation: Computation) -> IntervalResult:
+        """The same as it is stored; all numbers that carry proof are exact."""
 
 
 Known = TypeVar("Known", bound=Results, covariant=True)
@@ -64,29 +124,19 @@ class PieceResult(Generic[Known]):
     piece: str
     interval: Interval
     outcome: Outcome[Known]
-    computation: Mapping[str, float | int | str]
+    computation: Computation
 
     @property
     def is_proved(self) -> bool:
         """Whether the claim of the piece is proved on the interval."""
         return isinstance(self.outcome, Proved)
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object of the result."""
-        outcome = self.outcome
-        proved = isinstance(outcome, Proved)
-        return {
-            "piece": self.piece,
-            "interval": interval_to_json(self.interval),
-            "verdict": "proved" if proved else "not proved",
-            "computation": dict(self.computation),
-            **(outcome.results.to_json() if isinstance(outcome, Proved) else {"reason": outcome.reason.to_json()}),
-        }
-
-
-def interval_to_json(interval: Interval) -> list[str]:
-    """The ends of an interval, exactly."""
-    return [format_exact(end) for end in interval]
+    @property
+    def stored(self) -> IntervalResult:
+        """The same as it is stored."""
+        if isinstance(self.outcome, Proved):
+            return self.outcome.results.stored(self.piece, self.computation)
+        return IntervalResult(self.piece, self.interval, NOT_PROVED, self.computation, self.outcome.reason)
 
 
 def broken_off(condition: str, error: ArithmeticError | ValueError) -> Reason:
@@ -119,4 +169,4 @@ def attempt(
     except (ArithmeticError, ValueError) as error:
         outcome = NotProved(broken_off("verification", error), tuple(checklist.hypotheses))
     computation["seconds"] = round(time.monotonic() - start, 3)
-    return PieceResult(piece, interval, outcome, computation)
+    return PieceResult(piece, interval, outcome, Computation(**computation))

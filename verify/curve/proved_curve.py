@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from orbitproof.verify.curve.conclusion import Conclusion, Ends
 from orbitproof.verify.curve.conditions import check_curve, hypotheses_of
 from orbitproof.verify.curve.gluing import Chain
 from orbitproof.verify.curve.lyapunov_family import libration_point
+from orbitproof.verify.curve.piece_result import IntervalResult
 from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
@@ -75,7 +76,7 @@ class ProvedCurve:
 
 def conclude(
     atlas: Atlas,
-    results: Sequence[Mapping[str, Any]],
+    results: Sequence[IntervalResult],
     bifurcations: Sequence[CertifiedPoint] = (),
     partner: Partner = no_partner,
 ) -> Conclusion[ProvedCurve]:
@@ -83,7 +84,7 @@ def conclude(
 
     Args:
         atlas: the claim about a curve; that the results are about its pieces as they are is for the caller.
-        results: one JSON object for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
+        results: one for each interval of each piece, see `verify.curve.proved_intervals.read_results`.
         bifurcations: points that may lie on the curve, of certificates.
         partner: encloses the other point of a symmetric orbit on Fix(R), by integration.
     """

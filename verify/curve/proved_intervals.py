@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.curve.equation import HalfReturn
-from orbitproof.verify.curve.piece_result import Interval, interval_to_json
-from orbitproof.verify.evidence import Reason, ball_from_json, ball_to_json
+from orbitproof.verify.curve.piece_result import PROVED, Computation, Interval, IntervalResult
+from orbitproof.verify.evidence import Reason
 
 
 @dataclass(frozen=True)
@@ -38,14 +36,10 @@ class ProvedInterval:
     time: arb = field(default_factory=lambda: arb(float("nan")))
     half_return: HalfReturn | None = field(default=None, compare=False, repr=False)
 
-    def to_json(self) -> dict[str, Any]:
-        """Its part of the JSON object of a result; all numbers that carry proof are exact."""
-        return {
-            "interval": interval_to_json((self.start, self.end)),
-            "deviation": [format_exact(value) for value in self.deviation],
-            "slope_deviation": [format_exact(value) for value in self.slope_deviation],
-            "time": ball_to_json(self.time),
-        }
+    def stored(self, piece: str, computation: Computation) -> IntervalResult:
+        """As in `Results`."""
+        numbers = (self.deviation, self.slope_deviation, self.time)
+        return IntervalResult(piece, (self.start, self.end), PROVED, computation, None, *numbers)
 
     def mirrored(self) -> ProvedInterval:
         """The same for -s, which S gives on a symmetric piece."""
@@ -82,12 +76,12 @@ class Run:
 
 
 def read_results(
-    piece: Piece, results: Sequence[Mapping[str, Any]]
+    piece: Piece, results: Sequence[IntervalResult]
 ) -> tuple[tuple[Run, ...], tuple[tuple[Interval, Reason], ...]]:
-    """The proved runs of a piece from left to right, and what does not count and why, from results in JSON form.
+    """The proved runs of a piece from left to right, and what does not count and why.
 
-    A result counts if its verdict is "proved", its numbers are exact and complete, and its deviations are smaller
-    than the tube. On a symmetric piece it counts for -s too.
+    A result counts if it is proved, its numbers are complete, and its deviations are smaller than the tube. On a
+    symmetric piece it counts for -s too.
     """
     intervals: list[ProvedInterval] = []
     refusals: list[tuple[Interval, Reason]] = []
@@ -110,45 +104,24 @@ def read_results(
     return tuple(Run(tuple(run)) for run in runs), tuple(refusals)
 
 
-def _read_interval(piece: Piece, result: Mapping[str, Any]) -> ProvedInterval | tuple[Interval, Reason]:
-    ends = _numbers(result.get("interval"))
-    if ends is None or len(ends) != 2 or not -1 <= ends[0] < ends[1] <= 1:
+def _read_interval(piece: Piece, result: IntervalResult) -> ProvedInterval | tuple[Interval, Reason]:
+    start, end = result.interval
+    if not -1 <= start < end <= 1:
         return _refused((Fraction(-1), Fraction(1)), "the interval of a result does not lie within [-1, 1]")
-    start, end = ends
-    if result.get("verdict") != "proved":
-        reason = result.get("reason")
-        return _refused((start, end), str(reason.get("message") if isinstance(reason, Mapping) else "not proved"))
-    deviation, slopes = (_numbers(result.get(key)) for key in ("deviation", "slope_deviation"))
+    if result.reason is not None:
+        return _refused((start, end), result.reason.message)
     size = len(piece.tube)
-    if not (_are_bounds(deviation, size) and _are_bounds(slopes, size)) or deviation is None or slopes is None:
+    if not (_are_bounds(result.deviation, size) and _are_bounds(result.slope_deviation, size)):
         return _refused((start, end), f"deviation and slope_deviation are not {size} finite exact bounds each")
-    if not all(value < width for value, width in zip(deviation, piece.tube, strict=True)):
+    if not all(value < width for value, width in zip(result.deviation, piece.tube, strict=True)):
         return _refused((start, end), "the deviation is not smaller than the tube")
-    return ProvedInterval(start, end, deviation, slopes, _time(result.get("time")))
+    time = arb(float("nan")) if result.time is None else result.time
+    return ProvedInterval(start, end, result.deviation, result.slope_deviation, time)
 
 
 def _refused(interval: Interval, message: str) -> tuple[Interval, Reason]:
     return interval, Reason("piece", message, "prove the piece again")
 
 
-def _are_bounds(values: tuple[Fraction, ...] | None, size: int) -> bool:
-    return values is not None and len(values) == size and min(values) >= 0
-
-
-def _numbers(values: object) -> tuple[Fraction, ...] | None:
-    """Exact numbers; `None` if any entry is something else, a float included."""
-    if not isinstance(values, (list, tuple)):
-        return None
-    try:
-        return tuple(value if isinstance(value, Fraction) else parse_exact(value) for value in values)
-    except (TypeError, ValueError):
-        return None
-
-
-def _time(value: object) -> arb:
-    if isinstance(value, arb):
-        return value
-    try:
-        return ball_from_json(value)  # type: ignore[arg-type]
-    except (TypeError, KeyError, ValueError):
-        return arb(float("nan"))
+def _are_bounds(values: tuple[Fraction, ...], size: int) -> bool:
+    return len(values) == size and min(values) >= 0

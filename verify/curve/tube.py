@@ -6,18 +6,17 @@ bound of its distance from the piece's polynomial. Everything is exact until it 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 from flint import arb, arb_poly
 
 from orbitproof.shared.formats import Piece
 from orbitproof.verify.algebra import ball_polynomial, values_around
 from orbitproof.verify.claim import inverse
-from orbitproof.verify.curve.piece_result import Interval
+from orbitproof.verify.curve.piece_result import Interval, IntervalResult
 from orbitproof.verify.curve.proved_intervals import Run, read_results
 from orbitproof.verify.evidence import (
     Reason,
@@ -172,8 +171,8 @@ class Tube:
         return sum((abs(a) * e for a, e in zip(self.piece.frame[index][1:], errors, strict=True)), Fraction(0))
 
 
-def read_tube(piece: Piece, results: Sequence[Mapping[str, Any]]) -> Tube:
-    """A piece with what its results, in JSON form, prove of it."""
+def read_tube(piece: Piece, results: Sequence[IntervalResult]) -> Tube:
+    """A piece with what its results prove of it."""
     return Tube(piece, *read_results(piece, results))
 
 

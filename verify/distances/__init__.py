@@ -4,8 +4,8 @@ from orbitproof.verify.distances.distances import DistanceAlongCurve, DistanceFu
 from orbitproof.verify.distances.ranges import (
     KnownDistances,
     Ranges,
-    distances_from_json,
     is_distance_of_orbits,
+    known_distances,
     ranges_between,
     together,
 )

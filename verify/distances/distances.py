@@ -11,12 +11,10 @@ from enum import Enum, unique
 from fractions import Fraction
 from functools import cache, cached_property
 from math import comb, floor, lcm, log2
-from typing import Any
 
 import numpy as np
 from flint import arb
 
-from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import (
     Floats,
@@ -30,9 +28,9 @@ from orbitproof.verify.algebra import (
     total,
 )
 from orbitproof.verify.curve import BEYOND
-from orbitproof.verify.evidence import IntegrationFailure, Reason, enclose, is_positive, symmetric
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, enclose, is_positive, symmetric
 from orbitproof.verify.flow import advance, dyadic_below
-from orbitproof.verify.functions import error_of, function_to_json, known_part, restricted
+from orbitproof.verify.functions import StoredFunction, error_of, known_part, restricted
 from orbitproof.verify.orbit import distance_rates
 from orbitproof.verify.poincare import InTime, Returns, at_start
 
@@ -76,36 +74,19 @@ class Extremes:
     least_at: Where
     greatest_at: Where
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        return {
-            "least": [format_exact(bound) for bound in self.least],
-            "least_at": self.least_at.value,
-            "greatest": [format_exact(bound) for bound in self.greatest],
-            "greatest_at": self.greatest_at.value,
-        }
-
 
 @dataclass(frozen=True)
 class DistanceFunctions:
-    """Squared distances on an interval of a piece.
+    """Squared distances on an interval of a piece, as they are stored.
 
     Attributes:
         here, there: at x(s) and y(s), functions of tau.
         parts: from left to right, of equal length.
     """
 
-    here: Series
-    there: Series
+    here: StoredFunction
+    there: StoredFunction
     parts: tuple[Extremes, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object; all numbers are exact."""
-        return {
-            "here": function_to_json(self.here),
-            "there": function_to_json(self.there),
-            "parts": [part.to_json() for part in self.parts],
-        }
 
 
 @dataclass(frozen=True)
@@ -148,7 +129,7 @@ class DistanceAlongCurve:
 
     def functions(
         self, system: ReversibleSystem, here: Sequence[Series], there: Sequence[Series]
-    ) -> DistanceFunctions | Reason:
+    ) -> DistanceFunctions | NotKnown:
         """What is known of the distance, or why it is not.
 
         Args:
@@ -161,8 +142,9 @@ class DistanceAlongCurve:
             start, end = (at_start(program, arguments)[0] for arguments in (there, here))
             parts = self._extremes([self._step(state) for state in self._states], start, end)
         except IntegrationFailure as failure:
-            return failure.reason
-        return DistanceFunctions(restricted(end, self.share), restricted(start, self.share), parts)
+            return NotKnown(failure.reason)
+        at_ends = [StoredFunction.of(restricted(element, self.share)) for element in (end, start)]
+        return DistanceFunctions(at_ends[0], at_ends[1], parts)
 
     def _step(self, state: Sequence[Series]) -> _Step:
         arguments = (*state, *self._constants)

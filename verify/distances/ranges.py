@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -10,12 +10,11 @@ from typing import Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import is_left_alone
-from orbitproof.verify.distances.distances import PARTS, SLACK, Where
+from orbitproof.verify.distances.distances import PARTS, SLACK, Bounds, DistanceFunctions, Where
 from orbitproof.verify.evidence import ball_to_json, enclose, hull, is_positive, up_to
-from orbitproof.verify.functions import REACH, BoundedFunction, function_from_json
+from orbitproof.verify.functions import REACH, BoundedFunction
 
 _PIECES = 4
 """Values over a part of an interval are enclosed on so many pieces of it."""
@@ -112,25 +111,23 @@ def is_distance_of_orbits(system: ReversibleSystem, symmetry: str | None) -> boo
     return is_left_alone(system.squared_distance_program, system, symmetry)
 
 
-def distances_from_json(entry: Mapping[str, Any] | None) -> KnownDistances | None:
-    """The distances of a JSON object that fits the schema. Raises `ValueError` if it is none."""
-    if entry is None or "reason" in entry:
-        return None
-    if len(entry["parts"]) != PARTS:
+def known_distances(found: DistanceFunctions) -> KnownDistances:
+    """What stored distances say. Raises `ValueError` if they are none."""
+    if len(found.parts) != PARTS:
         raise ValueError("the distance is given on another number of parts")
     parts = []
-    for number, part in enumerate(entry["parts"]):
+    for number, part in enumerate(found.parts):
         lower, upper = (Fraction(2 * end - PARTS, PARTS) / REACH for end in (number, number + 1))
-        extremes = [_extreme(part[name], part[f"{name}_at"]) for name in ("least", "greatest")]
-        parts.append(PartOfInterval(lower, upper, *extremes))
-    return KnownDistances(function_from_json(entry["here"]), function_from_json(entry["there"]), tuple(parts))
+        least, greatest = _extreme(part.least, part.least_at), _extreme(part.greatest, part.greatest_at)
+        parts.append(PartOfInterval(lower, upper, least, greatest))
+    return KnownDistances(found.here.enclosed, found.there.enclosed, tuple(parts))
 
 
-def _extreme(bounds: Sequence[str], where: str) -> Extreme:
-    low, high = (parse_exact(bound) for bound in bounds)
+def _extreme(bounds: Bounds, where: Where) -> Extreme:
+    low, high = bounds
     if not 0 <= low <= high:
         raise ValueError("bounds of a distance are none")
-    return Extreme(hull(enclose(low), enclose(high)), Where(where))
+    return Extreme(hull(enclose(low), enclose(high)), where)
 
 
 class Known(Protocol):

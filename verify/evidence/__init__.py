@@ -46,6 +46,7 @@ from orbitproof.verify.evidence.outcome import (
     Evidence,
     Hypothesis,
     NotEstablishedError,
+    NotKnown,
     NotProved,
     Outcome,
     Proved,

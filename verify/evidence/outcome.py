@@ -127,6 +127,13 @@ class Reason:
         return {"condition": self.condition, "message": one_line(self.message), "remedy": one_line(self.remedy)}
 
 
+@dataclass(frozen=True)
+class NotKnown:
+    """What stands where something is not known, which is not needed for what is proved: why it is not."""
+
+    reason: Reason
+
+
 Results = TypeVar("Results", covariant=True)
 """What is known of what is proved."""
 

@@ -5,16 +5,14 @@ tau is the variable in which they are written: s = middle + radius tau, and |tau
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import ceil, log2
-from typing import Any
 
 from flint import arb, arb_poly
 
-from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify.algebra import Series, WideArithmetic, ball_polynomial, correct_power, values_around
 from orbitproof.verify.evidence import IntegrationFailure, is_below, symmetric, total
 
@@ -167,7 +165,7 @@ class BoundedFunction:
 
     @property
     def as_found(self) -> BoundedFunction:
-        """The same with the bound that was found, if this is what `function_to_json` has made of it."""
+        """The same with the bound that was found, if this is what `StoredFunction.of` has made of it."""
         return BoundedFunction(self.polynomial, self.error / _SPARE)
 
     def contains(self, other: BoundedFunction) -> bool:
@@ -190,29 +188,40 @@ def bounded(element: Series) -> BoundedFunction:
     return BoundedFunction(ball_polynomial(known_part(element, 0)), symmetric(error_of(element)).rad())
 
 
-def function_to_json(element: Series) -> dict[str, Any]:
-    """The JSON object of a function that is enclosed in the algebra: dyadic coefficients, and a bound of the rest."""
-    coefficients = known_part(element, 0)
-    largest = max((abs(value) for value in coefficients), default=Fraction(0))
-    unit = Fraction(2) ** (_exponent(largest) - max(_BITS, element.arithmetic.bits - _BITS_LEFT_OUT))
-    rounded = [round(value / unit) * unit for value in coefficients]
-    while rounded and not rounded[-1]:
-        rounded.pop()
-    lost = unit * len(coefficients)
-    bound = (error_of(element) + lost) * _SPARE
-    step = Fraction(2) ** (_exponent(bound) - _ERROR_BITS)
-    error = -(-bound // step) * step
-    return {"coefficients": [format_exact(value) for value in rounded], "error": format_exact(error)}
+@dataclass(frozen=True)
+class StoredFunction:
+    """A function of tau as it is stored: dyadic coefficients, and a bound of the rest.
 
+    Attributes:
+        coefficients: of 1, tau, tau^2, ..
+        error: bound of the l1 norm of the rest.
+    """
 
-def function_from_json(entry: Mapping[str, Any]) -> BoundedFunction:
-    """The function of a JSON object that fits the schema. Raises `ValueError` if it is none."""
-    error, coefficients = parse_exact(entry["error"]), [parse_exact(value) for value in entry["coefficients"]]
-    if error < 0:
-        raise ValueError("a bound is negative")
-    if any(abs(value) >= _MOST**2 for value in (error, *coefficients)):
-        raise ValueError("a function is larger than any that is stored")
-    return BoundedFunction(ball_polynomial(coefficients), symmetric(error).rad())
+    coefficients: tuple[Fraction, ...]
+    error: Fraction
+
+    @classmethod
+    def of(cls, element: Series) -> StoredFunction:
+        """A function that is enclosed in the algebra, with fewer bits."""
+        coefficients = known_part(element, 0)
+        largest = max((abs(value) for value in coefficients), default=Fraction(0))
+        unit = Fraction(2) ** (_exponent(largest) - max(_BITS, element.arithmetic.bits - _BITS_LEFT_OUT))
+        rounded = [round(value / unit) * unit for value in coefficients]
+        while rounded and not rounded[-1]:
+            rounded.pop()
+        lost = unit * len(coefficients)
+        bound = (error_of(element) + lost) * _SPARE
+        step = Fraction(2) ** (_exponent(bound) - _ERROR_BITS)
+        return cls(tuple(rounded), -(-bound // step) * step)
+
+    @cached_property
+    def enclosed(self) -> BoundedFunction:
+        """The functions that it stands for. Raises `ValueError` if it is none that is stored."""
+        if self.error < 0:
+            raise ValueError("a bound is negative")
+        if any(abs(value) >= _MOST**2 for value in (self.error, *self.coefficients)):
+            raise ValueError("a function is larger than any that is stored")
+        return BoundedFunction(ball_polynomial(list(self.coefficients)), symmetric(self.error).rad())
 
 
 def _exponent(value: Fraction) -> int:

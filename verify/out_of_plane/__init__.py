@@ -2,7 +2,6 @@
 
 from orbitproof.verify.out_of_plane.out_of_plane import (
     KnownVariations,
+    VariationFunctions,
     variations_across,
-    variations_from_json,
-    variations_to_json,
 )

@@ -7,23 +7,35 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from orbitproof.shared.stored import stored
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
-from orbitproof.verify.evidence import IntegrationFailure, Reason
-from orbitproof.verify.functions import (
-    BoundedFunction,
-    error_of,
-    function_from_json,
-    function_to_json,
-    known_part,
-    restricted,
-)
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown
+from orbitproof.verify.functions import BoundedFunction, StoredFunction, error_of, known_part, restricted
 from orbitproof.verify.poincare import Oracle, Returns
 
 _VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
 _START = (1, 0, 0, 1)
-ENTRIES = ("11", "12", "21", "22")
-"""Names of the entries of V, by rows."""
+
+
+@dataclass(frozen=True)
+class VariationFunctions:
+    """The entries of V on an interval, functions of tau, as they are stored."""
+
+    first: StoredFunction = stored("11")
+    second: StoredFunction = stored("12")
+    first_rate: StoredFunction = stored("21")
+    second_rate: StoredFunction = stored("22")
+
+    @property
+    def entries(self) -> tuple[StoredFunction, ...]:
+        """By rows."""
+        return self.first, self.second, self.first_rate, self.second_rate
+
+    @property
+    def known(self) -> KnownVariations:
+        """What they enclose. Raises `ValueError` if they are none that is stored."""
+        return KnownVariations(tuple(entry.enclosed for entry in self.entries))
 
 
 def with_variations(system: ReversibleSystem) -> ReversibleSystem:
@@ -61,8 +73,8 @@ def variations_across(
     crossings: int,
     oracle: Oracle,
     progress: Callable[[int], None] | None = None,
-) -> tuple[Series, ...] | Reason:
-    """The entries of V, by rows, as functions of tau, or why they are not known.
+) -> VariationFunctions | NotKnown:
+    """The entries of V as functions of tau, or why they are not known.
 
     Args:
         flow: the format in which the half orbits are followed.
@@ -80,9 +92,10 @@ def variations_across(
         returns = Returns(with_variations(system), arithmetic, begun, oracle)
         state, _ = returns.half_orbit(crossings, progress)
         first, first_rate, second, second_rate = state[len(system.state) :]
-        return tuple(restricted(_flat(element), share) for element in (first, second, first_rate, second_rate))
+        rows = (first, second, first_rate, second_rate)
+        return VariationFunctions(*(StoredFunction.of(restricted(_flat(element), share)) for element in rows))
     except IntegrationFailure as failure:
-        return failure.reason
+        return NotKnown(failure.reason)
 
 
 def _flat(element: Series) -> Series:
@@ -90,13 +103,6 @@ def _flat(element: Series) -> Series:
     arithmetic = element.arithmetic
     assert isinstance(arithmetic, WideArithmetic)
     return Series(replace(arithmetic, degree=0), element.coefs, element.errors)
-
-
-def variations_to_json(found: tuple[Series, ...] | Reason) -> dict[str, Any]:
-    """The JSON object."""
-    if isinstance(found, Reason):
-        return {"reason": found.to_json()}
-    return {name: function_to_json(element) for name, element in zip(ENTRIES, found, strict=True)}
 
 
 @dataclass(frozen=True)
@@ -114,10 +120,3 @@ class KnownVariations:
     def mirrored(self) -> KnownVariations:
         """Those of -s."""
         return KnownVariations(tuple(entry.mirrored() for entry in self.entries))
-
-
-def variations_from_json(entry: Mapping[str, Any] | None) -> KnownVariations | None:
-    """What a JSON object that fits the schema says, if there is one."""
-    if entry is None or "reason" in entry:
-        return None
-    return KnownVariations(tuple(function_from_json(entry[name]) for name in ENTRIES))

@@ -49,10 +49,11 @@ def examined(
 
     def prove_again(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Result], str]) -> None:
         display = Display(dict.fromkeys([each.name for each in intervals], 1.0), workplace.quiet)
+        pieces = {each.name: each.piece for each in intervals}
         waiting = deque(task_again(atlas, each, limit) for each in intervals)
 
         def answered(answer: Answer) -> None:
-            display.finish(answer.task.name, finished(answer.task.name, result_of(answer)))
+            display.finish(answer.task.name, finished(answer.task.name, result_of(answer, pieces[answer.task.name])))
 
         with workplace.engine(limit, workplace.memory) as engine, display.shown():
             engine.run(work, lambda: waiting.popleft() if waiting else None, display.advance, answered)

@@ -16,20 +16,20 @@ def piece_table(run: AtlasRun) -> str:
     rows = [_HEADERS]
     for piece in run.atlas.pieces:
         results = run.results_of(piece.id)
-        proved = [result["computation"] for result in results if result["verdict"] == "proved"]
+        proved = [result.computation for result in results if result.is_proved]
         state = run.plan_of(piece.id)
         verdict = "proved" if state.is_proved else "not proved" if state.is_settled else "not finished"
-        coordinates = " ".join(sorted({str(entry.get("coordinates", "")) for entry in proved}))
-        steps = sum(int(entry.get("steps", 0)) for entry in proved)
-        seconds = sum(float(result["computation"]["seconds"]) for result in results)
+        coordinates = " ".join(sorted({entry.coordinates or "" for entry in proved}))
+        steps = sum(entry.steps or 0 for entry in proved)
+        seconds = sum(result.computation.seconds for result in results)
         rows.append(
             (
                 piece.id, piece.kind.replace("_", " "), verdict, str(len(proved) or ""), coordinates, str(steps or ""),
                 "kept" if piece.id in run.kept else f"{seconds:.1f} s" if results else "",
             )
         )  # fmt: skip
-    total = sum(float(result["computation"]["seconds"]) for result in run.results)
-    number = sum(result["verdict"] == "proved" for result in run.results)
+    total = sum(result.computation.seconds for result in run.results)
+    number = sum(result.is_proved for result in run.results)
     count = sum(run.plan_of(piece.id).is_proved for piece in run.atlas.pieces)
     rows.append((f"{count} of {len(run.atlas.pieces)}", "", "proved", str(number), "", "", f"{total:.1f} s"))
     return "\n".join(aligned(rows))

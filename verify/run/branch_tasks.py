@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
 
-from orbitproof.shared.formats import AnyPiece, Atlas
+from orbitproof.shared.formats import AnyPiece, Atlas, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.atlas.interval_proof import not_proved, question
 from orbitproof.verify.atlas.recheck import ProvedBefore
-from orbitproof.verify.atlas.results import Settings
+from orbitproof.verify.atlas.results import Result, Settings, result_from_json
 from orbitproof.verify.curve import Interval, PieceLimits
 from orbitproof.verify.run import Answer, Failure, Task
 from orbitproof.verify.surface import SurfaceLimits
@@ -80,8 +79,11 @@ def task_again(atlas: Atlas, before: ProvedBefore, timeout: float | None) -> Tas
     return Task(before.name, {**asked, **parts, **stated})
 
 
-def result_of(answer: Answer) -> dict[str, Any]:
-    """The result of a task, also if its process was lost."""
+def result_of(answer: Answer, piece: AnyPiece) -> Result:
+    """The result of a task about a piece, also if its process was lost."""
     if isinstance(answer.result, Failure):
         return not_proved(answer.task.argument, answer.result.kind, answer.result.message, answer.seconds)
-    return dict(answer.result)
+    try:
+        return result_from_json(piece, answer.result, "the answer")
+    except (InputError, LookupError, TypeError, ValueError) as error:
+        return not_proved(answer.task.argument, "process", f"no result: {error}", answer.seconds)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from orbitproof.shared.formats import AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
 from orbitproof.verify.atlas import (
@@ -17,7 +16,7 @@ from orbitproof.verify.atlas import (
 )
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.atlas.results import Result, Settings, condition_of, interval_of
+from orbitproof.verify.atlas.results import Result, Settings, condition_of
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text
@@ -26,7 +25,7 @@ from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
 from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, result_of, task_of
 from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, made_with, plan, whole
 from orbitproof.verify.run.workplace import Workplace
-from orbitproof.verify.stability import open_on
+from orbitproof.verify.stability import StabilityResult, open_on
 
 _STEPS_AT_FIRST = 16
 """The number of integration steps that progress reckons with before the first result."""
@@ -51,7 +50,7 @@ class AtlasRun:
         self._attempts = attempts_of(atlas, limits)
         self._results: dict[str, list[Result]] = {piece.id: [] for piece in atlas.pieces}
         for result in earlier:
-            self._results[result["piece"]].append(result)
+            self._results[result.piece].append(result)
         self._pieces = {piece.id: piece for piece in atlas.pieces}
         self._lacking: dict[int, tuple[Result, str]] = {}
         self._begun: set[tuple[str, Interval, int]] = set()
@@ -85,8 +84,8 @@ class AtlasRun:
             display.advance(name, self._share(name, fraction), label)
 
         def finished(answer: Answer) -> None:
-            result = result_of(answer)
             name = answer.task.name
+            result = result_of(answer, self._pieces[name])
             self._results[name].append(result)
             self._plans[name] = self._plan(self._pieces[name])
             saved(self.results)
@@ -99,8 +98,8 @@ class AtlasRun:
 
     def _lacks(self, result: Result) -> str:
         """What a list of resonances leaves open on a proved interval."""
-        piece = self._pieces[result["piece"]]
-        if not self.limits.stability or not isinstance(piece, Piece):
+        piece = self._pieces[result.piece]
+        if not (self.limits.stability and isinstance(piece, Piece) and isinstance(result, StabilityResult)):
             return ""
         if id(result) not in self._lacking:
             # The result is kept with it, so that its identity is not given to another one.
@@ -120,7 +119,7 @@ class AtlasRun:
         return None
 
     def _steps(self) -> int:
-        steps = [int(result["computation"].get("steps", 0)) for result in self.results if result["verdict"] == "proved"]
+        steps = [result.computation.steps or 0 for result in self.results if result.is_proved]
         return max(steps, default=_STEPS_AT_FIRST)
 
     def _share(self, name: str, fraction: float) -> float:
@@ -131,25 +130,27 @@ class AtlasRun:
         longest = max((float(last - first) for (first, last), _ in state.missing), default=0.0) / float(end - start)
         return done + fraction * longest
 
-    def _tell(self, display: Display, name: str, result: Mapping[str, Any]) -> None:
+    def _tell(self, display: Display, name: str, result: Result) -> None:
         state = self._plans[name]
         if name in self._told:
             return
         if state.is_settled:
             self._told.add(name)
             results = self._results[name]
-            seconds = sum(float(entry["computation"]["seconds"]) for entry in results)
-            number = sum(entry["verdict"] == "proved" for entry in results)
+            seconds = sum(entry.computation.seconds for entry in results)
+            number = sum(entry.is_proved for entry in results)
             inside = f" in {number} intervals" if number > 1 else ""
-            verdict = f"proved{inside}" if state.is_proved else f"not proved: {result['reason']['message']}"
+            message = "" if result.reason is None else result.reason.message
+            verdict = f"proved{inside}" if state.is_proved else f"not proved: {message}"
             display.finish(name, f"{verdict}, {seconds:.1f} s")
             return
-        if result["verdict"] != "proved":
-            start, end = interval_of(result)
-            message = result["reason"]["message"]
+        if result.reason is not None:
+            start, end = result.interval
             again = any(interval == (start, end) for interval, _ in state.missing)
             word = "again with more precision" if again else "split"
-            display.message(f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}: {message}")
+            display.message(
+                f"{name}: {word}, not proved for s in {exact_interval_text(start, end)}: {result.reason.message}"
+            )
         display.advance(name, self._share(name, 0.0), "next interval")
 
 
@@ -164,8 +165,12 @@ def reusable(
     return [
         result
         for result in results_for(certificate, atlas)
-        if ("stability" in result or not stability if result["verdict"] == "proved" else _is_final(result, attempts))
+        if (not stability or _has_stability(result) if result.is_proved else _is_final(result, attempts))
     ]
+
+
+def _has_stability(result: Result) -> bool:
+    return isinstance(result, StabilityResult) and result.stability is not None
 
 
 def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
@@ -238,7 +243,9 @@ def prove_pieces(run: AtlasRun, workplace: Workplace, work: Work = prove_task) -
 
     def saved(results: Sequence[Result]) -> None:
         if run.output is not None:
-            write_atlas_certificate(run.output, make_atlas_certificate(run.atlas, results, None), lines)
+            write_atlas_certificate(
+                run.output, make_atlas_certificate(run.atlas, results, None, (), lines.entry), lines
+            )
 
     with workplace.engine(workplace.timeout) as engine, display.shown():
         run.run(engine, display, saved, work)

@@ -6,13 +6,12 @@ intervals show together is decided by `verify.curve.conclude`, from the interval
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from orbitproof.shared.formats import AnyPiece
-from orbitproof.verify.atlas.results import Settings, condition_of, covers, interval_of
+from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers
 from orbitproof.verify.curve import Interval
 
 _OVERLAP = Fraction(1, 64)
@@ -67,10 +66,10 @@ def halves(interval: Interval) -> tuple[Interval, Interval]:
 
 def plan(
     piece: AnyPiece,
-    results: Sequence[Mapping[str, Any]],
+    results: Sequence[Result],
     attempts: Sequence[Settings],
     max_splits: int,
-    lacks: Callable[[Mapping[str, Any]], str] = lambda result: "",
+    lacks: Callable[[Result], str] = lambda result: "",
 ) -> Plan:
     """What is left to do for a piece, given the results of its intervals.
 
@@ -80,16 +79,15 @@ def plan(
         lacks: what else is wanted of a proved result and is not there, as a condition; empty for nothing.
     """
     proved, enough = [], []
-    against: dict[Interval, list[tuple[Mapping[str, Any], str]]] = {}
+    against: dict[Interval, list[tuple[Result, str]]] = {}
     for result in results:
-        is_proved = result["verdict"] == "proved"
-        condition = lacks(result) if is_proved else condition_of(result)
-        if is_proved:
-            proved.append(interval_of(result))
-        if is_proved and not condition:
-            enough.append(interval_of(result))
+        condition = lacks(result) if result.is_proved else condition_of(result)
+        if result.is_proved:
+            proved.append(result.interval)
+        if result.is_proved and not condition:
+            enough.append(result.interval)
         else:
-            against.setdefault(_asked(piece, interval_of(result)), []).append((result, condition))
+            against.setdefault(_asked(piece, result.interval), []).append((result, condition))
     done: list[Interval] = []
     missing: list[tuple[Interval, int]] = []
     failed: list[Interval] = []
@@ -124,6 +122,6 @@ def _asked(piece: AnyPiece, interval: Interval) -> Interval:
     return (Fraction(0), end) if piece.kind == "symmetric" and start == -end else interval
 
 
-def made_with(result: Mapping[str, Any], settings: Settings) -> bool:
+def made_with(result: Result, settings: Settings) -> bool:
     """Whether a result comes from these settings of the integrator."""
-    return all(result["computation"].get(name) == value for name, value in settings.items())
+    return all(getattr(result.computation, name) == value for name, value in settings.items())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from math import gcd
 from typing import Any
@@ -20,6 +20,7 @@ from orbitproof.verify.stability.known_functions import point_over, segments_of
 from orbitproof.verify.stability.level import Level
 from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
+from orbitproof.verify.stability.stored_stability import StabilityResult
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
 
 PRECISION = 192
@@ -40,14 +41,14 @@ def resonant_value(k: int, j: int) -> arb:
 def complete_list(
     atlas: Atlas,
     chain: Chain,
-    results: Sequence[Mapping[str, Any]],
+    results: Sequence[StabilityResult],
     order: int,
     bifurcations: Sequence[Bifurcation] = (),
 ) -> CompleteList:
     """All zeros of det(c - Sigma) on the curve for c = cos(2 pi j/k), k <= order, and of the discriminant.
 
     Args:
-        results: of the pieces, as JSON, with what `matrix` knows of them.
+        results: of the pieces, with what `matrix` knows of them.
         order: the largest k; if it is 1, those with k = 2 are listed too.
         bifurcations: certified ones, and certified orbits, with their places on the curve.
 

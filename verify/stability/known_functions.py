@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.curve import Stretch
-from orbitproof.verify.distances import distances_from_json
+from orbitproof.verify.distances import DistanceFunctions, known_distances
 from orbitproof.verify.evidence import dot, enclose, symmetric
-from orbitproof.verify.functions import REACH, function_from_json
-from orbitproof.verify.out_of_plane import variations_from_json
+from orbitproof.verify.functions import REACH
+from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability.kinds import Matter
 from orbitproof.verify.stability.list_entries import Gap, Segment
+from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.stability.zeros import ends_of
 
 _NOT_LOOKED_AT = "the stability of its orbits was not looked at"
@@ -31,12 +30,12 @@ class _Known:
 
     low: Fraction
     high: Fraction
-    entry: Mapping[str, Any]
+    entry: StabilityFunctions
     mirrored: bool
     rank: tuple[Fraction, int]
 
 
-def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, Any]]) -> tuple[list[Segment], list[Gap]]:
+def segments_of(number: int, stretch: Stretch, results: Sequence[StabilityResult]) -> tuple[list[Segment], list[Gap]]:
     """The parts of a stretch on which functions are known, from its beginning to its end, and the rest."""
     piece = stretch.tube.piece
     size = len(piece.tube)
@@ -44,19 +43,18 @@ def segments_of(number: int, stretch: Stretch, results: Sequence[Mapping[str, An
     # What a result says of why functions are missing is no word of ours: the theorem does not repeat it.
     reasons: list[tuple[Fraction, Fraction, str]] = []
     for result in results:
-        if result.get("piece") != piece.id or result.get("verdict") != "proved":
+        if result.piece != piece.id or not result.is_proved:
             continue
-        start, end = (parse_exact(text) for text in result["interval"])
-        entry = result.get("stability", {})
+        (start, end), entry = result.interval, result.stability
         for low, high, mirrored in ((start, end, False), (-end, -start, True)):
             if mirrored and not stretch.tube.is_symmetric:
                 continue
-            if "characteristic" not in entry:
-                reasons.append((low, high, _NOT_ENCLOSED if entry else _NOT_LOOKED_AT))
-            elif len(entry["characteristic"]) != size:
+            if not isinstance(entry, StabilityFunctions):
+                reasons.append((low, high, _NOT_LOOKED_AT if entry is None else _NOT_ENCLOSED))
+            elif len(entry.characteristic) != size:
                 reasons.append((low, high, f"there are not {size} coefficients of the characteristic polynomial"))
             elif _is_proved(stretch, low, high):
-                digits = int(result.get("computation", {}).get("precision", 0))
+                digits = result.computation.precision or 0
                 known.append(_Known(low, high, entry, mirrored, (high - low, -digits)))
     segments: list[Segment] = []
     gaps: list[Gap] = []
@@ -88,7 +86,7 @@ def segment_of(
     number: int,
     places: tuple[Fraction, Fraction, Fraction],
     interval: tuple[Fraction, Fraction],
-    entry: Mapping[str, Any],
+    entry: StabilityFunctions,
     mirrored: bool,
 ) -> Segment:
     """A part of the curve with what a result on an interval of its piece knows.
@@ -99,13 +97,13 @@ def segment_of(
         mirrored: whether they are those of -s.
     """
     low, high = interval
-    names = ("level", "half_period", "first_factor")
-    functions = [function_from_json(part) for part in (*entry["characteristic"], *(entry[name] for name in names))]
+    stored = (*entry.characteristic, entry.level, entry.half_period, entry.first_factor)
+    functions = [function.enclosed for function in stored]
     if mirrored:
         functions = [function.mirrored() for function in functions]
     *characteristic, level, half_period, first_factor = functions
-    distances = distances_from_json(entry.get("distance"))
-    across = variations_from_json(entry.get("out_of_plane"))
+    distances = known_distances(entry.distance) if isinstance(entry.distance, DistanceFunctions) else None
+    across = entry.out_of_plane.known if isinstance(entry.out_of_plane, VariationFunctions) else None
     if mirrored:
         distances = None if distances is None else distances.mirrored()
         across = None if across is None else across.mirrored()

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 from flint import ctx
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.curve import Interval
 from orbitproof.verify.stability.complete_list import PRECISION, orders, resonant_value
 from orbitproof.verify.stability.known_functions import segment_of
+from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.stability.zeros import Zeros, zeros_beside_double_one, zeros_on
 
 _HOPELESS = 2**10
@@ -20,31 +19,30 @@ _BESIDE = Fraction(1, 64)
 """By so much of tau intervals overlap at least."""
 
 
-def open_on(piece: Piece, result: Mapping[str, Any], order: int) -> str:
+def open_on(piece: Piece, result: StabilityResult, order: int) -> str:
     """Why the list is not decided on a proved interval: "stability", the stability matrix, or "zeros"; empty if it is.
 
     Args:
-        result: of the interval, as JSON.
+        result: of the interval.
         order: the largest k.
     """
-    entry = result.get("stability", {})
-    if "characteristic" not in entry:
+    known = result.stability
+    if not isinstance(known, StabilityFunctions):
         return "stability"
     try:
-        reason = _open(piece, result, order)
-        hopeless = parse_exact(entry["characteristic"][0]["error"]) > _HOPELESS
+        reason = _open(piece, result.interval, known, order)
+        hopeless = known.characteristic[0].error > _HOPELESS
         return "stability" if reason and hopeless else reason
-    except (ArithmeticError, ValueError):
+    except (ArithmeticError, LookupError, ValueError):
         return "zeros"
 
 
-def _open(piece: Piece, result: Mapping[str, Any], order: int) -> str:
-    entry = result["stability"]
-    low, high = (parse_exact(text) for text in result["interval"])
+def _open(piece: Piece, interval: Interval, known: StabilityFunctions, order: int) -> str:
+    low, high = interval
     symmetric = piece.kind == "symmetric" and low <= 0 <= high
     start = Fraction(0) if symmetric else low
     with ctx.workprec(PRECISION):
-        segment = segment_of(0, (start, start, high), (low, high), entry, False)
+        segment = segment_of(0, (start, start, high), interval, known, False)
         first, last = segment.tau(start), segment.tau(high)
         inner = first if symmetric else first + _BESIDE, last - _BESIDE
         for k, j in orders(max(order, 2)):

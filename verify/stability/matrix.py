@@ -12,7 +12,6 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import combinations
 from math import floor, log2
-from typing import Any
 
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
@@ -33,23 +32,24 @@ from orbitproof.verify.curve import (
     tube_points,
 )
 from orbitproof.verify.distances import DistanceAlongCurve, DistanceFunctions, is_distance_of_orbits
-from orbitproof.verify.evidence import IntegrationFailure, Reason, guarded, is_inside
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded, is_inside
 from orbitproof.verify.functions import (
     REACH,
+    StoredFunction,
     bounded,
     determinant,
     error_of,
     function,
-    function_to_json,
     inverse,
     known_part,
     norm_of,
     restricted,
     slope,
 )
-from orbitproof.verify.out_of_plane import variations_across, variations_to_json
+from orbitproof.verify.out_of_plane import VariationFunctions, variations_across
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Oracle, Returns, first_integral, initial_values
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
+from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import in_own_units
 
 SHARE = 1 / BEYOND * REACH
@@ -81,28 +81,23 @@ class OrbitFunctions:
         half_period: the time to the end of a half orbit.
         first_factor: the determinant of D(pi_p P) on Fix(R), up to a constant factor.
         distance: along the orbits, or why it is not known; `None` if the system names none.
-        out_of_plane: V of variations out of the plane, by rows, or why not; `None` if the system is none in a plane.
+        out_of_plane: V of variations out of the plane, or why not; `None` if the system is none in a plane.
     """
 
     characteristic: tuple[Series, ...]
     level: Series
     half_period: Series
     first_factor: Series
-    distance: DistanceFunctions | Reason | None = None
-    out_of_plane: tuple[Series, ...] | Reason | None = None
+    distance: DistanceFunctions | NotKnown | None = None
+    out_of_plane: VariationFunctions | NotKnown | None = None
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object; all numbers are exact."""
-        distance = self.distance
-        known = {"reason": distance.to_json()} if isinstance(distance, Reason) else distance and distance.to_json()
-        return {
-            **({} if known is None else {"distance": known}),
-            **({} if self.out_of_plane is None else {"out_of_plane": variations_to_json(self.out_of_plane)}),
-            "characteristic": [function_to_json(element) for element in self.characteristic],
-            "level": function_to_json(self.level),
-            "half_period": function_to_json(self.half_period),
-            "first_factor": function_to_json(self.first_factor),
-        }
+    @property
+    def stored(self) -> StabilityFunctions:
+        """As they are stored."""
+        level, half_period, first_factor = map(StoredFunction.of, (self.level, self.half_period, self.first_factor))
+        characteristic = tuple(map(StoredFunction.of, self.characteristic))
+        known = self.distance, self.out_of_plane
+        return StabilityFunctions(characteristic, level, half_period, first_factor, *known)
 
 
 @dataclass(frozen=True)
@@ -195,7 +190,9 @@ class TubeOfOrbits:
             self._across(curve, half, flow),
         )
 
-    def _across(self, curve: CurveInTube, half: HalfReturn, flow: WideArithmetic) -> tuple[Series, ...] | Reason | None:
+    def _across(
+        self, curve: CurveInTube, half: HalfReturn, flow: WideArithmetic
+    ) -> VariationFunctions | NotKnown | None:
         """Variations out of the plane, of motion in one."""
         if self.system.stiffness_across is None:
             return None
@@ -253,17 +250,17 @@ class TubeOfOrbits:
         return columns
 
 
-def stability_to_json(
+def stability_of_piece(
     tube: TubeOfOrbits, progress: Callable[[float], None] | None = None, half: HalfReturn | None = None
-) -> dict[str, Any]:
-    """The functions of section 18.3 as JSON, or the reason why there are none; arguments as `orbit_functions`."""
+) -> StabilityFunctions | NotKnown:
+    """The functions of section 18.3 as they are stored, or why there are none; arguments as `orbit_functions`."""
     followed = PHYSICAL if tube.coordinates == PHYSICAL else REGULARISED
     try:
-        return orbit_functions(replace(tube, coordinates=followed), progress, half).to_json()
+        return orbit_functions(replace(tube, coordinates=followed), progress, half).stored
     except IntegrationFailure as error:
-        return {"reason": about_pieces(error.reason).to_json()}
+        return NotKnown(about_pieces(error.reason))
     except (ArithmeticError, ValueError) as error:
-        return {"reason": broken_off("stability", error).to_json()}
+        return NotKnown(broken_off("stability", error))
 
 
 def orbit_functions(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from flint import ctx
@@ -26,6 +26,7 @@ from orbitproof.verify.stability.across_list import ListAcross, list_across
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
 from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
 from orbitproof.verify.stability.list_entries import CompleteList
+from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
 
 
 @dataclass(frozen=True)
@@ -104,12 +105,12 @@ class ListConclusion:
 
 
 def conclude_list(
-    atlas: Atlas, results: Sequence[Mapping[str, Any]], curve: Conclusion[ProvedCurve], order: int
+    atlas: Atlas, results: Sequence[StabilityResult], curve: Conclusion[ProvedCurve], order: int
 ) -> ListConclusion:
     """All resonances up to an order on a curve, and the theorem about them.
 
     Args:
-        results: of the pieces, as JSON, with what is known of the stability of their orbits.
+        results: of the pieces, with what is known of the stability of their orbits.
         curve: what they prove of the curve.
     """
 
@@ -136,6 +137,6 @@ def conclude_list(
     return ListConclusion(curve, order, Proved(theorem, known, curve.outcome.hypotheses))
 
 
-def _without_distance(result: Mapping[str, Any]) -> Mapping[str, Any]:
-    known = {key: value for key, value in result.get("stability", {}).items() if key != "distance"}
-    return {**result, "stability": known} if known else result
+def _without_distance(result: StabilityResult) -> StabilityResult:
+    known = result.stability
+    return replace(result, stability=replace(known, distance=None)) if isinstance(known, StabilityFunctions) else result

@@ -4,5 +4,6 @@ from orbitproof.verify.surface.half_return import SurfaceLimits
 from orbitproof.verify.surface.libration_piece import prove_libration_piece
 from orbitproof.verify.surface.piece import prove_surface_piece
 from orbitproof.verify.surface.planar_family import PlanarFamily
+from orbitproof.verify.surface.proved_parts import ProvedPart, SurfaceResult
 from orbitproof.verify.surface.proved_surface import Height, ProvedSurface, SurfaceTheorem, conclude_surface
 from orbitproof.verify.surface.stored_parts import unshown

@@ -6,7 +6,7 @@ the second has exactly one, so they agree, and with them the surfaces over all c
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -27,7 +27,7 @@ from orbitproof.verify.evidence import (
     is_inside,
     is_positive,
 )
-from orbitproof.verify.surface.proved_parts import ProvedPart
+from orbitproof.verify.surface.proved_parts import ProvedPart, SurfaceResult
 
 _SLOPE_PARTS = 32
 _BISECTIONS = 80
@@ -141,17 +141,14 @@ class SurfaceJoint:
         }
 
 
-def read_sheet(piece: SurfacePiece, parameter: str, results: Sequence[Mapping[str, Any]]) -> Sheet:
-    """The proved parts of a piece. Raises `ValueError` for a result that is none of `SurfaceResult.to_json`."""
+def read_sheet(piece: SurfacePiece, parameter: str, results: Sequence[SurfaceResult]) -> Sheet:
+    """The proved parts of a piece. Raises `ValueError` for a part that is none of the piece."""
     parts = []
-    for result in results:
-        if result["verdict"] != "proved":
-            continue
-        for part in map(ProvedPart.from_json, result["parts"]):
-            if not -1 <= part.start < part.end <= 1 or len(part.point) != len(piece.radii):
-                raise ValueError(f"piece {piece.id}: a part of a result is not within [-1, 1], or has no point")
-            if all_finite(part.point):
-                parts.append(part)
+    for part in (part for result in results if result.is_proved for part in result.parts):
+        if not -1 <= part.start < part.end <= 1 or len(part.point) != len(piece.radii):
+            raise ValueError(f"piece {piece.id}: a part of a result is not within [-1, 1], or has no point")
+        if all_finite(part.point):
+            parts.append(part)
     return Sheet(piece, piece.parameters[parameter], tuple(sorted(parts, key=lambda part: (part.start, part.end))))
 
 

@@ -7,25 +7,21 @@ contains exactly one symmetric orbit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from math import floor, log2
-from typing import Any
 
 from flint import arb, arb_poly
 
 from orbitproof.shared.formats import LibrationPiece
-from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.shared.systems import OVER_MASSES
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic, recentred, values_around
-from orbitproof.verify.curve import Account, Interval, PieceResult, attempt, interval_to_json
+from orbitproof.verify.curve import PROVED, Account, Computation, Interval, IntervalResult, PieceResult, attempt
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
     Reason,
-    ball_from_json,
-    ball_to_json,
     dyadic_above,
     enclose,
     excludes_zero,
@@ -72,30 +68,24 @@ class ProvedSizes:
     deviation: Fraction
     time: arb
 
-    def to_json(self) -> dict[str, Any]:
-        """Its part of the JSON object of a result; all numbers that carry proof are exact."""
-        return {
-            "interval": interval_to_json((self.start, self.end)),
-            "deviation": [format_exact(self.deviation)],
-            "time": ball_to_json(self.time),
-        }
+    def stored(self, piece: str, computation: Computation) -> IntervalResult:
+        """As in `curve.piece_result.Results`."""
+        interval = self.start, self.end
+        return IntervalResult(piece, interval, PROVED, computation, deviation=(self.deviation,), time=self.time)
 
 
-def read_sizes(piece: LibrationPiece, result: Mapping[str, Any]) -> ProvedSizes | str:
+def read_sizes(piece: LibrationPiece, result: IntervalResult) -> ProvedSizes | str:
     """What a stored result proves of a piece, or why it does not count."""
-    try:
-        start, end = (parse_exact(text) for text in result["interval"])
-        (deviation,) = (parse_exact(text) for text in result["deviation"])
-        time = ball_from_json(result["time"])
-    except (KeyError, TypeError, ValueError) as error:
-        return f"a result of {piece.id} cannot be read: {error}"
+    (start, end), time = result.interval, result.time
+    if len(result.deviation) != 1:
+        return f"a result of {piece.id} has not one bound of the deviation"
     if not -1 <= start < end <= 1:
         return f"a result of {piece.id} is not within [-1, 1]"
-    if not 0 <= deviation < piece.tube:
+    if not 0 <= result.deviation[0] < piece.tube:
         return f"a result of {piece.id} has a deviation that is not below the tube"
-    if not time.is_finite():
+    if time is None or not time.is_finite():
         return f"a result of {piece.id} has no half periods"
-    return ProvedSizes(start, end, deviation, time)
+    return ProvedSizes(start, end, result.deviation[0], time)
 
 
 def prove_libration_piece(

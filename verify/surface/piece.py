@@ -12,12 +12,15 @@ from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 
+from flint import arb
+
 from orbitproof.shared.formats import Candidate, SurfacePiece, evaluate
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.bifurcation import BifurcationResults, Counsel, check_exactly, prove, silent
 from orbitproof.verify.curve import Account, Interval, PieceResult, attempt
 from orbitproof.verify.evidence import (
     Checklist,
+    Hypothesis,
     NotEstablishedError,
     NotProved,
     Outcome,
@@ -144,8 +147,8 @@ class _Parts:
         start, end = interval
         outcome = self._outcome(interval)
         if not isinstance(outcome, NotProved):
-            enclosures = {entry.name: entry.enclosures for entry in outcome.hypotheses if entry.enclosures}
-            yield ProvedPart(start, end, outcome.results.local, outcome.results.side, enclosures)
+            enclosures = {entry.name: _finite(entry) for entry in outcome.hypotheses if entry.enclosures}
+            yield ProvedPart(interval, outcome.results.local, outcome.results.side, enclosures)
         elif halvings == 0:
             where = f"for s in {exact_interval_text(start, end)}: "
             raise NotEstablishedError(replace(outcome.reason, message=where + outcome.reason.message))
@@ -164,3 +167,8 @@ class _Parts:
             return NotProved(error.reason, tuple(checklist.hypotheses))
         kernel, level = self.returned.tables(part)
         return prove(candidate, checklist, [kernel], level, [self.returned.time], self.counsel)
+
+
+def _finite(hypothesis: Hypothesis) -> dict[str, arb]:
+    """The enclosures that can be stored."""
+    return {name: ball for name, ball in hypothesis.enclosures.items() if ball.is_finite()}

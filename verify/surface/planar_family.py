@@ -6,17 +6,16 @@ of a piece for one mass, they do for all masses of the piece.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.formats import Atlas, LibrationPiece, evaluate
 from orbitproof.shared.systems import SIDES, mass_of_distance
 from orbitproof.verify.algebra import ball_polynomial
-from orbitproof.verify.curve import Interval
+from orbitproof.verify.curve import Interval, IntervalResult
 from orbitproof.verify.evidence import (
     Evidence,
     bounds,
@@ -50,7 +49,7 @@ class PlanarFamily:
 
 
 def require_family(
-    evidence: Evidence, atlas: Atlas, sheets: Sequence[Sheet], results: Sequence[Mapping[str, Any]]
+    evidence: Evidence, atlas: Atlas, sheets: Sequence[Sheet], results: Sequence[IntervalResult]
 ) -> PlanarFamily | None:
     """Require that the pieces prove the Lyapunov family up to the symmetry breakings, for all masses between ends.
 
@@ -63,7 +62,7 @@ def require_family(
     evidence.require(len({piece.point for piece in pieces}) == 1, "the pieces are about two libration points")
     reached: Fraction | None = None
     for piece in pieces:
-        _require_proved(evidence, piece, [entry for entry in results if entry["piece"] == piece.id])
+        _require_proved(evidence, piece, [entry for entry in results if entry.piece == piece.id])
         near, far = sorted(side * (piece.distance[0] + sign * piece.distance[1]) for sign in (-1, 1))
         gap = reached is not None and near > reached
         evidence.require(near >= 0, f"{piece.id} goes to the other side of the smaller mass")
@@ -81,10 +80,10 @@ def require_family(
     return PlanarFamily(pieces[0].point, start, end)
 
 
-def _require_proved(evidence: Evidence, piece: LibrationPiece, results: Sequence[Mapping[str, Any]]) -> None:
+def _require_proved(evidence: Evidence, piece: LibrationPiece, results: Sequence[IntervalResult]) -> None:
     """All s are proved, and eps = 0 is among the sizes."""
     reached = Fraction(-1)
-    known = [read_sizes(piece, result) for result in results if result["verdict"] == "proved"]
+    known = [read_sizes(piece, result) for result in results if result.is_proved]
     for refused in known:
         evidence.require(not isinstance(refused, str), str(refused))
     for part in sorted((part.start, part.end) for part in known if not isinstance(part, str)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -13,7 +13,7 @@ from flint import arb, ctx
 from orbitproof.shared.formats import Atlas, evaluate
 from orbitproof.shared.systems import HILL
 from orbitproof.verify.claim import check_symmetries, determinant, is_adapted, signs_on
-from orbitproof.verify.curve import Conclusion, Ends
+from orbitproof.verify.curve import Conclusion, Ends, IntervalResult
 from orbitproof.verify.evidence import (
     Checklist,
     EmptyIntersectionError,
@@ -22,11 +22,11 @@ from orbitproof.verify.evidence import (
     NotProved,
     Proved,
     Reason,
-    ball_from_json,
     hull,
 )
 from orbitproof.verify.surface.gluing import Sheet, SurfaceJoint, glue, read_sheet
 from orbitproof.verify.surface.planar_family import PlanarFamily, require_family
+from orbitproof.verify.surface.proved_parts import SurfaceResult
 
 PRECISION = 256
 """Bits of the ball arithmetic."""
@@ -86,11 +86,11 @@ class ProvedSurface:
         return [joint.to_json() for joint in self.joints]
 
 
-def conclude_surface(atlas: Atlas, results: Sequence[Mapping[str, Any]]) -> Conclusion[ProvedSurface]:
+def conclude_surface(atlas: Atlas, results: Sequence[IntervalResult]) -> Conclusion[ProvedSurface]:
     """The theorem that proved pieces give, or the first hypothesis that is not shown.
 
-    `results`: the JSON object of one result of `prove_surface_piece` for each interval of each piece; that they are
-    about the pieces of the atlas as they are is for the caller.
+    `results`: one for each interval of each piece; that they are about the pieces of the atlas as they are is for the
+    caller.
     """
     checklist = Checklist()
     with ctx.workprec(PRECISION):
@@ -121,7 +121,7 @@ def heights(atlas: Atlas) -> tuple[Height, ...]:
 
 
 def _check(
-    checklist: Checklist, atlas: Atlas, results: Sequence[Mapping[str, Any]]
+    checklist: Checklist, atlas: Atlas, results: Sequence[IntervalResult]
 ) -> tuple[list[Sheet], tuple[SurfaceJoint, ...]]:
     system, pieces = atlas.system, atlas.surface_pieces()
     check_symmetries(checklist, system, atlas.claim.symmetry)
@@ -140,9 +140,10 @@ def _check(
         if atlas.claim.symmetry is not None:
             _require_adapted(evidence, atlas)
     parameter = system.fixed_parameters[0]
-    by_piece: dict[str, list[Mapping[str, Any]]] = {piece.id: [] for piece in pieces}
+    by_piece: dict[str, list[SurfaceResult]] = {piece.id: [] for piece in pieces}
     for result in results:
-        by_piece.setdefault(str(result["piece"]), []).append(result)
+        if isinstance(result, SurfaceResult):
+            by_piece.setdefault(result.piece, []).append(result)
     sheets = [read_sheet(piece, parameter, by_piece[piece.id]) for piece in pieces]
     with checklist.hypothesis(
         "pieces", "17.2", "the theorem on symmetry breaking holds on every piece for every s in [-1, 1]", _REMEDY
@@ -194,7 +195,7 @@ def _check_covers(checklist: Checklist, atlas: Atlas, sheets: Sequence[Sheet]) -
 
 
 def _check_family(
-    checklist: Checklist, atlas: Atlas, sheets: Sequence[Sheet], results: Sequence[Mapping[str, Any]]
+    checklist: Checklist, atlas: Atlas, sheets: Sequence[Sheet], results: Sequence[IntervalResult]
 ) -> PlanarFamily | None:
     """For an atlas with pieces of the planar family: over which masses it is that of the libration point."""
     if not atlas.libration_pieces():
@@ -238,8 +239,9 @@ def _ends(atlas: Atlas, sheets: Sequence[Sheet]) -> Ends:
     return result
 
 
-def _half_period(results: Sequence[Mapping[str, Any]]) -> arb:
-    times = [
-        ball_from_json(result["time"]) for result in results if result["verdict"] == "proved" and "parts" in result
-    ]
+def _half_period(results: Sequence[IntervalResult]) -> arb:
+    proved = [result for result in results if isinstance(result, SurfaceResult) and result.is_proved]
+    times = [result.time for result in proved if result.time is not None]
+    if len(times) < len(proved):
+        raise ValueError("a result has no half periods")
     return hull(times[0], *times[1:])
