@@ -22,6 +22,7 @@ from support.stored import function_of, json_of_function, unconfirmed_of, values
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
+from orbitproof.verify.atlas.conclusion_as_json import shortened
 from orbitproof.verify.curve import Chain, conclude
 from orbitproof.verify.distances import Where
 from orbitproof.verify.distances.ranges import Extreme, joined
@@ -44,7 +45,7 @@ from orbitproof.verify.stability.complete_list import Finder
 from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.known_functions import segments_of
 from orbitproof.verify.stability.linear_stability import is_stable, stable_intervals
-from orbitproof.verify.stability.list_entries import Segment, shortened
+from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.matrix import SHARE, OtherPoint, _minors, _stability_matrix
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 

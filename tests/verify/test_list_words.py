@@ -226,7 +226,7 @@ def test_an_extremum_that_may_lie_beyond_the_band_is_not_said_to_be_within() -> 
     both = words(extrema=(inside, straddling))
     assert both.index("exactly here") < both.index("[1.0") < both.index("not decided whether its value")
     assert "beyond" not in words(extrema=(inside,))
-    assert [entry.to_json()["in_band"] for entry in (inside, straddling)] == [True, False]
+    assert [entry.in_band for entry in (inside, straddling)] == [True, False]
 
 
 def test_an_extremum_at_a_joint_beside_a_symmetric_point_is_open() -> None:

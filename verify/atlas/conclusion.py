@@ -9,6 +9,7 @@ from typing import Any
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import certified_point
+from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
 from orbitproof.verify.curve import conclude, enclose_other_point
@@ -66,4 +67,4 @@ def _of_curve(results: Sequence[Result]) -> list[StabilityResult]:
 
 def told(conclusion: BranchConclusion) -> dict[str, Any]:
     """A conclusion as JSON, with its theorem in words."""
-    return conclusion.to_json(conclusion_in_words(conclusion))
+    return conclusion_to_json(conclusion, conclusion_in_words(conclusion))

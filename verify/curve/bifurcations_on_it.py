@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any
 
 from flint import acb, arb
 
@@ -18,7 +17,6 @@ from orbitproof.verify.curve.tube import lower_end, upper_end
 from orbitproof.verify.evidence import (
     EmptyIntersectionError,
     all_finite,
-    ball_to_json,
     enclose,
     excludes_zero,
     is_below,
@@ -108,24 +106,6 @@ class Bifurcation:
     parameter: arb | None = None
     is_foreign: bool = False
     stability: tuple[acb, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact balls with decimals beside them."""
-        return {
-            "id": self.id,
-            "kind": self.kind,
-            "k": self.k,
-            "on_curve": self.place is not None,
-            "piece": None if self.place is None else self.place.piece,
-            "s": None if self.place is None else ball_to_json(self.place.s),
-            "mirrored": self.place is not None and self.place.mirrored,
-            "other_point": self.place is not None and self.place.other_point,
-            "is_foreign": self.is_foreign,
-            "reason": self.reason,
-            "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
-            "parameter_name": self.parameter_name,
-            "parameter": None if self.parameter is None else ball_to_json(self.parameter),
-        }
 
 
 def place_bifurcation(

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from flint import arb
 
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation
-from orbitproof.verify.evidence import Outcome, Proved, balls_to_json, outcome_to_json
+from orbitproof.verify.evidence import Outcome, Proved
 
 Ends = Mapping[str, Mapping[str, arb]]
 """Enclosures by name at the first point or parameter, "start", and at the last one, "end"."""
@@ -21,12 +21,6 @@ class Whole(Protocol):
     @property
     def ends(self) -> Ends:
         """Enclosures at its ends."""
-
-    def stretches_to_json(self) -> list[dict[str, Any]]:
-        """The JSON objects of the parts of the pieces that it runs along."""
-
-    def joints_to_json(self) -> list[dict[str, Any]]:
-        """The JSON objects of the places where pieces meet."""
 
 
 Known = TypeVar("Known", bound=Whole, covariant=True)
@@ -48,15 +42,3 @@ class Conclusion(Generic[Known]):
     def is_proved(self) -> bool:
         """Whether the whole is proved."""
         return isinstance(self.outcome, Proved)
-
-    def to_json(self, statement: str) -> dict[str, Any]:
-        """The JSON object: exact numbers and balls with decimals beside them; `statement` is the theorem in words."""
-        whole = self.outcome.results if isinstance(self.outcome, Proved) else None
-        return {
-            **outcome_to_json(self.outcome),
-            "statement": statement,
-            "stretches": [] if whole is None else whole.stretches_to_json(),
-            "joints": [] if whole is None else whole.joints_to_json(),
-            "ends": {} if whole is None else {end: balls_to_json(balls) for end, balls in whole.ends.items()},
-            "bifurcations": [entry.to_json() for entry in self.bifurcations],
-        }

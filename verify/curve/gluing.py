@@ -5,17 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.curve.proved_intervals import Run
 from orbitproof.verify.curve.tube import Tube, lower_end, upper_end
 from orbitproof.verify.evidence import (
     Evidence,
     all_finite,
-    ball_to_json,
     enclose,
     exact_interval_text,
     is_below,
@@ -46,17 +43,6 @@ class Joint:
     offsets: tuple[arb, ...]
     turn: arb
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        return {
-            "before": self.before,
-            "after": self.after,
-            "leaves": format_exact(self.leaves),
-            "enters": ball_to_json(self.enters),
-            "offsets": [ball_to_json(ball) for ball in self.offsets],
-            "turn": ball_to_json(self.turn),
-        }
-
 
 @dataclass(frozen=True)
 class Stretch:
@@ -73,11 +59,6 @@ class Stretch:
     enters: Fraction
     entered: Fraction
     leaves: Fraction
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        enters, leaves = format_exact(self.enters), format_exact(self.leaves)
-        return {"piece": self.tube.piece.id, "enters": enters, "leaves": leaves}
 
     def contains(self, s: arb) -> bool:
         """Whether s certainly belongs to the part that the curve runs along."""

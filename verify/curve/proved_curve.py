@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from flint import arb, ctx
 
@@ -64,14 +63,6 @@ class ProvedCurve:
     ends: Ends
     half_period: arb
     x_l: arb | None = None
-
-    def stretches_to_json(self) -> list[dict[str, Any]]:
-        """The JSON objects of the parts of the pieces that it runs along."""
-        return [stretch.to_json() for stretch in self.chain.stretches]
-
-    def joints_to_json(self) -> list[dict[str, Any]]:
-        """The JSON objects of the places where pieces meet."""
-        return [joint.to_json() for joint in self.chain.joints]
 
 
 def conclude(

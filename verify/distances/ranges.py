@@ -6,14 +6,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any, Protocol
+from typing import Protocol
 
 from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import is_left_alone
 from orbitproof.verify.distances.distances import PARTS, SLACK, Bounds, DistanceFunctions, Where
-from orbitproof.verify.evidence import ball_to_json, enclose, hull, is_positive, up_to
+from orbitproof.verify.evidence import enclose, hull, is_positive, up_to
 from orbitproof.verify.functions import REACH, BoundedFunction
 
 _PIECES = 4
@@ -174,13 +174,6 @@ class Ranges:
         """Enclosures of the distances, and where they are taken, by name."""
         found = {"least": self.least, "greatest": self.greatest}
         return {name: (_root(each.square), each.where) for name, each in found.items() if each is not None}
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        entry: dict[str, Any] = {"half_period": ball_to_json(self.half_period)}
-        for name, (distance, where) in self.distances.items():
-            entry |= {f"{name}_distance": ball_to_json(distance), f"{name}_distance_at": where.value}
-        return entry
 
 
 def together(parts: Sequence[Ranges]) -> Ranges | None:

@@ -4,7 +4,7 @@ from orbitproof.verify.functions import REACH
 from orbitproof.verify.stability.across_list import ListAcross
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import BAND
-from orbitproof.verify.stability.kinds import CurveEnd, Found, Kind, Matter, Resonance, What
+from orbitproof.verify.stability.kinds import CurveEnd, Found, Kind, Matter, Resonance, What, name_of
 from orbitproof.verify.stability.left_open import open_on
 from orbitproof.verify.stability.linear_stability import Bound, StableInterval
 from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, level_name

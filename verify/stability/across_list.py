@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.claim import is_left_alone
 from orbitproof.verify.curve import Bifurcation, Chain, jacobi_constant
-from orbitproof.verify.evidence import ball_to_json, excludes_zero
+from orbitproof.verify.evidence import excludes_zero
 from orbitproof.verify.stability.complete_list import Finder, orders, resonant_value
 from orbitproof.verify.stability.kinds import Kind, Matter
 from orbitproof.verify.stability.linear_stability import StableInterval, stable_intervals
@@ -39,18 +38,6 @@ class ListAcross:
     stable: tuple[StableInterval, ...]
     unknown: tuple[StableInterval, ...]
     jacobi_constants: tuple[arb | None, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        return {
-            "points": [
-                point.to_json() | ({} if value is None else {"jacobi_constant": ball_to_json(value)})
-                for point, value in zip(self.found.points, self.jacobi_constants, strict=True)
-            ],
-            "stable": [entry.to_json() for entry in self.stable],
-            "undecided": [entry.to_json() for entry in self.unknown],
-            "gaps": [gap.to_json() for gap in self.found.gaps],
-        }
 
 
 def _away_from_centre(point: Point) -> Point:

@@ -6,16 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.curve import Chain
 from orbitproof.verify.distances import Ranges, ranges_between, together
-from orbitproof.verify.evidence import ball_to_json, enclose, is_positive
-from orbitproof.verify.stability.kinds import CurveEnd, Kind, What, may_change_stability, name_of
-from orbitproof.verify.stability.list_entries import CompleteList, Point, Segment, shortened
+from orbitproof.verify.evidence import enclose, is_positive
+from orbitproof.verify.stability.kinds import CurveEnd, Kind, What, may_change_stability
+from orbitproof.verify.stability.list_entries import CompleteList, Point, Segment
 from orbitproof.verify.stability.zeros import ends_of
 
 
@@ -39,14 +37,6 @@ class Bound:
     is_one_point: bool = True
     ranges: Ranges | None = None
 
-    def to_json(self, piece: str) -> dict[str, Any]:
-        """The JSON object; with level and half period if it is a point of the list."""
-        ends = [format_exact(shortened(self.lower, -1)), format_exact(shortened(self.upper, 1))]
-        known = {} if self.ranges is None else self.ranges.to_json()
-        if self.point is not None:
-            known |= {"level": ball_to_json(self.point.level), "half_period": ball_to_json(self.point.half_period)}
-        return {"what": [name_of(what) for what in self.what], "piece": piece, "interval": ends, **known}
-
 
 @dataclass(frozen=True)
 class StableInterval:
@@ -62,11 +52,6 @@ class StableInterval:
     end: Bound
     pieces: tuple[str, str]
     ranges: Ranges | None = None
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: what is at both ends, and where on their pieces."""
-        between = {} if self.ranges is None else {"between": self.ranges.to_json()}
-        return {"from": self.begin.to_json(self.pieces[0]), "to": self.end.to_json(self.pieces[1]), **between}
 
 
 def stable_intervals(

@@ -6,18 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.algebra import ball_polynomial
 from orbitproof.verify.distances import KnownDistances
-from orbitproof.verify.evidence import Hypothesis, ball_to_json, enclose
+from orbitproof.verify.evidence import Hypothesis, enclose
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.out_of_plane import KnownVariations
-from orbitproof.verify.stability.kinds import Found, Kind, Subject, name_of
+from orbitproof.verify.stability.kinds import Found, Kind, Subject
 
 _FEW = 2
 """For more stability parameters only resonances are listed."""
@@ -108,11 +106,6 @@ class Gap:
     subject: Subject
     reason: str
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        ends = [format_exact(shortened(self.start, -1)), format_exact(shortened(self.end, 1))]
-        return {"piece": self.piece, "interval": ends, "about": name_of(self.subject), "reason": self.reason}
-
 
 @dataclass(frozen=True)
 class Point:
@@ -144,20 +137,6 @@ class Point:
         """What is there."""
         return Found(self.kind, self.k, self.j)
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact balls with decimals beside them."""
-        return {
-            "piece": self.piece,
-            "k": self.k,
-            "j": self.j,
-            "kind": name_of(self.kind),
-            "s": ball_to_json(self.s),
-            "level": ball_to_json(self.level),
-            "half_period": ball_to_json(self.half_period),
-            "point": {name: ball_to_json(ball) for name, ball in self.point.items()},
-            "certificates": list(self.certificates),
-        }
-
 
 @dataclass(frozen=True)
 class Extremum:
@@ -180,13 +159,6 @@ class Extremum:
     level: arb
     half_period: arb
     certificates: tuple[str, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object: exact balls with decimals beside them."""
-        balls = {"value": self.value, "s": self.s, "level": self.level, "half_period": self.half_period}
-        known = {"certificates": list(self.certificates)} if self.certificates else {}
-        place = {"piece": self.piece, "in_band": self.in_band}
-        return {**place, **{name: ball_to_json(ball) for name, ball in balls.items()}, **known}
 
 
 @dataclass(frozen=True)
@@ -217,13 +189,6 @@ class CompleteList:
     def has_few_parameters(self) -> bool:
         """Whether n <= 2: then collisions, extrema and linear stability are looked at (18.6, 18.10)."""
         return self.parameters <= _FEW
-
-
-def shortened(value: Fraction, side: int) -> Fraction:
-    """A dyadic number next to an end of an interval, beyond it."""
-    scaled = value * 2**60
-    whole = scaled.numerator // scaled.denominator
-    return Fraction(whole + (1 if side > 0 and whole != scaled else 0), 2**60)
 
 
 def level_name(atlas: Atlas) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from flint import ctx
 
@@ -19,8 +18,6 @@ from orbitproof.verify.evidence import (
     Outcome,
     Proved,
     Reason,
-    hypothesis_to_json,
-    outcome_to_json,
 )
 from orbitproof.verify.stability.across_list import ListAcross, list_across
 from orbitproof.verify.stability.complete_list import PRECISION, complete_list
@@ -62,27 +59,6 @@ class ProvedList:
     unknown: tuple[StableInterval, ...]
     across: ListAcross | None
 
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object of the list alone."""
-        found = self.found
-        return {
-            "order": found.order,
-            "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in found.hypotheses],
-            "stability_parameters": found.parameters,
-            "points": [point.to_json() for point in found.points],
-            "stable": [entry.to_json() for entry in self.stable],
-            "undecided": [entry.to_json() for entry in self.unknown],
-            "gaps": [gap.to_json() for gap in found.gaps],
-            "extrema": [entry.to_json() for entry in found.extrema],
-            "open_extrema": [gap.to_json() for gap in found.open_extrema],
-            **({} if self.across is None else {"out_of_plane": self.across.to_json()}),
-        }
-
-
-_EMPTY: dict[str, Any] = {
-    name: [] for name in ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")
-}
-
 
 @dataclass(frozen=True)
 class ListConclusion:
@@ -97,11 +73,6 @@ class ListConclusion:
     curve: Conclusion[ProvedCurve]
     order: int
     outcome: Outcome[ProvedList]
-
-    def to_json(self, statement: str) -> dict[str, Any]:
-        """The JSON object: exact numbers and balls with decimals beside them; `statement` is the theorem in words."""
-        known = self.outcome.results.to_json() if isinstance(self.outcome, Proved) else _EMPTY | {"order": self.order}
-        return {**self.curve.to_json(statement), **outcome_to_json(self.outcome), "complete": known}
 
 
 def conclude_list(

@@ -9,17 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from flint import arb, arb_mat
 
 from orbitproof.shared.formats import SurfacePiece, evaluate
-from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.algebra import ball_polynomial, values_around
 from orbitproof.verify.evidence import (
     Evidence,
     all_finite,
-    ball_to_json,
     dot,
     enclose,
     exact_interval_text,
@@ -130,15 +127,6 @@ class SurfaceJoint:
     after: str
     parameter: Fraction
     offsets: tuple[arb, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """The JSON object."""
-        return {
-            "before": self.before,
-            "after": self.after,
-            "parameter": format_exact(self.parameter),
-            "offsets": [ball_to_json(ball) for ball in self.offsets if ball.is_finite()],
-        }
 
 
 def read_sheet(piece: SurfacePiece, parameter: str, results: Sequence[SurfaceResult]) -> Sheet:

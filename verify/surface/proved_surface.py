@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 from flint import arb, ctx
 
@@ -76,14 +75,6 @@ class ProvedSurface:
     sides: frozenset[str]
     half_period: arb
     family: PlanarFamily | None = None
-
-    def stretches_to_json(self) -> list[dict[str, Any]]:
-        """None: a surface runs over all of its pieces."""
-        return []
-
-    def joints_to_json(self) -> list[dict[str, Any]]:
-        """The JSON objects of the places where pieces meet."""
-        return [joint.to_json() for joint in self.joints]
 
 
 def conclude_surface(atlas: Atlas, results: Sequence[IntervalResult]) -> Conclusion[ProvedSurface]:

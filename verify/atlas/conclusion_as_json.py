@@ -1,0 +1,171 @@
+"""What the pieces of an atlas prove together, as certificates say it: exact numbers, balls with decimals beside."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from flint import arb
+
+from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.certificate.stored_balls import to_json
+from orbitproof.verify.curve import Bifurcation, Conclusion, ProvedCurve, Stretch
+from orbitproof.verify.distances import Ranges
+from orbitproof.verify.evidence import Proved, balls_to_json, hypothesis_to_json, outcome_to_json
+from orbitproof.verify.stability import (
+    Bound,
+    CompleteList,
+    Extremum,
+    Gap,
+    ListAcross,
+    ListConclusion,
+    Point,
+    ProvedList,
+    StableInterval,
+    name_of,
+)
+from orbitproof.verify.surface import ProvedSurface
+from orbitproof.verify.words import BranchConclusion
+
+Json = dict[str, Any]
+
+
+def conclusion_to_json(conclusion: BranchConclusion, statement: str) -> Json:
+    """The JSON object of a conclusion; `statement` is its theorem in words."""
+    if isinstance(conclusion, ListConclusion):
+        listed = conclusion.outcome.results if isinstance(conclusion.outcome, Proved) else None
+        complete = _EMPTY | {"order": conclusion.order} if listed is None else _list(listed)
+        return {**_whole(conclusion.curve, statement), **outcome_to_json(conclusion.outcome), "complete": complete}
+    return _whole(conclusion, statement)
+
+
+_EMPTY: Json = {name: [] for name in ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")}
+
+
+def _whole(conclusion: Conclusion[ProvedCurve] | Conclusion[ProvedSurface], statement: str) -> Json:
+    stretches: tuple[Stretch, ...] = ()
+    joints: list[Json] = []
+    ends: Json = {}
+    if isinstance(conclusion.outcome, Proved):
+        whole = conclusion.outcome.results
+        chain = whole.chain if isinstance(whole, ProvedCurve) else None
+        stretches = () if chain is None else chain.stretches
+        joints = [
+            to_json(joint) for joint in (whole.joints if isinstance(whole, ProvedSurface) else whole.chain.joints)
+        ]
+        ends = {end: balls_to_json(balls) for end, balls in whole.ends.items()}
+    return {
+        **outcome_to_json(conclusion.outcome),
+        "statement": statement,
+        "stretches": [
+            {"piece": each.tube.piece.id, "enters": format_exact(each.enters), "leaves": format_exact(each.leaves)}
+            for each in stretches
+        ],
+        "joints": joints,
+        "ends": ends,
+        "bifurcations": [_bifurcation(entry) for entry in conclusion.bifurcations],
+    }
+
+
+def _bifurcation(entry: Bifurcation) -> Json:
+    place = entry.place
+    return {
+        "id": entry.id,
+        "kind": entry.kind,
+        "k": entry.k,
+        "on_curve": place is not None,
+        "piece": None if place is None else place.piece,
+        "s": None if place is None else to_json(place.s),
+        "mirrored": place is not None and place.mirrored,
+        "other_point": place is not None and place.other_point,
+        "is_foreign": entry.is_foreign,
+        "reason": entry.reason,
+        "point": _balls(entry.point),
+        "parameter_name": entry.parameter_name,
+        "parameter": None if entry.parameter is None else to_json(entry.parameter),
+    }
+
+
+def _list(known: ProvedList) -> Json:
+    found = known.found
+    return {
+        "order": found.order,
+        "hypotheses": [hypothesis_to_json(hypothesis) for hypothesis in found.hypotheses],
+        "stability_parameters": found.parameters,
+        **_entries(found, known.stable, known.unknown),
+        "extrema": [_extremum(entry) for entry in found.extrema],
+        "open_extrema": [_gap(gap) for gap in found.open_extrema],
+        **({} if known.across is None else {"out_of_plane": _across(known.across)}),
+    }
+
+
+def _across(across: ListAcross) -> Json:
+    listed = _entries(across.found, across.stable, across.unknown)
+    for point, value in zip(listed["points"], across.jacobi_constants, strict=True):
+        point |= {} if value is None else {"jacobi_constant": to_json(value)}
+    return listed
+
+
+def _entries(found: CompleteList, stable: tuple[StableInterval, ...], unknown: tuple[StableInterval, ...]) -> Json:
+    return {
+        "points": [_point(point) for point in found.points],
+        "stable": [_stable(entry) for entry in stable],
+        "undecided": [_stable(entry) for entry in unknown],
+        "gaps": [_gap(gap) for gap in found.gaps],
+    }
+
+
+def _point(point: Point) -> Json:
+    balls = _balls({"s": point.s, "level": point.level, "half_period": point.half_period})
+    names = {"piece": point.piece, "k": point.k, "j": point.j, "kind": name_of(point.kind)}
+    return {**names, **balls, "point": _balls(point.point), "certificates": list(point.certificates)}
+
+
+def _extremum(entry: Extremum) -> Json:
+    balls = {"value": entry.value, "s": entry.s, "level": entry.level, "half_period": entry.half_period}
+    known = {"certificates": list(entry.certificates)} if entry.certificates else {}
+    return {"piece": entry.piece, "in_band": entry.in_band, **_balls(balls), **known}
+
+
+def _gap(gap: Gap) -> Json:
+    interval = _outward(gap.start, gap.end)
+    return {"piece": gap.piece, "interval": interval, "about": name_of(gap.subject), "reason": gap.reason}
+
+
+def _stable(entry: StableInterval) -> Json:
+    """What is at both ends, and where on their pieces."""
+    between = {} if entry.ranges is None else {"between": _ranges(entry.ranges)}
+    return {"from": _bound(entry.begin, entry.pieces[0]), "to": _bound(entry.end, entry.pieces[1]), **between}
+
+
+def _bound(bound: Bound, piece: str) -> Json:
+    """With level and half period if it is a point of the list."""
+    known = {} if bound.ranges is None else _ranges(bound.ranges)
+    if bound.point is not None:
+        known |= _balls({"level": bound.point.level, "half_period": bound.point.half_period})
+    interval = _outward(bound.lower, bound.upper)
+    return {"what": [name_of(what) for what in bound.what], "piece": piece, "interval": interval, **known}
+
+
+def _ranges(ranges: Ranges) -> Json:
+    entry = _balls({"half_period": ranges.half_period})
+    places: Json = {}
+    for name, (distance, where) in ranges.distances.items():
+        places |= {f"{name}_distance": to_json(distance), f"{name}_distance_at": where.value}
+    return {**entry, **places}
+
+
+def _balls(balls: Mapping[str, arb]) -> Json:
+    return {name: to_json(ball) for name, ball in balls.items()}
+
+
+def _outward(start: Fraction, end: Fraction) -> list[str]:
+    return [format_exact(shortened(start, -1)), format_exact(shortened(end, 1))]
+
+
+def shortened(value: Fraction, side: int) -> Fraction:
+    """A dyadic number next to an end of an interval, beyond it."""
+    scaled = value * 2**60
+    whole = scaled.numerator // scaled.denominator
+    return Fraction(whole + (1 if side > 0 and whole != scaled else 0), 2**60)
