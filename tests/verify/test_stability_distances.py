@@ -151,7 +151,7 @@ def test_what_is_not_finite_has_no_sign() -> None:
 def test_another_integration_confirms_the_bounds(found: tuple[str, dict[str, Any]]) -> None:
     name, entry = found
     if name == "symmetric":
-        assert list(unconfirmed_of(entry, enclosed(name, PieceLimits(104, 32, 22)))) == []
+        assert list(unconfirmed_of(entry, enclosed(name, PieceLimits(88, 30, 18)))) == []
 
 
 def test_an_integration_confirms_itself_and_one_that_rounds_another_way(found: tuple[str, dict[str, Any]]) -> None:
