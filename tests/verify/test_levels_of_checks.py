@@ -39,9 +39,8 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.certificate import rechecking as chapter
 from orbitproof.verify.certificate.certify import certify
-from orbitproof.verify.certificate.kinds import contradictions, unconfirmed
+from orbitproof.verify.certificate.kinds import contradictions, tables_to_json, unconfirmed
 from orbitproof.verify.certificate.stored_balls import to_json as results_to_json
-from orbitproof.verify.certificate.tables import tables_to_json
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds
 from orbitproof.verify.oracle import more_precision
 from orbitproof.verify.poincare import Enclosures

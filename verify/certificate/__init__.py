@@ -9,6 +9,7 @@ from orbitproof.verify.certificate.certificate import (
     repeated,
     write_certificates,
 )
+from orbitproof.verify.certificate.kinds import tables_from_json
 from orbitproof.verify.certificate.levels import (
     MEANINGS,
     REWORDED,
@@ -36,5 +37,4 @@ from orbitproof.verify.certificate.rechecking import (
     recheck,
 )
 from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
-from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits

@@ -17,7 +17,6 @@ from typing import Any, Literal
 from flint import arb
 
 from orbitproof.shared.formats import (
-    ORBIT,
     ArgumentError,
     Candidate,
     InputError,
@@ -28,10 +27,9 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate.kinds import Found, Results, theorem_of
+from orbitproof.verify.certificate.kinds import KINDS, Found, Results, kind_of, tables_to_json, theorem_of
 from orbitproof.verify.certificate.stated_system import system_names
-from orbitproof.verify.certificate.stored_balls import from_json, to_json
-from orbitproof.verify.certificate.tables import tables_to_json
+from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import (
     Hypothesis,
@@ -47,12 +45,6 @@ from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.words import in_full, theorem_in_words
 
 _SHOWN_DIGITS = 34
-_KINDS = {
-    "symmetry_breaking": "symmetry breaking",
-    "fold": "fold",
-    "period_tupling": "tupling",
-    "touch_and_go": "touch-and-go",
-}
 _SYMBOLS = {"Jacobi constant": "C"}
 
 
@@ -198,7 +190,7 @@ class Certificate:
 
     @property
     def _claim(self) -> str:
-        return ORBIT if self.kind == ORBIT else f"k = {self.k} {_KINDS.get(self.kind, self.kind)}"
+        return KINDS[self.kind].said(self.k, self.kind)
 
     def _shown_parameter(self) -> str:
         if self.parameter is None or self.parameter_name is None:
@@ -220,10 +212,7 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         )
         place = "results"
         results = entry.get("results") or {}
-        if kind == ORBIT and results:
-            results = {**results, "parameter_name": "period", "parameter": results["period"]}
-        parameter = ball_from_json(results["parameter"]) if results else None
-        orbit = from_json(OrbitResults, results, f"{source}: field results") if kind == ORBIT and results else None
+        attributes = {**_NOTHING, **(KINDS[kind].attributes(results, source) if results else {})}
         point, normal_form = _balls(results.get("point", {})), _balls(results.get("normal_form", {}))
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{source}: field {place}: {error}; verify the candidate again") from None
@@ -234,12 +223,9 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         "k": k,
         "verdict": entry["verdict"],
         "theorem": entry["statement"].get("theorem"),
-        "parameter_name": results.get("parameter_name"),
-        "parameter": parameter,
         "point": point,
-        "side": results.get("side"),
         "normal_form": normal_form,
-        "orbit": orbit,
+        **attributes,
         "hypotheses": hypotheses,
         "reason": None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"]),
         "computation": Computation(
@@ -248,6 +234,10 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         ),
         "software": MappingProxyType(entry.get("software", {})),
     }  # fmt: skip
+
+
+_NOTHING = {"parameter_name": None, "parameter": None, "side": None, "orbit": None}
+"""What a certificate says of what is not proved."""
 
 
 def _balls(entries: Mapping[str, Mapping[str, str]]) -> Mapping[str, arb]:
@@ -260,7 +250,7 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
     `form` is the candidate rewritten with the level of the first integral as parameter, if its box and
     coordinates are those that the hypotheses are about.
     """
-    system = candidate.system
+    system, kind = candidate.system, kind_of(candidate)
     integral = system.first_integral_program
     claim: dict[str, Any] = {
         "candidate": candidate_to_json(candidate, provenance=False),
@@ -269,9 +259,9 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
         "reversing_symmetry": list(system.reversing_symmetry),
         "symmetry": None if candidate.symmetry is None else list(system.symmetries[candidate.symmetry]),
         "section": system.section,
-        "names": system_names(system, candidate.kind == ORBIT),
+        "names": system_names(system, kind.with_distance),
     }
-    if candidate.kind == ORBIT and system.squared_distance_program is not None:
+    if kind.with_distance and system.squared_distance_program is not None:
         claim["squared_distance"] = system.squared_distance_program.text()
     if form is not None:
         claim["level_form"] = candidate_to_json(form, provenance=False)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from orbitproof.shared.formats import ORBIT, Candidate, InputError
+from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.verify.bifurcation import (
     BifurcationTheorem,
     check_exactly,
@@ -21,7 +21,7 @@ from orbitproof.verify.bifurcation import (
     level_spread,
 )
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
-from orbitproof.verify.certificate.kinds import Found, enclose, prove, theorem_of
+from orbitproof.verify.certificate.kinds import Found, enclose, kind_of, prove, theorem_of
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -34,10 +34,8 @@ from orbitproof.verify.oracle.precision import (
     Limits,
     Verdict,
     accuracy_bits,
-    first_precision,
     missing_bits,
     more_precision,
-    steps_of_centre,
 )
 from orbitproof.verify.poincare import IntegratorSettings
 
@@ -146,7 +144,7 @@ def _another_form_may_do(reason: Reason) -> bool:
 
 def _forms(candidate: Candidate, limits: Limits) -> list[Candidate | None]:
     """What to try, in this order: level forms of the candidate, or `None` for the candidate as it is."""
-    form = None if limits.level == "coordinates" or candidate.kind == ORBIT else level_form(candidate)
+    form = None if limits.level == "coordinates" else kind_of(candidate).level_form(candidate)
     if form is None:
         return [None]
     if limits.level == "integral":
@@ -179,7 +177,7 @@ def _escalate(
             progress(fraction, f"{precision} bits" if attempts == 1 else f"{precision} bits, attempt {attempts}")
 
     accuracy = accuracy_bits(candidate, limits.digits)
-    precision = min(_first_precision(candidate, limits.digits), limits.max_precision)
+    precision = min(kind_of(candidate).first_precision(candidate, limits.digits), limits.max_precision)
     while True:
         attempts += 1
         try:
@@ -200,13 +198,6 @@ def _escalate(
         precision = more
     assert best is not None
     return best, attempts
-
-
-def _first_precision(candidate: Candidate, digits: int) -> int:
-    least = first_precision(candidate, digits)
-    if candidate.k == 1 or candidate.kind == ORBIT:
-        return least
-    return first_precision(candidate, digits, steps_of_centre(candidate, least))
 
 
 def _better(old: _Attempt | None, new: _Attempt) -> _Attempt:

@@ -26,6 +26,7 @@ from orbitproof.verify.certificate.kinds import (
     contradictions,
     enclose,
     prove,
+    tables_from_json,
     theorem_of,
     too_narrow,
     unconfirmed,
@@ -42,7 +43,6 @@ from orbitproof.verify.certificate.levels import (
     unknown_reason,
 )
 from orbitproof.verify.certificate.stated_system import named_as, systems_with
-from orbitproof.verify.certificate.tables import tables_from_json
 from orbitproof.verify.evidence import (
     Checklist,
     IntegrationFailure,
