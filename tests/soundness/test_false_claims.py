@@ -21,7 +21,7 @@ from support.claims import (
     with_radii,
 )
 
-import orbitproof.verify.certificate.certify
+import orbitproof.verify.certificate.bifurcation_rows
 import orbitproof.verify.flow.step
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
@@ -392,7 +392,7 @@ def test_what_more_precision_cannot_change_is_refused_at_once(claim: Candidate, 
 def test_what_fails_for_want_of_precision_is_tried_again_until_it_is_proved(
     name: str, bits: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(orbitproof.verify.certificate.certify, "first_precision", lambda *args: bits)
+    monkeypatch.setattr(orbitproof.verify.certificate.bifurcation_rows, "first_precision", lambda *args: bits)
     certificate = certify(known(name), Limits(max_precision=512))
     assert verdict_of(certificate) == "proved"
     assert certificate.computation.attempts > 1
