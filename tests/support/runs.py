@@ -22,7 +22,7 @@ _PATIENCE_SECONDS = 120.0
 
 def done_here(words: Sequence[str]) -> int:
     """The exit code of ``orbitproof`` with these words, run in this process: what it compiles is compiled once."""
-    with mock.patch.object(sys, "argv", ["orbitproof", *words]):
+    with mock.patch.object(sys, "argv", ["orbitproof", *words]), mock.patch.dict(os.environ):
         try:
             return main()
         except SystemExit as end:

@@ -60,7 +60,8 @@ def state(orbit: OrbitResults) -> Callable[[Any], list[Any]]:
         with mpmath.workprec(BITS):
             x, z, vy = (middle(ball) for ball in orbit.point.values())
             zero, mu = mpmath.mpf(0), number(VERTICAL.parameters["mu"])
-            return extrapolated_flow(CR3BP, [mu], [x, zero, z, zero, vy, zero], share * middle(orbit.half_period), 24)
+            start, time = [x, zero, z, zero, vy, zero], share * middle(orbit.half_period)
+            return extrapolated_flow(CR3BP, [mu], start, time, 16, 10)
 
     return at
 
@@ -104,7 +105,7 @@ def test_the_turning_distance_is_the_same_in_other_coordinates() -> None:
     """Steps of other lengths, in another time."""
     approaches = []
     for coordinates in (PHYSICAL, REGULARISED):
-        found = enclose_orbit(VERTICAL, IntegratorSettings(200, coordinates=coordinates), ORACLE)
+        found = enclose_orbit(VERTICAL, IntegratorSettings(128, coordinates=coordinates), ORACLE)
         assert found.distance is not None
         (approach,) = found.distance.between
         assert approach.kind == 1
