@@ -7,7 +7,7 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 from orbitproof.shared.formats import Atlas, Candidate, InputError
-from orbitproof.verify.atlas import AtlasCertificate, Placed, read_atlas_certificate, write_atlas_certificate
+from orbitproof.verify.atlas import AtlasCertificate, Placed, kind_of, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
 from orbitproof.verify.run import GIBIBYTE, CheckLimits
 from orbitproof.verify.run.branch_checks import places_on_apart
@@ -128,7 +128,7 @@ def certify_atlas(
     given = list(bifurcations)
     for name in repeated(given):
         raise InputError(f"bifurcations: id {name!r} appears twice; give each certificate once")
-    if given and claim.is_surface:
+    if given and not kind_of(claim).holds_points:
         raise InputError("bifurcations: a surface is about all bifurcations over it; leave them out")
     limits = limits_of(claim, complete, max_splits, timeout, precision=precision, order=order, width=width)
     run = started(claim, limits, None if output is None else Path(output), fresh)

@@ -9,7 +9,7 @@ from typing import Any
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.conclusion import partner
+from orbitproof.verify.atlas.kinds import kind_of, partner
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
     REWORDED,
@@ -46,7 +46,7 @@ def places_on(curve: AtlasCertificate, orbits: Sequence[Certificate]) -> list[Pl
 
     The certificate of the curve is checked up to its conclusion first, and so is each orbit's.
     """
-    examined = None if curve.atlas.is_surface else check_of_conclusion(curve.document)
+    examined = check_of_conclusion(curve.document) if kind_of(curve.atlas).holds_points else None
     return [Placed(entry.with_place(place), line) for entry, place, line in _placed(curve, examined, orbits)]
 
 

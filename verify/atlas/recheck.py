@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -22,6 +22,7 @@ from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
 from orbitproof.verify.atlas.certificate import SCHEMA, make_atlas_certificate
 from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json
 from orbitproof.verify.certificate import (
     NOT_INTEGRATED,
@@ -46,10 +47,10 @@ from orbitproof.verify.certificate import (
     systems_with,
     unknown_reason,
 )
-from orbitproof.verify.curve import CurveTheorem, Interval, PieceLimits
+from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import NotKnown, quoted_name
 from orbitproof.verify.stability import StabilityResult, unconfirmed
-from orbitproof.verify.surface import ProvedPart, SurfaceLimits, SurfaceResult, SurfaceTheorem, unshown
+from orbitproof.verify.surface import ProvedPart, SurfaceResult, unshown
 
 _MORE = {"precision": 32, "order": 4, "width": 8}
 _MORE_OF_SAME_WIDTH = {"precision": 32, "order": 4}
@@ -173,7 +174,7 @@ def _form(document: Document, examination: Examination) -> Iterator[Finding]:
         names, listed = list(map(shown, names)), list(map(shown, listed))
         yield Finding("rests_on", f"carries {', '.join(names) or 'nothing'}; listed: {', '.join(listed)}")
     found = [hypothesis["name"] for hypothesis in conclusion["hypotheses"]]
-    expected = (SurfaceTheorem(atlas) if atlas.is_surface else CurveTheorem(atlas)).hypotheses
+    expected = kind_of(atlas).theorem(atlas).hypotheses
     if document["verdict"] == "proved":
         yield from other_hypotheses(found, expected, document)
     else:
@@ -191,7 +192,7 @@ def _conclusion(
     yield from _other_certificates(document, given)
     yield from decimals(document["results"], "results")
     results = results_from_json(atlas, document["results"])
-    pieces = {piece.id: piece for piece in atlas.surface_pieces()} if atlas.is_surface else {}
+    pieces = {piece.id: piece for piece in atlas.surface_pieces()}
     for index, result in enumerate(results):
         for number, part in enumerate(result.parts if isinstance(result, SurfaceResult) else ()):
             place = f"results[{index}].parts[{number}]"
@@ -281,7 +282,7 @@ def _intervals(
 ) -> tuple[list[ProvedBefore], dict[str, Result]]:
     """The proved intervals, to be proved with other settings, and the stored result of each by its name."""
     pieces = {piece.id: piece for piece in atlas.pieces}
-    names = asdict(SurfaceLimits() if atlas.is_surface else PieceLimits())
+    names = kind_of(atlas).settings()
     is_stated = document["statement"]["atlas"]["system"] == atlas.system.name not in BRANCH_SYSTEMS
     intervals, before = [], {}
     results = results_from_json(atlas, document["results"])

@@ -23,6 +23,7 @@ from orbitproof.verify.atlas import (
     recheck_places,
 )
 from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Report, Work, apart
 from orbitproof.verify.run.branch_tasks import result_of, task_again
@@ -167,7 +168,7 @@ def places_checked(
         curve: the certificate that the places rest on, which is checked as far as the others; without it they cannot
             be checked.
     """
-    is_curve = curve is not None and not curve.atlas.is_surface
+    is_curve = curve is not None and kind_of(curve.atlas).holds_points
     checked = examined(curve.document, (), integrate, workplace) if curve is not None and is_curve else None
     for entry in certificates:
         found = recheck_places_apart(curve, checked, [entry], {entry.id: checks[entry.id]}, workplace.row_checks)

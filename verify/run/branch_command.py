@@ -12,6 +12,7 @@ from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import SCHEMA
 from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, read_certificates
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole
 from orbitproof.verify.run.branch_checks import examined, is_about_surface
@@ -88,7 +89,7 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
     atlas = read_atlas(options.file)
     given = {name: getattr(options, name) for name in ("precision", "order", "width")}
     limits = limits_of(atlas, options.complete, options.max_splits, options.timeout, **given)
-    bifurcations = _chosen_bifurcations(options.bifurcations, options.only, atlas.is_surface)
+    bifurcations = _chosen_bifurcations(options.bifurcations, options.only, kind_of(atlas).holds_points)
     run = started(atlas, limits, options.output, options.fresh)
     interrupted = False
     try:
@@ -135,11 +136,11 @@ def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> i
     return 0 if found.stands else 1
 
 
-def _chosen_bifurcations(files: Sequence[Path], only: Sequence[str] | None, is_surface: bool) -> list[Certificate]:
+def _chosen_bifurcations(files: Sequence[Path], only: Sequence[str] | None, holds_points: bool) -> list[Certificate]:
     """The certificates asked about, in the order of the files. Raises `InputError`."""
     if only is not None and not files:
         raise InputError("--only: chooses among bifurcations; give their certificates with --bifurcations")
-    if files and is_surface:
+    if files and not holds_points:
         raise InputError("--bifurcations: a surface is about all bifurcations over it; leave them out")
     found: dict[str, Certificate] = {}
     for path in files:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from orbitproof.shared.formats import AnyPiece, Atlas, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.atlas.interval_proof import not_proved, question
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.recheck import ProvedBefore
 from orbitproof.verify.atlas.results import Result, Settings, result_from_json
-from orbitproof.verify.curve import Interval, PieceLimits
+from orbitproof.verify.curve import Interval
 from orbitproof.verify.run import Answer, Failure, Task
-from orbitproof.verify.surface import SurfaceLimits
 
 MOST_SPLITS, LARGEST_ORDER = 20, 99
 
@@ -52,9 +52,8 @@ def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
     Some orbits lose more digits than others, and no shorter interval makes up for them. Raises `ValueError` if a
     setting is out of range.
     """
-    kind = SurfaceLimits if atlas.is_surface else PieceLimits
     given = {**(_FOR_STABILITY if limits.stability else {}), **limits.integrator}
-    first = asdict(kind(**given))
+    first = kind_of(atlas).settings(**given)
     more = {"precision": _MORE_BITS, "order": _MORE_ORDER, "width": _MORE_WIDTH}
     return first, {name: value + more.get(name, 0) for name, value in first.items()}
 

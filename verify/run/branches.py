@@ -16,6 +16,7 @@ from orbitproof.verify.atlas import (
 )
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result, Settings, condition_of
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
@@ -194,7 +195,7 @@ def limits_of(
 
     Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense.
     """
-    if complete is not None and atlas.is_surface:
+    if complete is not None and not kind_of(atlas).holds_points:
         raise ArgumentError("{complete}: lists what is on a curve, and this atlas is about a surface; leave it out")
     if complete is not None and atlas.system.fixed_level is not None:
         raise ArgumentError("{complete}: no list is claimed on a fixed level of a first integral; leave it out")
