@@ -2,78 +2,11 @@
 
 from __future__ import annotations
 
-import sys
-from string import Formatter
-
 LONGEST_QUOTED = 100
 
 
 class InputError(Exception):
     """Bad input, in one line: what (file and field), why, and what to do about it."""
-
-    @property
-    def on_command_line(self) -> str:
-        """The line as a command says it."""
-        return str(self)
-
-
-class ArgumentError(InputError):
-    """Bad input to a function that a command line calls too: in Python the line names arguments, there their options.
-
-    Made of words with the arguments in braces and values by their numbers; an option of another name, and one that is
-    a value of an argument, follow a colon.
-
-    >>> error = ArgumentError("{max_splits} {0}: give less, or {fresh=True:--fresh} and {formats:--format}", 10)
-    >>> print(error)
-    max_splits 10: give less, or fresh=True and formats
-    >>> print(error.on_command_line)
-    --max-splits 10: give less, or --fresh and --format
-    """
-
-    def __init__(self, words: str, *values: object) -> None:
-        super().__init__(words, *values)
-
-    def __str__(self) -> str:
-        words, *values = self.args
-        return Formatter().vformat(words, values, _Names(_Argument))
-
-    @property
-    def on_command_line(self) -> str:
-        """The line as a command says it."""
-        words, *values = self.args
-        said = [value.on_command_line if isinstance(value, InputError) else value for value in values]
-        return Formatter().vformat(words, said, _Names(_Option))
-
-
-class _Names(dict[str, str]):
-    """Every name there is, as text of this kind."""
-
-    def __init__(self, kind: type[str]) -> None:
-        super().__init__()
-        self._kind = kind
-
-    def __missing__(self, name: str) -> str:
-        return self._kind(name)
-
-
-class _Argument(str):
-    """An argument, as Python calls it."""
-
-    def __format__(self, option: str) -> str:
-        return str(self)
-
-
-class _Option(str):
-    """The same as an option."""
-
-    def __format__(self, option: str) -> str:
-        return option or f"--{self.replace('_', '-')}"
-
-
-def refused(error: InputError, before: str = "error") -> int:
-    """Say on standard error what is wrong with the input of a command, in one line; the exit code for it."""
-    print(f"{before}: {error.on_command_line}", file=sys.stderr)
-    return 2
 
 
 def short(text: str) -> str:

@@ -1,5 +1,6 @@
 """JSON formats: claims and other documents, read, checked against their schema, and written."""
 
+from orbitproof.shared.arguments import ArgumentError, refused
 from orbitproof.shared.claims import (
     COORDINATE,
     FOLD,
@@ -23,7 +24,7 @@ from orbitproof.shared.claims import (
     evaluate,
     is_regular,
 )
-from orbitproof.shared.errors import ArgumentError, InputError, refused
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.atlas import atlas_from_json, atlas_to_json, read_atlas, write_atlas
 from orbitproof.shared.formats.candidates import (
     candidate_from_json,

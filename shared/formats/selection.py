@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fnmatch import fnmatchcase
 
-from orbitproof.shared.errors import ArgumentError
+from orbitproof.shared.arguments import ArgumentError
 
 _WILD = frozenset("*?[")
 

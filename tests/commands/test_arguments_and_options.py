@@ -16,6 +16,7 @@ from orbitproof import explore, figures, verify
 from orbitproof.explore.__main__ import main as explore_command
 from orbitproof.figures.__main__ import main as figures_command
 from orbitproof.shared import InputError, load_system, read_atlas, write_candidates
+from orbitproof.shared.arguments import as_command_says
 from orbitproof.shared.formats import ArgumentError
 from orbitproof.verify.__main__ import main as verify_command
 
@@ -134,7 +135,7 @@ def test_a_value_that_looks_like_an_argument_stays_as_it_is() -> None:
     assert error.on_command_line == "--output: {fresh}.json is no {0}; give --fresh"
     again = pickle.loads(pickle.dumps(error))
     assert (str(again), again.on_command_line) == (str(error), error.on_command_line)
-    assert InputError("no {file}").on_command_line == "no {file}"
+    assert as_command_says(InputError("no {file}")) == "no {file}"
 
 
 SAYS_OPTION = re.compile(r'(?:InputError|ValueError)\(\s*f?"--')

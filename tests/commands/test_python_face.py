@@ -61,7 +61,7 @@ def proof() -> verify.Certificate:
 
 @pytest.mark.parametrize(
     "module",
-    [f"orbitproof.{name}" for name in ("shared", "shared.errors", "verify.scripting", "explore.scripting")],
+    [f"orbitproof.{name}" for name in ("shared", "shared.arguments", "verify.scripting", "explore.scripting")],
 )
 def test_examples_of_the_documentation_hold(module: str) -> None:
     result = doctest.testmod(import_module(module), optionflags=doctest.ELLIPSIS)
