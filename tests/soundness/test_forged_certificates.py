@@ -281,6 +281,57 @@ def test_a_side_that_is_consistent_with_a_false_enclosure_is_found_by_integratin
     assert any("side" in finding.place for finding in found.findings)
 
 
+def _without_parts(document: Document) -> None:
+    del document["results"][0]["parts"]
+
+
+def _with_no_part(document: Document) -> None:
+    document["results"][0]["parts"] = []
+
+
+def _without_the_last_part(document: Document) -> None:
+    document["results"][0]["parts"].pop()
+
+
+def _backwards(document: Document) -> None:
+    document["results"][0]["parts"].reverse()
+
+
+def _with_another_that_has_no_parts(document: Document) -> None:
+    document["results"].insert(0, {**document["results"][0], "parts": []})
+
+
+PARTS = [_without_parts, _with_no_part, _without_the_last_part, _backwards, _with_another_that_has_no_parts]
+
+
+@pytest.mark.parametrize("change", PARTS)
+def test_a_proved_result_of_a_surface_that_lacks_parts_is_malformed(surface: Document, change: Any) -> None:
+    assert len(surface["results"][0]["parts"]) > 1
+    found = checked(forged(surface, change))
+    assert (found.level, found.findings[0].place) == (Level.NONE, "results[0].parts")
+
+
+def test_results_in_another_order_than_along_the_curve_are_found(curve: Document) -> None:
+    found = checked(forged(curve, lambda d: d["results"].reverse()))
+    assert found.level is Level.FORM
+    assert found.findings[0].place.startswith("results[0]")
+
+
+def test_a_result_of_a_curve_has_nothing_of_one_of_a_surface(curve: Document, surface: Document) -> None:
+    parts, stability = surface["results"][0]["parts"], {"reason": {"message": "it was not tried"}}
+    for document, key, value in ((curve, "parts", parts), (curve, "parts", []), (surface, "stability", stability)):
+        found = checked(forged(document, lambda d, key=key, value=value: d["results"][0].update({key: value})))
+        assert (found.level, found.findings[0].place) == (Level.NONE, f"results[0].{key}")
+
+
+def test_a_claim_of_an_unknown_kind_is_read_and_does_not_stand(point: Certificate) -> None:
+    other = Certificate.from_json(forged(point.to_json(), lambda d: d["statement"]["candidate"].update(kind="hopf")))
+    assert "k = 3 hopf" in str(other)
+    found = recheck(other)
+    assert (found.level, found.word) == (Level.NONE, "DOES NOT STAND")
+    assert "hopf" in found.findings[0].message
+
+
 # Systems that are not known here
 
 

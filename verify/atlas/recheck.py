@@ -199,9 +199,9 @@ def _conclusion(
             yield from (Finding(place, text) for text in unshown(pieces[result.piece], part))
     conclusion = means.conclude(atlas, results, bifurcations, order_of(document))
     examination.hypotheses = len(conclusion["hypotheses"])
-    again = make_atlas_certificate(atlas, results, conclusion, bifurcations)
-    # What is stored is what was read; how its numbers are written is not compared.
-    again["results"] = document["results"]
+    # What is stored is what was read: its order is compared, and not how its numbers are written.
+    stored = dict(zip(map(id, results), document["results"], strict=True))
+    again = make_atlas_certificate(atlas, results, conclusion, bifurcations, lambda result: stored[id(result)])
     again["statement"] = named_as(document["statement"], again["statement"])
     # What made the file may differ.
     apart = ("software", "digest")

@@ -27,7 +27,7 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate.kinds import KINDS, Found, Results, kind_of, tables_to_json, theorem_of
+from orbitproof.verify.certificate.kinds import Found, Results, kind_named, kind_of, tables_to_json, theorem_of
 from orbitproof.verify.certificate.stated_system import system_names
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
@@ -190,7 +190,7 @@ class Certificate:
 
     @property
     def _claim(self) -> str:
-        return KINDS[self.kind].said(self.k, self.kind)
+        return kind_named(self.kind).said(self.k, self.kind)
 
     def _shown_parameter(self) -> str:
         if self.parameter is None or self.parameter_name is None:
@@ -212,7 +212,7 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
         )
         place = "results"
         results = entry.get("results") or {}
-        attributes = {**_NOTHING, **(KINDS[kind].attributes(results, source) if results else {})}
+        attributes = {**_NOTHING, **(kind_named(kind).attributes(results, source) if results else {})}
         point, normal_form = _balls(results.get("point", {})), _balls(results.get("normal_form", {}))
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{source}: field {place}: {error}; verify the candidate again") from None

@@ -25,6 +25,11 @@ KINDS: Mapping[str, RowKind[Any, Any]] = {name: kind for kind in (BIFURCATIONS, 
 """By the kinds of claims as candidates say them."""
 
 
+def kind_named(name: str) -> RowKind[Any, Any]:
+    """The kind of claims with a name; a file may say one that is none, until it is checked: as if of a bifurcation."""
+    return KINDS.get(name, BIFURCATIONS)
+
+
 def kind_of(candidate: Candidate) -> RowKind[Any, Any]:
     """The kind of a claim."""
     return KINDS[candidate.kind]

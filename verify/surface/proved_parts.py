@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from flint import arb
 
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.stored import stored
 from orbitproof.verify.curve import PROVED, Computation, Interval, IntervalResult
 
@@ -48,6 +49,13 @@ class SurfaceResult(IntervalResult):
     """
 
     parts: tuple[ProvedPart, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        reached = [self.interval[0], *(part.end for part in self.parts)]
+        begun = [*(part.start for part in self.parts), self.interval[1]]
+        if self.is_proved and any(end < start for end, start in zip(reached, begun, strict=True)):
+            raise InputError("parts: are not all of the interval, in order; write the file again")
 
 
 @dataclass(frozen=True)
