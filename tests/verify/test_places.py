@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -12,6 +14,8 @@ from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 from orbitproof.verify.atlas import AtlasCertificate, check_of_conclusion, places_on, recheck_places
 from orbitproof.verify.certificate import Certificate, Finding, Limits, Recheck, recheck
 from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.run import CheckLimits
+from orbitproof.verify.run.branch_checks import places_on_apart
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +50,17 @@ def test_a_place_stands_with_the_curve_that_it_rests_on(curve: AtlasCertificate,
     assert (place["piece"], place["mirrored"], place["other_point"]) == ("p000", False, False)
     assert not recheck(placed).stands
     assert checked(curve, placed).stands
+
+
+def test_a_curve_whose_results_were_read_can_be_handed_to_another_process(
+    curve: AtlasCertificate, point: Certificate
+) -> None:
+    assert len(curve.results) == 3
+    again = pickle.loads(pickle.dumps(curve))
+    assert again == curve
+    assert len(again.results) == len(copy.deepcopy(curve).results) == 3
+    (found,) = places_on_apart(curve, [point], CheckLimits())
+    assert "lies on the proved curve parabola" in found.line
 
 
 CHANGES: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {

@@ -127,6 +127,10 @@ class AtlasCertificate:
         pieces = f"{len(self.atlas.pieces)} piece{'s' if len(self.atlas.pieces) > 1 else ''}"
         return f"<AtlasCertificate {self.id!r}: {self.verdict}, {pieces}>"
 
+    def __reduce__(self) -> tuple[type[AtlasCertificate], tuple[Atlas, Mapping[str, Any]]]:
+        # Results that were read hold balls, which do not travel.
+        return AtlasCertificate, (self.atlas, self.document)
+
     @property
     def id(self) -> str:
         """That of the atlas."""
