@@ -58,9 +58,8 @@ def test_a_fault_of_the_integration_is_not_a_proof(fault: type[Exception]) -> No
     [
         ("check_exactly", "exact checks"),
         ("prove", "evaluation"),
-        ("first_precision", "verification"),
+        ("kind_of", "verification"),
         ("more_precision", "verification"),
-        ("level_form", "verification"),
         ("make_certificate", "verification"),
     ],
 )
