@@ -75,7 +75,7 @@ def test_a_polynomial_that_was_changed_is_found(tmp_path: Path, capsys: Any) -> 
     output, errors = capsys.readouterr()
     assert "NOT PROVED" in output
     assert f"{second.id}: not proved" in errors
-    assert {r["piece"] for r in read_atlas_certificate(target).results if r["verdict"] == "proved"} == {first.id}
+    assert {r.piece for r in read_atlas_certificate(target).results if r.is_proved} == {first.id}
 
 
 @pytest.mark.slow

@@ -147,9 +147,9 @@ def test_a_cluster_gives_the_same_certificate_as_processes(tmp_path: Path, capsy
     assert main([source, "-o", str(tmp_path / "b.json"), "--jobs", "2"], atlas_work.short_only) == 0
     by_cluster, by_processes = (json.loads((tmp_path / name).read_text()) for name in ("a.json", "b.json"))
     assert by_cluster == by_processes
-    lost = [r for r in read_atlas_certificate(tmp_path / "c.json").results if r["verdict"] != "proved"]
-    assert [result["piece"] for result in lost] == ["p001"]
-    assert "the cluster has no result for it (KilledWorker)" in lost[0]["reason"]["message"]
+    lost = [r for r in read_atlas_certificate(tmp_path / "c.json").results if not r.is_proved]
+    assert [result.piece for result in lost] == ["p001"]
+    assert "the cluster has no result for it (KilledWorker)" in str(lost[0].reason and lost[0].reason.message)
 
 
 @pytest.mark.slow

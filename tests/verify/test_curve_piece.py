@@ -209,7 +209,7 @@ def check_orbits(name: str, interval: tuple[Fraction, Fraction], limits: PieceLi
     result = prove_piece(system, parameters, piece, interval, ORACLE, limits, None, symmetry)
     known = proved_interval(result)
     if name == "regularised":
-        assert result.computation["coordinates"] != "physical"
+        assert result.computation.coordinates != "physical"
     step = Fraction(1, 2**20)
     for s in places((known.start, known.end), count)[-count:]:
         s = s or step
