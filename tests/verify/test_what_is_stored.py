@@ -1,0 +1,226 @@
+"""Certificates store all that values say and nothing else; no number of them is left out when they are compared."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+from support.claims import known
+from support.stability_cases import atlas, results
+from support.stored import values
+
+from orbitproof.shared import format_exact, parse_exact
+from orbitproof.shared.formats import read_candidates
+from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
+from orbitproof.verify.certificate import Limits, rechecking
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate.kinds import contradictions, kind_of
+from orbitproof.verify.certificate.row_kind import all_numbers
+from orbitproof.verify.certificate.tables import ball_to_text
+from orbitproof.verify.curve import Bifurcation, Place, conclude
+from orbitproof.verify.distances import Ranges, Where
+from orbitproof.verify.distances.ranges import Extreme
+from orbitproof.verify.evidence import Proved, ball_to_json, hypothesis_to_json
+from orbitproof.verify.orbit import OrbitEnclosures
+from orbitproof.verify.stability import (
+    CurveEnd,
+    Extremum,
+    Gap,
+    Kind,
+    ListAcross,
+    ListConclusion,
+    Matter,
+    Point,
+    Resonance,
+    StableInterval,
+    conclude_list,
+)
+from orbitproof.verify.stability.linear_stability import Bound
+
+DATA = Path(__file__).parents[1] / "data"
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Any:
+    with ctx.workprec(160):
+        yield
+
+
+def enclosures_of(name: str) -> tuple[Any, Any, dict[str, Any]]:
+    """A claim, what it was proved from, and the same as its certificate stores it."""
+    claim = read_candidates(DATA / "orbit-vertical.json")[-1] if name == "orbit" else known(name)
+    entry = certify(claim, Limits(digits=10, max_precision=256, level="coordinates")).to_json()
+    stated = rechecking._read(entry)
+    return stated.claim, stated.enclosures, entry["enclosures"]
+
+
+def texts_of(value: Any) -> Iterator[str]:
+    if isinstance(value, str) and "+-" in value:
+        yield value
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        yield from texts_of(inner)
+
+
+@pytest.mark.parametrize("name", ["fs3", "em1", "orbit"])
+def test_every_number_that_is_stored_of_a_box_is_compared_with_that_of_another_integration(name: str) -> None:
+    claim, found, entry = enclosures_of(name)
+    compared = Counter(ball_to_text(ball) for ball in all_numbers(kind_of(claim), found).values())
+    assert not Counter(texts_of(entry)) - compared
+    assert (entry["first_integral"] is not None) == (name != "fs3")
+    assert not list(contradictions(found, found, "here"))
+    if isinstance(found, OrbitEnclosures):
+        assert found.distance is not None
+        for change in ({"start_kind": found.distance.end_kind}, {"end_kind": found.distance.start_kind}):
+            with pytest.raises(ValueError, match="do not belong to each other"):
+                list(contradictions(found, replace(found, distance=replace(found.distance, **change)), "here"))
+
+
+def test_what_is_stored_of_a_curve_and_of_points_on_it_is_what_is_known() -> None:
+    on_it = Bifurcation(
+        "a", "fold", 1, Place("p015", arb(1, 2**-9), True, True), "", {"beta": arb(2), "y": arb(3)}, "beta", arb(4)
+    )
+    beside = Bifurcation("b", "period_tupling", 2, None, "elsewhere", {}, "", None, True)
+    curve = replace(conclude(atlas(), values(results())), bifurcations=(on_it, beside))
+    assert isinstance(curve.outcome, Proved)
+    chain = curve.outcome.results.chain
+    told = conclusion_to_json(curve, "words")
+    stored = [(each["piece"], parse_exact(each["enters"]), parse_exact(each["leaves"])) for each in told["stretches"]]
+    assert stored == [(each.tube.piece.id, each.enters, each.leaves) for each in chain.stretches]
+    (joint,), (entry,) = chain.joints, told["joints"]
+    assert entry == {
+        "before": "p014",
+        "after": "p015",
+        "leaves": entry["leaves"],
+        "enters": ball_to_json(joint.enters),
+        "offsets": [ball_to_json(ball) for ball in joint.offsets],
+        "turn": ball_to_json(joint.turn),
+    }
+    assert parse_exact(entry["leaves"]) == joint.leaves
+    assert told["ends"]["start"].keys() == curve.outcome.results.ends["start"].keys()
+    assert told["ends"]["start"]["beta"] == ball_to_json(curve.outcome.results.ends["start"]["beta"])
+    assert told["ends"]["end"]["beta"] == ball_to_json(curve.outcome.results.ends["end"]["beta"])
+    assert (told["verdict"], told["statement"], told["reason"]) == ("proved", "words", None)
+    assert told["bifurcations"] == [
+        {
+            "id": "a", "kind": "fold", "k": 1, "on_curve": True, "piece": "p015", "s": ball_to_json(arb(1, 2**-9)),
+            "mirrored": True, "other_point": True, "is_foreign": False, "reason": "",
+            "point": {"beta": ball_to_json(arb(2)), "y": ball_to_json(arb(3))},
+            "parameter_name": "beta", "parameter": ball_to_json(arb(4)),
+        },
+        {
+            "id": "b", "kind": "period_tupling", "k": 2, "on_curve": False, "piece": None, "s": None,
+            "mirrored": False, "other_point": False, "is_foreign": True, "reason": "elsewhere", "point": {},
+            "parameter_name": "", "parameter": None,
+        },
+    ]  # fmt: skip
+
+
+QUARTER, HALF = Fraction(1, 4), Fraction(1, 2)
+POINT = Point(0, "p014", 5, 2, Kind.RESONANCE, arb(1), arb(2), arb(3), {"beta": arb(4)}, ("a", "b"))
+NEAR = Ranges(arb(5), Extreme(arb(4), Where.HERE), Extreme(arb(9), Where.THERE))
+
+
+def _interval(number: int) -> StableInterval:
+    """Distinct in all that is told of it."""
+    begin = Bound(0, -QUARTER, Fraction(number, 64), (CurveEnd.BEGINNING,))
+    end = Bound(1, QUARTER, HALF, (POINT.found,), POINT, ranges=NEAR)
+    return StableInterval(begin, end, ("p014", "p015"), replace(NEAR, half_period=arb(number)))
+
+
+def test_what_is_stored_of_a_list_is_what_is_known() -> None:
+    curve = conclude(atlas(), values(results()))
+    conclusion = conclude_list(atlas(), values(results()), curve, 4)  # type: ignore[arg-type]
+    assert isinstance(conclusion.outcome, Proved)
+    known_ = conclusion.outcome.results
+    gap = Gap(0, "p014", QUARTER, HALF, Matter.COLLISION, "not decided")
+    beside = Gap(1, "p015", -HALF, QUARTER, Resonance(3, 1), "not looked at")
+    open_gap = Gap(1, "p015", QUARTER, HALF, Matter.EXTREMA, "open")
+    extrema = (
+        Extremum(0, "p014", arb(1), False, arb(2), arb(3), arb(4), ("c",)),
+        Extremum(1, "p015", arb(5), True, arb(6), arb(7), arb(8)),
+    )
+    found = replace(
+        known_.found, points=(POINT,), gaps=(gap,), extrema=extrema, open_extrema=(open_gap,), order=6, parameters=2
+    )
+    across = replace(known_.found, points=(POINT, replace(POINT, k=7)), gaps=(beside,))
+    listed = replace(
+        known_,
+        found=found,
+        stable=(_interval(1),),
+        unknown=(_interval(2),),
+        across=ListAcross(across, (_interval(3),), (_interval(4),), (arb(9), None)),
+    )
+    told = conclusion_to_json(replace(conclusion, outcome=replace(conclusion.outcome, results=listed)), "words")
+    complete = told["complete"]
+    assert told["statement"] == "words"
+    assert (complete["order"], complete["stability_parameters"]) == (6, 2)
+    assert complete["hypotheses"] == [hypothesis_to_json(each) for each in found.hypotheses]
+    assert complete["points"] == [point_as_said(5)]
+    assert complete["stable"] == [interval_as_said(1)]
+    assert complete["undecided"] == [interval_as_said(2)]
+    assert complete["gaps"] == [
+        {"piece": "p014", "interval": ["0x1p-2", "0x1p-1"], "about": Matter.COLLISION.value, "reason": "not decided"}
+    ]
+    assert complete["open_extrema"] == [
+        {"piece": "p015", "interval": ["0x1p-2", "0x1p-1"], "about": Matter.EXTREMA.value, "reason": "open"}
+    ]
+    assert complete["extrema"] == [
+        {"piece": "p014", "in_band": False, **balls(value=1, s=2, level=3, half_period=4), "certificates": ["c"]},
+        {"piece": "p015", "in_band": True, **balls(value=5, s=6, level=7, half_period=8)},
+    ]
+    assert complete["out_of_plane"] == {
+        "points": [{**point_as_said(5), **balls(jacobi_constant=9)}, point_as_said(7)],
+        "stable": [interval_as_said(3)],
+        "undecided": [interval_as_said(4)],
+        "gaps": [
+            {"piece": "p015", "interval": ["-0x1p-1", "0x1p-2"], "about": {"k": 3, "j": 1}, "reason": "not looked at"}
+        ],
+    }
+
+
+def test_a_list_that_is_not_proved_lists_nothing_and_the_reason_is_its_own() -> None:
+    curve = conclude(atlas(), values(results()))
+    refused = conclude(atlas(), values(results()[:1]))
+    assert not refused.is_proved
+    told = conclusion_to_json(ListConclusion(curve, 4, refused.outcome), "")  # type: ignore[arg-type]
+    assert told["verdict"] == "not proved"
+    assert told["reason"] == refused.outcome.reason.to_json()  # type: ignore[union-attr]
+    empty = ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")
+    assert told["complete"] == {**{name: [] for name in empty}, "order": 4}
+
+
+def balls(**numbers: int) -> dict[str, Any]:
+    return {name: ball_to_json(arb(number)) for name, number in numbers.items()}
+
+
+def point_as_said(k: int) -> dict[str, Any]:
+    return {
+        "piece": "p014", "k": k, "j": 2, "kind": Kind.RESONANCE.value, **balls(s=1, level=2, half_period=3),
+        "point": balls(beta=4), "certificates": ["a", "b"],
+    }  # fmt: skip
+
+
+def interval_as_said(number: int) -> dict[str, Any]:
+    near = {
+        "least_distance": ball_to_json(arb(4).sqrt()), "least_distance_at": "this point",
+        "greatest_distance": ball_to_json(arb(9).sqrt()), "greatest_distance_at": "the other point",
+    }  # fmt: skip
+    begin = {
+        "what": [CurveEnd.BEGINNING.value],
+        "piece": "p014",
+        "interval": ["-0x1p-2", format_exact(Fraction(number, 64))],
+    }
+    end = {
+        "what": ["resonance"],
+        "piece": "p015",
+        "interval": ["0x1p-2", "0x1p-1"],
+        **near,
+        **balls(level=2, half_period=3),
+    }
+    return {"from": begin, "to": end, "between": {**near, **balls(half_period=number)}}
