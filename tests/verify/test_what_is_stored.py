@@ -76,7 +76,8 @@ def test_every_number_that_is_stored_of_a_box_is_compared_with_that_of_another_i
     assert not list(contradictions(found, found, "here"))
     if isinstance(found, OrbitEnclosures):
         assert found.distance is not None
-        for change in ({"start_kind": found.distance.end_kind}, {"end_kind": found.distance.start_kind}):
+        for name_ in ("start_kind", "end_kind"):
+            change: dict[str, Any] = {name_: "another"}
             with pytest.raises(ValueError, match="do not belong to each other"):
                 list(contradictions(found, replace(found, distance=replace(found.distance, **change)), "here"))
 
