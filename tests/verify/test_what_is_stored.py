@@ -16,19 +16,22 @@ from support.stability_cases import atlas, results
 from support.stored import values
 
 from orbitproof.shared import format_exact, parse_exact
-from orbitproof.shared.formats import read_candidates
+from orbitproof.shared.formats import read_atlas, read_candidates
+from orbitproof.verify.atlas import interval_proof
 from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
+from orbitproof.verify.atlas.interval_proof import question
 from orbitproof.verify.certificate import Limits, rechecking
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.kinds import contradictions, kind_of
 from orbitproof.verify.certificate.row_kind import all_numbers
 from orbitproof.verify.certificate.tables import ball_to_text
-from orbitproof.verify.curve import Bifurcation, Place, conclude
+from orbitproof.verify.curve import Bifurcation, Computation, PieceResult, Place, ProvedInterval, conclude
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.distances.ranges import Extreme
-from orbitproof.verify.evidence import Proved, ball_to_json, hypothesis_to_json
+from orbitproof.verify.evidence import Hypothesis, NotKnown, Proved, Reason, ball_to_json, hypothesis_to_json
 from orbitproof.verify.orbit import OrbitEnclosures
 from orbitproof.verify.stability import (
+    SLOPE_BITS,
     CurveEnd,
     Extremum,
     Gap,
@@ -39,6 +42,7 @@ from orbitproof.verify.stability import (
     Point,
     Resonance,
     StableInterval,
+    TubeOfOrbits,
     conclude_list,
 )
 from orbitproof.verify.stability.linear_stability import Bound
@@ -225,3 +229,60 @@ def interval_as_said(number: int) -> dict[str, Any]:
         **balls(level=2, half_period=3),
     }
     return {"from": begin, "to": end, "between": {**near, **balls(half_period=number)}}
+
+
+class OneHypothesis:
+    hypotheses = ("piece",)
+
+
+def asked_of(name: str, interval: tuple[Fraction, Fraction], **more: Any) -> dict[str, Any]:
+    read = read_atlas(DATA / name)
+    return {**question(read, read.pieces[0], interval, {"precision": 80, "order": 20}, True, None, 1), **more}
+
+
+def test_stability_is_enclosed_as_the_piece_was_proved_and_on_the_interval_that_was(monkeypatch: Any) -> None:
+    """On a symmetric piece that is a longer one than was asked for."""
+    known_ = ProvedInterval(-QUARTER, QUARTER, (Fraction(1, 2**40),), (Fraction(1, 2**36),), arb(3))
+    hypothesis = Hypothesis("piece", "", "15.2", True, {})
+    proved = Proved(OneHypothesis(), known_, (hypothesis,))
+    tubes: list[TubeOfOrbits] = []
+    asked: list[dict[str, Any]] = []
+
+    def prove(system: Any, parameters: Any, piece: Any, interval: Any, *rest: Any, **more: Any) -> Any:
+        asked.append(more)
+        return PieceResult(piece.id, interval, proved, Computation(1.5, 80, coordinates="regularised"))
+
+    def stability(tube: TubeOfOrbits, *rest: Any) -> NotKnown:
+        tubes.append(tube)
+        return NotKnown(Reason("stability", "not here", ""))
+
+    monkeypatch.setattr(interval_proof, "prove_piece", prove)
+    monkeypatch.setattr(interval_proof, "stability_of_piece", stability)
+    argument = asked_of("atlas-lyapunov.json", (Fraction(0), QUARTER), symmetry="S", crossings=3)
+    answer = interval_proof.prove_task(argument, lambda fraction, label: None)
+    (tube,) = tubes
+    assert tube.interval == (-QUARTER, QUARTER)
+    assert (tube.symmetry, tube.crossings, tube.coordinates) == ("S", 3, "regularised")
+    assert (tube.limits.precision, tube.limits.order) == (80, 20)
+    assert asked == [{"crossings": 3, "slope_bits": SLOPE_BITS}]
+    assert answer["interval"] == ["-0x1p-2", "0x1p-2"]
+    assert answer["stability"] == {"reason": {"condition": "stability", "message": "not here", "remedy": ""}}
+    assert answer["computation"]["seconds"] < 1
+    del argument["stability"]
+    assert "stability" not in interval_proof.prove_task(argument, lambda fraction, label: None)
+    assert len(tubes) == 1
+
+
+def test_parts_of_a_surface_that_are_asked_for_are_those_that_are_proved(monkeypatch: Any) -> None:
+    handed: list[Any] = []
+
+    def prove(*rest: Any) -> Any:
+        handed.append(rest[7])
+        raise ValueError("enough")
+
+    monkeypatch.setattr(interval_proof, "prove_surface_piece", prove)
+    parts = [["-0x1", "0x0"], ["0x0", "0x1"]]
+    argument = asked_of("surface.json", (Fraction(-1), Fraction(1)), parts=parts)
+    answer = interval_proof.prove_task(argument, lambda fraction, label: None)
+    assert answer["reason"]["message"] == "broke off: ValueError: enough"
+    assert handed == [[(-1, 0), (0, 1)]]
