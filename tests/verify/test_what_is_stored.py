@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,7 +13,7 @@ from typing import Any
 import pytest
 from flint import arb, ctx
 from support.claims import known
-from support.stability_cases import atlas, results
+from support.stability_cases import atlas, listed, results
 from support.stored import values
 
 from orbitproof.shared import format_exact, parse_exact
@@ -26,10 +27,13 @@ from orbitproof.verify.certificate.kinds import contradictions, kind_of
 from orbitproof.verify.certificate.row_kind import all_numbers
 from orbitproof.verify.certificate.tables import ball_to_text
 from orbitproof.verify.curve import Bifurcation, Computation, PieceResult, Place, ProvedInterval, conclude
-from orbitproof.verify.distances import Ranges, Where
+from orbitproof.verify.distances import DistanceFunctions, Ranges, Where
+from orbitproof.verify.distances.distances import PARTS, Extremes
 from orbitproof.verify.distances.ranges import Extreme
 from orbitproof.verify.evidence import Hypothesis, NotKnown, Proved, Reason, ball_to_json, hypothesis_to_json
+from orbitproof.verify.functions import BoundedFunction, StoredFunction
 from orbitproof.verify.orbit import OrbitEnclosures
+from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability import (
     SLOPE_BITS,
     CurveEnd,
@@ -41,11 +45,14 @@ from orbitproof.verify.stability import (
     Matter,
     Point,
     Resonance,
+    StabilityFunctions,
     StableInterval,
     TubeOfOrbits,
     conclude_list,
 )
+from orbitproof.verify.stability.known_functions import segment_of
 from orbitproof.verify.stability.linear_stability import Bound
+from orbitproof.verify.stability.list_entries import Segment
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -286,3 +293,51 @@ def test_parts_of_a_surface_that_are_asked_for_are_those_that_are_proved(monkeyp
     answer = interval_proof.prove_task(argument, lambda fraction, label: None)
     assert answer["reason"]["message"] == "broke off: ValueError: enough"
     assert handed == [[(-1, 0), (0, 1)]]
+
+
+def test_all_that_is_known_of_an_interval_is_mirrored_for_minus_s() -> None:
+    function = StoredFunction((Fraction(1), Fraction(2)), Fraction(1, 1024))
+    parts = tuple(
+        Extremes((Fraction(n), Fraction(n + 1)), (Fraction(n + 2), Fraction(n + 3)), Where.HERE, Where.THERE)
+        for n in range(PARTS)
+    )
+    stored = StabilityFunctions(
+        (function,), function, function, function, DistanceFunctions(function, function, parts),
+        VariationFunctions(function, function, function, function),
+    )  # fmt: skip
+    here, there = (
+        segment_of(0, (QUARTER, QUARTER, HALF), (QUARTER, HALF), stored, mirrored) for mirrored in (False, True)
+    )
+    assert [function.polynomial(HALF_BALL) for function in _functions(here)] == 10 * [arb(2)]
+    assert [function.polynomial(HALF_BALL) for function in _functions(there)] == 10 * [arb(0)]
+    assert here.distances is not None
+    assert there.distances is not None
+    for part, other in zip(here.distances.parts, reversed(there.distances.parts), strict=True):
+        assert (part.lower, part.upper) == (-other.upper, -other.lower)
+        for extreme, same in ((part.least, other.least), (part.greatest, other.greatest)):
+            assert (extreme.square.mid(), extreme.where) == (same.square.mid(), same.where)
+
+
+HALF_BALL = arb(0.5)
+
+
+def _functions(segment: Segment) -> list[BoundedFunction]:
+    distances, across = segment.distances, segment.out_of_plane
+    assert distances is not None
+    assert across is not None
+    known_ = (segment.level, segment.half_period, segment.first_factor, distances.here, distances.there)
+    return [*segment.characteristic, *known_, *across.entries]
+
+
+def test_functions_of_an_interval_that_is_not_proved_do_not_count() -> None:
+    """They would be preferred to those that are: no integration confirms them."""
+    true = results()
+    false = copy.deepcopy(true[0])
+    false["computation"]["precision"] = 4096
+    constant = {"coefficients": ["0x1p-1"], "error": "0x1p-90"}
+    false["stability"]["characteristic"] = [constant]
+    proved = listed([*true, false], 4)["complete"]
+    assert proved != listed(true, 4)["complete"]
+    reason = {"condition": "newton", "message": "there is no such orbit", "remedy": ""}
+    false |= {"verdict": "not proved", "reason": reason}
+    assert listed([*true, false], 4)["complete"] == listed(true, 4)["complete"]
