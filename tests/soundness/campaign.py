@@ -84,7 +84,7 @@ HARMLESS = ("software.", "computation.", "results.*.computation.", "enclosures."
             "statement.candidate.system", "statement.atlas.system")  # fmt: skip
 """Fields that belong to no claim, or whose change leaves a true one: a table entry on which nothing depends, a name."""
 
-WEAKER = ("deviation.*", "slope_deviation.*", ".rad")
+WEAKER = ("deviation.*", "slope_deviation.*", ".error", ".rad")
 """Bounds of atlases; larger ones are true as well."""
 
 

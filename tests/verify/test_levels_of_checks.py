@@ -318,6 +318,10 @@ def test_tables_of_another_kind_or_of_other_sizes_are_not_read(point: Certificat
         changed = {**entry, "half_period": {**entry["half_period"], "box": texts}}
         with pytest.raises(ValueError, match=f"half period, box: {number} derivatives up to order 3, not 10"):
             tables_from_json(changed, candidate, computation)
+    half_period = {**entry["half_period"], "more": "it is proved"}
+    for changed in ({**entry, "more": "it is proved"}, {**entry, "half_period": half_period}):
+        with pytest.raises(ValueError, match="enclosures"):
+            tables_from_json(changed, candidate, computation)
 
 
 def unknown(change: Callable[[dict[str, Any]], Any] = lambda statement: None) -> dict[str, Any]:

@@ -69,6 +69,8 @@ def tables_from_json(entry: Mapping[str, Any], candidate: Candidate, computation
     if set(entry) != kind.keys:
         raise ValueError("the enclosures are those of another kind of claim")
     found: Found = kind.from_json(entry, len(candidate.radii), computation)
+    if kind.to_json(found) != entry:
+        raise ValueError("the enclosures hold something that is none of such a claim")
     return found
 
 
