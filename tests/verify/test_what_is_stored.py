@@ -49,6 +49,7 @@ from orbitproof.verify.stability import (
     StableInterval,
     TubeOfOrbits,
     conclude_list,
+    unconfirmed,
 )
 from orbitproof.verify.stability.known_functions import segment_of
 from orbitproof.verify.stability.linear_stability import Bound
@@ -341,3 +342,20 @@ def test_functions_of_an_interval_that_is_not_proved_do_not_count() -> None:
     reason = {"condition": "newton", "message": "there is no such orbit", "remedy": ""}
     false |= {"verdict": "not proved", "reason": reason}
     assert listed([*true, false], 4)["complete"] == listed(true, 4)["complete"]
+
+
+def test_every_stored_function_is_compared_with_the_new_one() -> None:
+    function, moved = (StoredFunction((Fraction(n),), Fraction(1, 1024)) for n in (1, 5))
+    across = VariationFunctions(function, function, function, function)
+    stored = StabilityFunctions((function,), function, function, function, None, across)
+    assert not list(unconfirmed(stored, stored))
+    for name, value in {
+        "characteristic": (moved,),
+        "level": moved,
+        "half_period": moved,
+        "first_factor": moved,
+    }.items():
+        changed: dict[str, Any] = {name: value}
+        assert len(list(unconfirmed(replace(stored, **changed), stored))) == 1
+    lacking = replace(stored, out_of_plane=None)
+    assert list(unconfirmed(stored, lacking)) == ["variations out of the plane are not enclosed again"]
