@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 from support import atlas_work
 from support.atlas_runs import CURVE, ROOT, go, refused, write
+from support.claims import known
+from support.forgeries import DATA, atlas_certificate, of_parabola, read
 from support.runs import started, wait_until
 from support.stored import values
 
@@ -23,7 +25,8 @@ from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.atlas import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate import digest
+from orbitproof.verify.certificate import Limits, digest, write_certificates
+from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.run.branch_command import _parser, main
 
 
@@ -251,3 +254,24 @@ def test_a_full_disk_ends_the_run_in_one_line(tmp_path: Path, capsys: Any, monke
     errors = capsys.readouterr().err
     assert errors.splitlines()[-1].startswith(f"error: {target}: cannot be written")
     assert "Traceback" not in errors
+
+
+def test_bifurcations_stand_beside_a_curve_that_is_checked_again_and_not_beside_a_surface(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    point = certify(known("fs3"), Limits(max_precision=256))
+    write_certificates(tmp_path / "points.json", [point])
+    atlas, results = of_parabola()
+    surface = json.loads((DATA / "surface-results.json").read_text())
+    documents = {
+        "with": atlas_certificate(atlas, results, [point]),
+        "without": atlas_certificate(atlas, results),
+        "surface": atlas_certificate(read("surface.json"), surface),
+    }
+    codes = {}
+    for name, document in documents.items():
+        write_atlas_certificate(tmp_path / f"{name}.json", document)
+        given = ["--recheck", str(tmp_path / f"{name}.json"), "--bifurcations", str(tmp_path / "points.json")]
+        codes[name] = main([*given, "--quiet"])
+    assert codes == {"with": 0, "without": 1, "surface": 2}
+    assert "a surface is about all bifurcations over it" in capsys.readouterr().err

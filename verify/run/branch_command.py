@@ -124,7 +124,7 @@ def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> i
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
     document = read_document(options.file, SCHEMA)
-    given = _chosen_bifurcations(options.bifurcations, options.only, is_about_surface(document))
+    given = _chosen_bifurcations(options.bifurcations, options.only, not is_about_surface(document))
     try:
         found = examined(document, given, options.integrate, workplace, work)
     except KeyboardInterrupt:
