@@ -91,6 +91,19 @@ def test_a_proved_interval_counts_only_if_it_covers_what_is_asked() -> None:
     assert plan(piece, values([{**nearly, "interval": ["-0x1", "0x1"]}]), [{}], 3).is_proved
 
 
+@pytest.mark.parametrize(
+    "change", [{"piece": "p002"}, {"verdict": "not proved"}, {"time": "long"}, {"parts": []}, {"interval": ["x", "1"]}]
+)
+def test_an_answer_that_is_none_proves_nothing(change: dict[str, Any]) -> None:
+    """Of another piece, with a verdict that does not fit, or not to be read."""
+    run, _ = go(CURVE, lambda argument, report: {**atlas_work.proving(argument, report), **change})
+    first = run.results_of("p000")[0]
+    assert not first.is_proved
+    assert first.reason is not None
+    assert first.reason.condition == "process"
+    assert not run.plan_of("p000").is_proved
+
+
 def test_more_precision_is_tried_before_an_interval_is_split() -> None:
     run, engine = go(CURVE, atlas_work.precise_only)
     assert not run.pending

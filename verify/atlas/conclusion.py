@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from typing import Any
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
-from orbitproof.verify.atlas.kinds import kind_of, partner
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
-from orbitproof.verify.curve import conclude
+from orbitproof.verify.curve import conclude, enclose_other_point
+from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import StabilityResult, conclude_list
+from orbitproof.verify.surface import conclude_surface
 from orbitproof.verify.words import BranchConclusion, conclusion_in_words
+
+partner = partial(enclose_other_point, ORACLE)
+"""Encloses the other point of a symmetric orbit on Fix(R), by integration."""
 
 Placing = Callable[[Sequence[str]], AbstractContextManager[Callable[[str], None]]]
 """For the ids of certificates a context in which a function is called with each before it is looked for."""
@@ -40,9 +46,8 @@ def conclusion_of(
     """
     for name in repeated(bifurcations):
         raise ValueError(f"the certificates of bifurcations: {name!r} appears twice")
-    kind = kind_of(atlas)
-    if not kind.holds_points:
-        return told(kind.conclude(atlas, results, ()))
+    if not kind_of(atlas).holds_points:
+        return told(conclude_surface(atlas, results))
     # By the whole certificate: what was found of one says nothing of another that has its id.
     checks = dict(zip(bifurcations, check(bifurcations), strict=True))
 

@@ -9,7 +9,8 @@ from typing import Any
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
-from orbitproof.verify.atlas.kinds import kind_of, partner
+from orbitproof.verify.atlas.conclusion import partner
+from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.recheck import Means, recheck_atlas
 from orbitproof.verify.certificate import (
     REWORDED,

@@ -83,6 +83,9 @@ def result_of(answer: Answer, piece: AnyPiece) -> Result:
     if isinstance(answer.result, Failure):
         return not_proved(answer.task.argument, answer.result.kind, answer.result.message, answer.seconds)
     try:
-        return result_from_json(piece, answer.result, "the answer")
+        found = result_from_json(piece, answer.result, "the answer")
+        if found.piece != piece.id:
+            raise ValueError(f"it is about {found.piece!r}")
+        return found
     except (InputError, LookupError, TypeError, ValueError) as error:
         return not_proved(answer.task.argument, "process", f"no result: {error}", answer.seconds)
