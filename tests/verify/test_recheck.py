@@ -295,10 +295,26 @@ def test_what_a_wider_enclosure_does_not_confirm_is_enclosed_once_more(monkeypat
     certificate = certify(candidate, Limits(max_precision=256))
     assert recheck(certificate, integrate=True).stands
     every = rechecking._settings
-    monkeypatch.setattr(rechecking, "_settings", lambda precision, order: list(every(precision, order))[:1])
+    monkeypatch.setattr(rechecking, "_settings", lambda stored: list(every(stored))[:1])
     findings = recheck(certificate, integrate=True).findings
     assert findings
     assert all("does not confirm" in str(finding) for finding in findings)
+
+
+def test_what_other_coordinates_enclose_more_widely_is_enclosed_in_those_of_the_certificate() -> None:
+    """With more bits regularised coordinates take less time on this halo orbit, and enclose derivatives 10^11 times as
+    widely."""
+    (candidate,) = read_candidates(Path(__file__).parents[1] / "data" / "other-coordinates-candidate.json")
+    certificate = certify(candidate)
+    assert certificate.verdict == "proved"
+    assert certificate.computation.coordinates == "physical"
+    stored = MODULE._read(certificate.to_json()).enclosures
+    assert stored is not None
+    first, *others = rechecking._settings(stored)
+    assert first.coordinates == "auto"
+    assert {each.coordinates for each in others} == {"physical"}
+    assert enclose_iterates(candidate, first, ORACLE).coordinates != "physical"
+    assert recheck(certificate, integrate=True).stands
 
 
 def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> None:

@@ -24,7 +24,7 @@ from orbitproof.verify.certificate.tables import (
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Reason, ball_from_json
 from orbitproof.verify.oracle import ORACLE, counsel
 from orbitproof.verify.oracle.precision import first_precision, steps_of_centre
-from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import PHYSICAL, Enclosures, IntegratorSettings, enclose_iterates
 
 _WORDS = {
     "symmetry_breaking": "symmetry breaking",
@@ -87,6 +87,7 @@ class BifurcationRows:
             None if integral is None else read_table(integral, dimension, "the first integral"),
             tuple(read_ball(text, f"time of crossing {i}") for i, text in enumerate(entry["return_times"], start=1)),
             computation["order"], computation["precision"], computation.get("steps", 0),
+            computation.get("coordinates", PHYSICAL),
         )  # fmt: skip
 
     def tables(self, found: Enclosures) -> Iterator[tuple[str, DerivativeTable]]:

@@ -31,7 +31,7 @@ from orbitproof.verify.orbit import (
     enclose_orbit,
     prove_orbit,
 )
-from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.poincare import PHYSICAL, IntegratorSettings
 
 
 class OrbitRows:
@@ -109,7 +109,7 @@ class OrbitRows:
             tuple(tuple(read_ball(text, "back") for text in row) for row in entry["back"]),
             distance,
             computation["order"], computation["precision"], computation.get("steps", 0),
-            computation.get("coordinates", ""),
+            computation.get("coordinates", PHYSICAL),
         )  # fmt: skip
 
     def tables(self, found: OrbitEnclosures) -> Iterator[tuple[str, DerivativeTable]]:

@@ -55,7 +55,7 @@ from orbitproof.verify.evidence import (
     quoted_name,
 )
 from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION
-from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, IntegratorSettings
 
 _MORE_PRECISION = 8
 _LEAST_MORE_PRECISION = 32
@@ -63,7 +63,8 @@ _MORE_ORDER = 6
 """The second integration has an eighth more bits, and a sixth more terms in time."""
 
 _STILL_MORE_PRECISION = 64
-"""What it does not confirm is enclosed once more, with so many more bits, and then with these at the stored order."""
+"""What it does not confirm is enclosed once more, with so many more bits and in the stored coordinates, and then with
+these at the stored order."""
 
 Entry = Mapping[str, Any]
 """A certificate as JSON."""
@@ -269,7 +270,7 @@ def _integration(
     if stored is None:
         raise NothingToCheckError(NOT_INTEGRATED.format(what="enclosures"))
     remaining: dict[str, Finding] = {}
-    for number, settings in enumerate(_settings(certificate["computation"]["precision"], stored.order)):
+    for number, settings in enumerate(_settings(stored)):
         place = f"integration with {settings.precision} bits and order {settings.order}"
         examination.precision = examination.precision or settings.precision
         try:
@@ -300,10 +301,13 @@ def _integration(
     yield from remaining.values()
 
 
-def _settings(precision: int, order: int) -> Iterator[IntegratorSettings]:
-    """Of integrations one after the other; the last has the stored order: a higher one can enclose more widely."""
-    more = precision + max(_LEAST_MORE_PRECISION, precision // _MORE_PRECISION)
-    higher = order + max(1, order // _MORE_ORDER)
+def _settings(stored: Found) -> Iterator[IntegratorSettings]:
+    """Of integrations one after the other. The first may choose other coordinates than those of the stored tables; the
+    last has their order too: in other coordinates, and in a higher order, true enclosures can be wider.
+    """
+    more = stored.precision + max(_LEAST_MORE_PRECISION, stored.precision // _MORE_PRECISION)
+    higher = stored.order + max(1, stored.order // _MORE_ORDER)
+    coordinates = PHYSICAL if stored.coordinates == PHYSICAL else REGULARISED
     yield IntegratorSettings(more, higher)
-    yield IntegratorSettings(more + _STILL_MORE_PRECISION, higher)
-    yield IntegratorSettings(more + _STILL_MORE_PRECISION, order)
+    yield IntegratorSettings(more + _STILL_MORE_PRECISION, higher, coordinates=coordinates)
+    yield IntegratorSettings(more + _STILL_MORE_PRECISION, stored.order, coordinates=coordinates)
