@@ -36,6 +36,7 @@ from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.formats import Candidate, InputError
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
+from orbitproof.shared.wording import counted
 
 
 @dataclass(frozen=True, repr=False)
@@ -142,7 +143,7 @@ class OrbitFamily(Sequence[Orbit]):
         return row
 
     def __repr__(self) -> str:
-        return f"<OrbitFamily {self.name} of {self.system.name}: {len(self)} orbits, ends: {self.reason}>"
+        return f"<OrbitFamily {self.name} of {self.system.name}: {counted(len(self), 'orbit')}, ends: {self.reason}>"
 
     def _repr_html_(self) -> str:
         """The table that a notebook shows: the first and the last orbits."""

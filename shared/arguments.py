@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from string import Formatter
 
@@ -59,6 +60,21 @@ class _Option(str):
 
     def __format__(self, option: str) -> str:
         return option or f"--{self.replace('_', '-')}"
+
+
+def as_options(words: str, **options: str) -> str:
+    """Words of a result as a command says them.
+
+    What results say of settings, as remedies and obstacles do, is the same whoever asked for them: Python's name,
+    between backticks. `options` are those that are called otherwise.
+
+    >>> as_options("give `max_precision` more, or `timeout` more seconds", timeout="--row-timeout")
+    'give --max-precision more, or --row-timeout more seconds'
+    """
+    return _SETTING.sub(lambda found: options.get(found[1], f"--{found[1].replace('_', '-')}"), words)
+
+
+_SETTING = re.compile(r"`([a-z]+(?:_[a-z]+)*)`")
 
 
 def as_command_says(error: InputError) -> str:

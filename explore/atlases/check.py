@@ -20,6 +20,7 @@ from orbitproof.explore.engines import Reporter
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.shared.formats import Atlas, InputError, Piece, read_atlas
 from orbitproof.shared.systems import REGULARISATIONS
+from orbitproof.shared.wording import counted
 
 LONGEST_TIME = 1e4
 
@@ -94,7 +95,7 @@ def check_file(path: Path, quiet: bool) -> int:
                 line += "" if joint.good else "  NOT IN THE NEXT TUBE"
             sys.stdout.write(line + "\n")
             sys.stdout.flush()
-    print(f"{len(pieces)} pieces: " + ("all as they should be" if good else "not all as they should be"))
+    print(f"{counted(len(pieces), 'piece')}: " + ("all as they should be" if good else "not all as they should be"))
     return 0 if good else 1
 
 

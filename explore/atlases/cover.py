@@ -20,6 +20,7 @@ from orbitproof.explore.engines import Progress
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.systems import REGULARISATIONS
+from orbitproof.shared.wording import counted
 
 STAGE, STAGES = 0.2, 4
 """A chart is first tried with this part of its width, and less if Newton's method does not converge there."""
@@ -190,7 +191,7 @@ class Coverer:
             piece, centre, last = self._next(left, place, end, end_place, width)
             result.append(piece)
             if progress is not None:
-                progress(f"{len(result)} pieces", (centre - start_place) / (end_place - start_place))
+                progress(counted(len(result), "piece"), (centre - start_place) / (end_place - start_place))
             if last:
                 return result
             s = 1.0 - self.control.overlap

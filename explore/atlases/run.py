@@ -16,6 +16,7 @@ from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.records import read_families
 from orbitproof.shared.formats import Atlas, InputError, Piece, write_atlas
 from orbitproof.shared.systems import REGULARISATIONS
+from orbitproof.shared.wording import counted
 
 
 def run_source(source: Source, options: argparse.Namespace) -> int:
@@ -55,7 +56,8 @@ def summary(atlas: Atlas) -> str:
     regularised = sum(piece.coordinates == "regularised" for piece in pieces)
     widths = [float(piece.half_width) for piece in pieces]
     inside = f", {regularised} of them in regularised coordinates" if regularised else ""
-    return f"{atlas.claim.kind} of {len(pieces)} pieces{inside}, half-widths {min(widths):.2g} to {max(widths):.2g}"
+    parts = counted(len(pieces), "piece")
+    return f"{atlas.claim.kind} of {parts}{inside}, half-widths {min(widths):.2g} to {max(widths):.2g}"
 
 
 def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tuple[Family, str, str]:
@@ -74,7 +76,7 @@ def _family(source: Source, options: argparse.Namespace, report: Reporter) -> tu
     )
     if family.outcome == "interrupted":
         raise KeyboardInterrupt
-    report.message(f"{source.family}: {len(family.orbits)} orbits, {family.reason}")
+    report.message(f"{source.family}: {counted(len(family.orbits), 'orbit')}, {family.reason}")
     return family, source.family, label_of(source.system, source.mass, options.parameter)
 
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from orbitproof.shared.formats import InputError, read_document, validate_document, write_text
 from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.wording import counted
 
 Array = NDArray[np.float64]
 
@@ -142,14 +143,16 @@ def _read_json(path: Path) -> Catalogue:
         raise InputError(f"{path}: field fields: no column {missing[0]!r}; give {', '.join(FIELDS)}")
     if "count" in document and int(document["count"]) != len(data):
         raise InputError(
-            f"{path}: field count: {document['count']}, but data has {len(data)} rows; the file may be truncated"
+            f"{path}: field count: {document['count']}, but data has {counted(len(data), 'row')}; "
+            "the file may be truncated"
         )
     order = [fields.index(name) for name in FIELDS]
     rows = []
     for index, row in enumerate(data):
         if len(row) != len(fields):
             raise InputError(
-                f"{path}: field data[{index}]: {len(row)} numbers for {len(fields)} fields; write it again"
+                f"{path}: field data[{index}]: {counted(len(row), 'number')} for {counted(len(fields), 'field')}; "
+                "write it again"
             )
         rows.append([row[i] for i in order])
     return _catalogue(
@@ -184,7 +187,10 @@ def _read_csv(path: Path) -> Catalogue:
     rows, numbers, masses = [], [], []
     for number, row in lines[1:]:
         if len(row) != len(names):
-            raise InputError(f"{path}: line {number}: {len(row)} cells for {len(names)} columns; write it again")
+            raise InputError(
+                f"{path}: line {number}: {counted(len(row), 'cell')} for {counted(len(names), 'column')}; "
+                "write it again"
+            )
         rows.append([row[i] for i in order])
         numbers.append(number)
         masses.append(_mass_ratio(row[mass_column], f"{path}: line {number}, column {MASS_RATIO!r}"))

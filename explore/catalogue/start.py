@@ -14,6 +14,7 @@ from orbitproof.explore.families import Family, in_fixed_space
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import MASS_PARAMETERS
+from orbitproof.shared.wording import counted
 
 MOST_LINES = 20
 """So many failed orbits are listed one by one."""
@@ -48,8 +49,10 @@ def catalogue_start(path: Path, number: int | None, tolerance: float, report: Re
     if number is None:
         number = (len(catalogue) + 1) // 2
     if number > len(catalogue):
-        raise InputError(f"--catalogue-orbit {number}: {path} has {len(catalogue)} orbits; give a smaller number")
-    report.stage(f"correcting {len(catalogue)} orbits of {path}")
+        raise InputError(
+            f"--catalogue-orbit {number}: {path} has {counted(len(catalogue), 'orbit')}; give a smaller number"
+        )
+    report.stage(f"correcting {counted(len(catalogue), 'orbit')} of {path}")
     corrected = correct_catalogue(catalogue, tolerance=tolerance, progress=report.update)
     failed = [(index, failure) for index, failure in enumerate(corrected.failures, start=1) if failure]
     for index, failure in failed[:MOST_LINES]:

@@ -10,6 +10,7 @@ from typing import Any
 from orbitproof.explore.commands.common import add_command, add_orbit_choice, add_output, add_quiet, index, positive
 from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.wording import counted
 
 _TORI_EXAMPLES = """\
 examples:
@@ -160,7 +161,7 @@ def run_manifold(options: argparse.Namespace) -> int:
         count = int(tube.reached.sum())
         drift = f"largest change of the Jacobi constant {tube.drift:.1e}" if count else "try the other --side"
         report.message(
-            f"{len(tube.times)} orbits written to {options.output}, {count} of them reach {tube.plane}; multiplier "
-            f"{tube.multiplier:.6g}, {drift}"
+            f"{counted(len(tube.times), 'orbit')} written to {options.output}, {count} of them reach {tube.plane}; "
+            f"multiplier {tube.multiplier:.6g}, {drift}"
         )
     return 0 if count == len(tube.times) else 1

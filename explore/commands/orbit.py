@@ -30,6 +30,7 @@ from orbitproof.shared.formats import (
     write_candidates,
 )
 from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.wording import counted
 
 if TYPE_CHECKING:
     from orbitproof.explore.engines import Reporter
@@ -260,7 +261,7 @@ def _extrema(options: argparse.Namespace) -> int:
             report.error("interrupted; the same command goes on from there")
             return 130
         if kept:
-            report.message(f"{len(kept)} orbits are in {options.output}")
+            report.message(f"{options.output}: {counted(len(kept), 'orbit')}")
     return 0 if complete and tasks else 1
 
 
@@ -288,7 +289,9 @@ def _catalogue(options: argparse.Namespace) -> int:
         raise InputError("--every: --catalogue-orbit says which rows; leave out one of the two")
     rows: Sequence[int] = options.catalogue_orbit or range(1, len(catalogue) + 1, options.every or 1)
     if max(rows) > len(catalogue):
-        raise InputError(f"--catalogue-orbit {max(rows)}: there are {len(catalogue)} rows; give a smaller number")
+        raise InputError(
+            f"--catalogue-orbit {max(rows)}: there are {counted(len(catalogue), 'row')}; give a smaller number"
+        )
 
     from orbitproof.explore.engines import Reporter
     from orbitproof.explore.search import tasks_of_catalogue

@@ -8,6 +8,7 @@ from typing import Any
 
 from orbitproof.explore.commands.common import add_command, add_output, add_quiet
 from orbitproof.shared.formats import InputError, check_writable
+from orbitproof.shared.wording import counted
 
 _EXAMPLES = """\
 examples:
@@ -74,5 +75,5 @@ def run(options: argparse.Namespace) -> int:
             window = _WINDOW[resonance.k] * (nu**0.5 if resonance.k == 4 else nu)
             portraits.append(portrait(resonance, value, window, options.orbits, options.iterates))
         write_portraits(options.output, portraits)
-        report.message(f"{len(portraits)} portraits written to {options.output}")
+        report.message(f"{counted(len(portraits), 'portrait')} written to {options.output}")
     return 0

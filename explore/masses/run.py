@@ -39,6 +39,7 @@ from orbitproof.explore.masses.precision import (
 )
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.shared.interrupts import INTERRUPTED
+from orbitproof.shared.wording import counted
 
 _SAVE_EVERY = 50
 _EXTRA_DIGITS = 3
@@ -116,7 +117,7 @@ def _trace(request: MassCurveRequest, libration: str, curves: dict[str, CurveRec
         report.message(f"{libration}: the curve in {request.output} starts at another mass; it is traced again")
         old = replace(old, points=())
     if old is not None and old.outcome == "complete" and old.points and old.points[-1].mu <= smallest * (1 + 1e-12):
-        report.message(f"{libration}: the curve is in {request.output} already, {len(old.points)} points")
+        report.message(f"{libration}: the curve is in {request.output} already, {counted(len(old.points), 'point')}")
         return True
     report.stage(f"{libration}, mu from {largest:g} to {smallest:g}")
     kept = CurveRecord(libration, "interrupted", "interrupted", ()) if old is None else old
@@ -139,7 +140,7 @@ def _trace(request: MassCurveRequest, libration: str, curves: dict[str, CurveRec
     save(curve)
     if curve.outcome == "interrupted":
         raise KeyboardInterrupt
-    report.message(f"{libration}: {len(curve.points)} points, ends: {curve.reason}")
+    report.message(f"{libration}: {counted(len(curve.points), 'point')}, ends: {curve.reason}")
     if curve.outcome != "complete":
         report.error(f"{libration}: the smallest mass is not reached: {curve.reason}")
     return curve.outcome == "complete"
@@ -175,7 +176,7 @@ def _refine(request: MassCurveRequest, curves: dict[str, CurveRecord], report: R
             floats += [curve.points[0]] * len(more)
     if not tasks:
         return complete
-    report.stage(f"{len(tasks)} points to {request.digits} digits")
+    report.stage(f"{counted(len(tasks), 'point')} to {request.digits} digits")
     for index, result in run_all(Job(_work, _title), tasks, request.jobs, report.update):
         task = tasks[index]
         if isinstance(result, (Lost, PrecisionFailure)):

@@ -16,6 +16,7 @@ from orbitproof.explore.engines import Reporter
 from orbitproof.explore.families import TracedFamily, family_record
 from orbitproof.explore.records import write_families
 from orbitproof.shared.systems import THREE_BODY
+from orbitproof.shared.wording import counted
 
 
 def write_outputs(items: Sequence[TracedFamily], family: Path | None, report: Reporter) -> None:
@@ -38,10 +39,10 @@ def write_catalogue(form: Catalogue, title: str, csv: Path | None, catalogue: Pa
     """Write orbits in the catalogue's forms. Raises `InputError`."""
     if csv is not None:
         write_catalogue_csv(csv, form)
-        report.message(f"{title}: {len(form)} orbits written to {csv}")
+        report.message(f"{title}: {counted(len(form), 'orbit')} written to {csv}")
     if catalogue is not None:
         write_catalogue_json(catalogue, form, libration_places(float(form.mass_ratio)))
-        report.message(f"{title}: {len(form)} orbits written to {catalogue}")
+        report.message(f"{title}: {counted(len(form), 'orbit')} written to {catalogue}")
 
 
 def path_for(path: Path, item: TracedFamily, count: int) -> Path:

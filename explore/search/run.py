@@ -33,6 +33,7 @@ from orbitproof.explore.search.targets import Target, is_refined, merged, target
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem, shown
+from orbitproof.shared.wording import counted
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,7 @@ def _trace_all(tasks: Sequence[TraceTask], jobs: int, report: Reporter) -> list[
             results[index] = result
             if result.item is not None:
                 family, seconds = result.item.family, result.seconds
-                report.message(f"{result.item.title}: {len(family.orbits)} orbits, ends: {family.reason}")
+                report.message(f"{result.item.title}: {counted(len(family.orbits), 'orbit')}, ends: {family.reason}")
                 if family.beginning is not None:
                     report.message(f"{result.item.title}: begins: {family.beginning.reason}")
                 for line in family.tangencies:
@@ -209,7 +210,9 @@ def _density(item: TracedFamily) -> str:
     if not samples:
         return ""
     change = largest_changes([orbit.coefficients[1:] for orbit in samples])
-    return f"; {len(samples)} samples, stability parameters in [-{BAND}, {BAND}] change by {change:.2g} at most"
+    return (
+        f"; {counted(len(samples), 'sample')}, stability parameters in [-{BAND}, {BAND}] change by {change:.2g} at most"
+    )
 
 
 def _is_complete(result: Traced, report: Reporter) -> bool:
@@ -246,12 +249,12 @@ def _refine_all(
     done = {i: known[task.id] for i, task in enumerate(tasks) if task.id in known and is_refined(task, known[task.id])}
     missing = [i for i in range(len(tasks)) if i not in done]
     if done:
-        report.message(f"{len(done)} points are refined in {options.output} already")
+        report.message(f"refined in {options.output} already: {counted(len(done), 'point')}")
     new: dict[int, Candidate] = {}
     code = 0
     try:
         if missing:
-            report.stage(f"refining {len(missing)} points")
+            report.stage(f"refining {counted(len(missing), 'point')}")
         for position, result in refine_tasks([tasks[i] for i in missing], options.jobs, report.update):
             if result.candidate is None:
                 report.error(f"{result.task.id}: not refined: {result.failure}")
@@ -269,7 +272,7 @@ def _refine_all(
         report.error(f"no candidates found; nothing is written to {options.output}")
         return code or 1, []
     total = len(merged(kept, list(new.values())))
-    report.message(f"{len(new)} candidates written to {options.output} ({total} in the file)")
+    report.message(f"{counted(len(new), 'candidate')} written to {options.output} ({total} in the file)")
     return code, [_exact_row(targets[i], done[i]) for i in sorted(done)]
 
 

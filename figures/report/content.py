@@ -33,6 +33,7 @@ from orbitproof.figures.report.statements import (
 )
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow, has_second_proof
 from orbitproof.shared.systems import shown
+from orbitproof.shared.wording import counted
 from orbitproof.verify.certificate import MEANINGS, Level
 from orbitproof.verify.evidence import Reason, software
 
@@ -79,7 +80,7 @@ def theorem_label(name: str) -> str:
 
 
 def _summary(proved: Sequence[Checked], numbers: dict[str, int]) -> Section:
-    many = f"{len(proved)} theorems" if len(proved) != 1 else "one theorem"
+    many = counted(len(proved), "theorem") if len(proved) != 1 else "one theorem"
     blocks: list[Block] = [
         Paragraph((
             f"This report states {many}, each with its system, so that it can be read by itself. An interval [a, b] "

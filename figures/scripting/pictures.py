@@ -11,6 +11,7 @@ from pathlib import Path
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
 from orbitproof.shared.formats import ArgumentError, InputError, read_candidates, select_ids, stated_format, write_text
+from orbitproof.shared.wording import counted
 
 
 def draw_family(
@@ -57,7 +58,7 @@ def draw_family(
             groups.setdefault(mark.candidate.system.name, []).append(mark)
         for system, members in groups.items():
             if not quiet:
-                print(f"{system}: {len(members)} points lie on no family given with --family", file=sys.stderr)
+                print(f"{system}: on no family given with --family: {counted(len(members), 'point')}", file=sys.stderr)
             figure = draw_marks(members)
             written.add(save(figure, target / names.new(f"points-{system}")))
             close(figure)
@@ -86,7 +87,7 @@ def draw_resonances(
         marks = mark_candidates(read_candidates(Path(candidates)), optional(certificates), Path(candidates))
     members, alone = assign([curve.family for curve in curves], marks)
     if alone and not quiet:
-        print(f"{len(alone)} candidates lie on none of the families", file=sys.stderr)
+        print(f"on none of the families: {counted(len(alone), 'candidate')}", file=sys.stderr)
 
     from orbitproof.figures.files import save
     from orbitproof.figures.pictures import draw_resonances as draw

@@ -11,6 +11,7 @@ from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line
 from orbitproof.shared.claims.pieces import AnyPiece, LibrationPiece, Piece, SurfacePiece
 from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.wording import counted
 
 SURFACE: Final = "symmetry-breaking-surface"
 CLAIMS = ("arc", "symmetric-arc", "symmetric-loop", "loop", SURFACE)
@@ -85,7 +86,7 @@ class Atlas:
     provenance: Mapping[str, Any] = stored(always=True, default_factory=dict)
 
     def __repr__(self) -> str:
-        pieces = f"{len(self.pieces)} piece{'s' if len(self.pieces) > 1 else ''}"
+        pieces = counted(len(self.pieces), "piece")
         return f"<Atlas {self.id!r}: {self.claim.kind} in {pieces}, of {self.system.name}>"
 
     @property

@@ -1,6 +1,6 @@
 """JSON formats: claims and other documents, read, checked against their schema, and written."""
 
-from orbitproof.shared.arguments import ArgumentError, refused
+from orbitproof.shared.arguments import ArgumentError, as_options, refused
 from orbitproof.shared.claims import (
     COORDINATE,
     FOLD,

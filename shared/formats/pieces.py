@@ -12,6 +12,7 @@ from orbitproof.shared.codec import from_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.numbers import format_rational
 from orbitproof.shared.systems import PIECE, PIECE_IN_WORDS, ReversibleSystem, fits
+from orbitproof.shared.wording import counted
 
 
 def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: str) -> AnyPiece:
@@ -42,7 +43,7 @@ def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
                 check.rows(name, rows, f"{system.name} needs {rows}")
         return piece
     if len(piece.centre) != size:
-        check.refuse("centre", f"{len(piece.centre)} numbers", wanted)
+        check.refuse("centre", counted(len(piece.centre), "number"), wanted)
     if piece.half_width <= 0:
         check.refuse("half_width", "not positive", "turn column 0 of the frame around to turn the piece around")
     across = f"{system.name} needs {kernel}, one for each equation"
@@ -71,13 +72,13 @@ class _Check:
     def rows(self, name: str, number: int, wanted: str) -> Sequence[Sequence[Fraction]]:
         rows: Sequence[Sequence[Fraction]] = getattr(self._piece, name)
         if len(rows) != number:
-            self.refuse(name, f"{len(rows)} rows", wanted)
+            self.refuse(name, counted(len(rows), "row"), wanted)
         return rows
 
     def positive(self, name: str, number: int, wanted: str) -> None:
         values: Sequence[Fraction] = getattr(self._piece, name)
         if len(values) != number:
-            self.refuse(name, f"{len(values)} numbers", wanted)
+            self.refuse(name, counted(len(values), "number"), wanted)
         for position, value in enumerate(values):
             if value <= 0:
                 self.refuse(f"{name}[{position}]", "not positive", "give positive half-widths")

@@ -20,6 +20,7 @@ from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import IDENTIFIER, LONGEST_TITLE, SYSTEM, fits, is_title
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor
+from orbitproof.shared.wording import counted
 
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
@@ -268,7 +269,9 @@ class _Functions:
             except ValueError as error:
                 raise DescriptionError(f"{key}: {error}; write a formula for each coordinate") from None
             if program.inputs != self.inputs or len(program.outputs) != count:
-                raise DescriptionError(f"{key}: needs the inputs {', '.join(self.inputs)} and gives {count} values")
+                raise DescriptionError(
+                    f"{key}: needs the inputs {', '.join(self.inputs)} and gives {counted(count, 'value')}"
+                )
             return program
         if names is None and isinstance(value, str):
             return self._formulas({key: value})
@@ -289,7 +292,7 @@ class _Functions:
             remedy = f"a function of {', '.join(self.inputs)} in plain arithmetic with exact constants"
             raise DescriptionError(f"{key}: {type(error).__name__}: {error}; give {remedy}") from None
         if len(program.outputs) != count:
-            raise DescriptionError(f"{key}: gives {len(program.outputs)} values; give {count}")
+            raise DescriptionError(f"{key}: gives {counted(len(program.outputs), 'value')}; give {count}")
         return program
 
     def _formulas(self, texts: Mapping[str, str]) -> Program:

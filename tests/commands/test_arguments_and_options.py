@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import pickle
 import re
@@ -21,6 +22,7 @@ from orbitproof.shared.formats import ArgumentError
 from orbitproof.verify.__main__ import main as verify_command
 
 ROOT = Path(__file__).resolve().parents[2]
+ROOMS = [path for path in (ROOT / "verify").rglob("*.py") if path.parent.name != "run" and path.stem != "__main__"]
 DATA = ROOT / "tests/data"
 CERTIFICATES, FAMILY = DATA / "figures-certificates.json", DATA / "figures-halo-family.json"
 SURFACE, CURVE = DATA / "surface.json", DATA / "atlas-falkner-skan.json"
@@ -147,3 +149,24 @@ def test_only_command_lines_raise_in_the_words_of_options() -> None:
     modules = [path for room in ("shared", "verify", "figures", "explore") for path in (ROOT / room).rglob("*.py")]
     found = [path.relative_to(ROOT).as_posix() for path in modules if SAYS_OPTION.search(path.read_text("utf-8"))]
     assert [name for name in found if not COMMAND_LINES.search(name)] == []
+
+
+def test_results_name_the_argument_and_the_command_its_option(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (here,) = verify.certify(known("fs2"), timeout=1e-3, quiet=True)
+    assert here.reason is not None
+    assert here.reason.remedy == "give `timeout` more seconds"
+    output = tmp_path / "certificates.json"
+    assert verify_command([claim_of(tmp_path), "--row-timeout", "0.001", "-o", str(output), "--quiet"]) == 1
+    assert capsys.readouterr().out.splitlines()[-1].endswith("; give --row-timeout more seconds")
+    (there,) = verify.read(output)
+    assert there.reason == here.reason
+
+
+@pytest.mark.parametrize("path", ROOMS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_what_results_say_names_no_option(path: Path) -> None:
+    tree = ast.parse(path.read_text())
+    values = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
+    # After a colon it is the other name of an argument, which `ArgumentError` chooses.
+    assert not [text for text in values if isinstance(text, str) and re.search(r"(?<!:)--[a-z]", text)]

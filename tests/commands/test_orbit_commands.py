@@ -103,12 +103,12 @@ def test_a_place_is_kept_and_checked_with_the_certificate_of_the_curve(
     assert "not checked" not in capsys.readouterr().out
     assert verify(words) == 1
     shown = capsys.readouterr().out
-    assert "give it with --curve" in shown
+    assert "give its certificate as --curve" in shown
     assert document["digest"] in shown
     (alone,) = (recheck(entry) for entry in read_certificates(placed).values())
     assert not alone.stands
     assert alone.stands_without_place
-    assert "give it with --curve" in alone.open_place
+    assert "give its certificate as `curve`" in alone.open_place
 
 
 @pytest.mark.slow

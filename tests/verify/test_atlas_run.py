@@ -24,7 +24,7 @@ from orbitproof.verify.atlas import read_atlas_certificate
 from orbitproof.verify.run import Processes
 from orbitproof.verify.run.branch_command import main
 from orbitproof.verify.run.branch_tasks import RunLimits
-from orbitproof.verify.run.splitting import covers, halves, plan, whole
+from orbitproof.verify.run.splitting import covers, full_interval, halves, plan
 
 
 @given(st.lists(st.booleans(), max_size=6))
@@ -60,7 +60,7 @@ def test_a_piece_that_fails_is_split_and_the_others_are_left_whole() -> None:
     assert [name for name, _ in engine.asked].count("p001") == 2 * (1 + 2) + 4
     assert [name for name, _ in engine.asked].count("p000") == 1
     assert run.plan_of("p001").is_proved
-    assert covers([r.interval for r in run.results_of("p001") if r.is_proved], whole(CURVE.pieces[1]))
+    assert covers([r.interval for r in run.results_of("p001") if r.is_proved], full_interval(CURVE.pieces[1]))
     proved = [result.interval for result in run.results_of("p001") if result.is_proved]
     assert all(left[1] > right[0] for left, right in pairwise(sorted(proved)))
 
@@ -120,7 +120,7 @@ def test_what_takes_too_long_is_split_at_once() -> None:
         "reason": {"condition": "time", "message": "", "remedy": ""}, "computation": {"precision": 80},
     }  # fmt: skip
     missing = plan(piece, values([late]), [{"precision": 80}, {"precision": 128}], 3).missing
-    assert missing == tuple((half, 0) for half in halves(whole(piece)))
+    assert missing == tuple((half, 0) for half in halves(full_interval(piece)))
 
 
 def test_an_engine_asks_for_more_after_every_answer() -> None:

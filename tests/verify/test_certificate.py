@@ -265,7 +265,7 @@ def test_precision_stays_below_the_limit_and_the_reason_says_so() -> None:
     entry = certify(candidate(), Limits(max_precision=300), integrate=integrator)
     assert max(integrator.asked) == 300
     assert "300 bits" in entry.reason.message
-    assert "--max-precision" in entry.reason.remedy
+    assert "`max_precision`" in entry.reason.remedy
 
 
 def test_what_precision_cannot_mend_is_not_tried_again() -> None:

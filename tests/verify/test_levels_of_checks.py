@@ -76,7 +76,7 @@ STEPS = {
     "passes": (_passes, None),
     "finds": (_finds, "here: something"),
     "cannot": (_raising(CannotBeCheckedError("no such system")), "no such system"),
-    "memory": (_raising(MemoryError()), "there is not enough memory to check it; give --memory more, or fewer --jobs"),
+    "memory": (_raising(MemoryError()), "there is not enough memory to check it; give `memory` more, or fewer `jobs`"),
     "value": (_raising(ValueError("no number")), "the certificate: no number"),
     "defect": (_raising(RuntimeError("a defect")), "the check: the check broke off: RuntimeError: 'a defect'"),
     "silent": (_raising(AssertionError()), "the check: the check broke off: AssertionError"),

@@ -105,7 +105,7 @@ def test_a_centre_that_is_too_coarse_is_said_to_be_and_with_the_digits_named_it_
         if given is None:
             break
         assert "the centre is off by" in given
-        assert "explore candidates --digits" in given
+        assert "`digits` of the search" in given
         digits += int(number("refine it to", given))
         candidate = with_digits(TRUE, digits)
     assert given is None, given
@@ -159,7 +159,7 @@ def test_advice_on_precision_is_given_once() -> None:
     tiny = replace(TRUE, radii=(Fraction(1, 2**640), Fraction(1, 2**320)))
     given = certify(tiny, Limits(max_precision=256), integrate=to_the_end).reason
     assert given is not None
-    assert given.remedy.count("--max-precision") == 1
+    assert given.remedy.count("`max_precision`") == 1
 
 
 @pytest.mark.parametrize("change", ["P_2", "P_1"])

@@ -21,6 +21,7 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.shared.systems import record
+from orbitproof.shared.wording import counted
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, results_from_json
 from orbitproof.verify.certificate import Certificate, digest, system_names
@@ -124,7 +125,7 @@ class AtlasCertificate:
     document: Mapping[str, Any]
 
     def __repr__(self) -> str:
-        pieces = f"{len(self.atlas.pieces)} piece{'s' if len(self.atlas.pieces) > 1 else ''}"
+        pieces = counted(len(self.atlas.pieces), "piece")
         return f"<AtlasCertificate {self.id!r}: {self.verdict}, {pieces}>"
 
     def __reduce__(self) -> tuple[type[AtlasCertificate], tuple[Atlas, Mapping[str, Any]]]:

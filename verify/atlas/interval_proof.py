@@ -125,9 +125,9 @@ def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:
 
 
 _REMEDIES = {
-    "process": "free memory, or give fewer --jobs",
-    "time": "give --timeout more seconds",
-    "memory": "give --memory more",
+    "process": "free memory, or give fewer `jobs`",
+    "time": "give `timeout` more seconds",
+    "memory": "give `memory` more",
 }
 
 

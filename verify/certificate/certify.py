@@ -42,7 +42,7 @@ from orbitproof.verify.poincare import IntegratorSettings
 Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Found]
 Progress = Callable[[float, str], None]
 
-_MORE = "give --max-precision more"
+_MORE = "give `max_precision` more"
 
 _MOST_SPREAD = 8
 """The level form is tried first if its P_0 is at most so many times as long as the old one in terms of the level."""
@@ -99,7 +99,7 @@ def broken_off(stage: str, error: Exception) -> Reason:
     """The reason of a stage that ended with an exception that no hypothesis accounts for."""
     message = " ".join(f"the {stage} broke off: {type(error).__name__}: {error}".split()).removesuffix(":")
     if isinstance(error, MemoryError):
-        remedy = "free memory, or give fewer --jobs or --max-precision less"
+        remedy = "free memory, or give fewer `jobs` or `max_precision` less"
     elif isinstance(error, InputError):
         remedy = "correct the candidate"
     elif isinstance(error, (ArithmeticError, ValueError)):
@@ -207,7 +207,7 @@ def _better(old: _Attempt | None, new: _Attempt) -> _Attempt:
 
 def _stopped(best: _Attempt | None, precision: int, limits: Limits) -> _Attempt:
     """What is left when time is up: a proof at hand stands, only its further digits are given up."""
-    remedy = "give --row-timeout more seconds"
+    remedy = "give `timeout` more seconds"
     message = f"the time limit of {limits.timeout:g} s has passed at {precision} bits"
     if best is None:
         return _Attempt(NotProved(Reason("time", message, remedy)), precision, 0, 0)
@@ -269,7 +269,7 @@ def for_origin(origin: Candidate, outcome: Verdict, precision: int) -> Verdict:
         return outcome
     form = level_form(origin)
     if form is None:
-        reason = Reason("level-box", "the candidate has no level form", "verify it with --level coordinates")
+        reason = Reason("level-box", "the candidate has no level form", "verify it with `level` coordinates")
         return NotProved(reason, outcome.hypotheses)
     checklist = Checklist()
     checklist.hypotheses += outcome.hypotheses

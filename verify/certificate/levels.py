@@ -189,9 +189,9 @@ def not_finished(check: Recheck, failure: Failure) -> Recheck:
 
 
 _REMEDIES = {
-    "process": "its numbers or its formulas are too large to be checked, or memory was short (--memory, --jobs)",
+    "process": "its numbers or its formulas are too large to be checked, or memory was short (`memory`, `jobs`)",
     "time": "give the check more time if you trust the file",
-    "memory": "give --memory more if you trust the file",
+    "memory": "give `memory` more if you trust the file",
 }
 
 
@@ -236,7 +236,7 @@ def climb(document: Mapping[str, Any], steps: Sequence[Step]) -> Recheck:
         except CannotBeCheckedError as error:
             obstacle = str(error)
         except MemoryError:
-            obstacle = "there is not enough memory to check it; give --memory more, or fewer --jobs"
+            obstacle = "there is not enough memory to check it; give `memory` more, or fewer `jobs`"
         except (InputError, ValueError) as error:
             findings.append(Finding("the certificate", str(error)))
         except Exception as error:

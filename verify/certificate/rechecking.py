@@ -181,7 +181,7 @@ def _conclusion(certificate: Entry, examination: Examination) -> Iterator[Findin
     if "place" in certificate:
         curve = certificate["place"]["rests_on"]
         examination.open_place = (
-            f"its place rests on the curve {shown(curve['id'])} ({curve['digest']}): give it with --curve FILE"
+            f"its place rests on the curve {shown(curve['id'])} ({curve['digest']}): give its certificate as `curve`"
         )
     kept = {key: certificate[key] for key in ("software", "digest", "place") if key in certificate}
     found = _compare(certificate, again, stated.enclosures is not None)

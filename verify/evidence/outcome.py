@@ -99,7 +99,7 @@ class Reason:
     Attributes:
         condition: name of the hypothesis, or short key of what stopped the verification.
         message: what happened.
-        remedy: what to try.
+        remedy: what to try; settings have Python's names, between backticks (`shared.arguments.as_options`).
         needs_precision: whether more precision may mend it.
         enough_precision: bits that are expected to be enough, where that is known.
         excluded: whether enclosures show that there is no such point in the box, whatever the form of the claim.

@@ -83,7 +83,7 @@ def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction], order: 
         digits = max(1, ceil(float((offset / enclose(min(radii))).log() / arb(10).log())) + 1)
         return (
             f"the centre is off by {_times(offset / width)} half-widths of P_{axis}: refine it to {digits} more digits "
-            "(explore candidates --digits); if they are right, are k and the kind?"
+            "(`digits` of the search); if they are right, are k and the kind?"
         )
     factor = (offset + spread) / width * enclose(_MARGIN)
     narrower = factor.sqrt() if over == 1 and (axis, order) != (0, 1) else factor

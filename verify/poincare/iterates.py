@@ -278,7 +278,7 @@ class _Integration:
             raise IntegrationFailure(
                 "precision",
                 f"{self.arithmetic.bits} bits are too few: at the last crossing {missing} would be missing",
-                "give --max-precision more",
+                "give `max_precision` more",
                 needs_precision=True,
                 enough_precision=self.arithmetic.bits + 8 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1),
             )

@@ -10,6 +10,6 @@ from orbitproof.verify.run.checks import (
     apart,
 )
 from orbitproof.verify.run.cluster import connected, engine_of
-from orbitproof.verify.run.options import ArgumentParser, gibibytes, positive_seconds, whole
+from orbitproof.verify.run.options import ArgumentParser, gibibytes, positive_seconds, whole_number
 from orbitproof.verify.run.processes import Engine, Processes, Work
 from orbitproof.verify.run.progress import Display, aligned

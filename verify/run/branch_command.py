@@ -14,7 +14,7 @@ from orbitproof.verify.atlas import SCHEMA
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, read_certificates
-from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole
+from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole_number
 from orbitproof.verify.run.branch_checks import examined, is_about_surface
 from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
 from orbitproof.verify.run.branch_tasks import LARGEST_ORDER, MOST_SPLITS, RunLimits
@@ -60,15 +60,15 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--bifurcations", type=Path, nargs="+", default=[], metavar="FILE", help=words)
     parser.add_argument("--only", nargs="+", metavar="ID", help="of these bifurcations (with * and ? as in file names)")
     words = "also list all resonances 1:1 to 1:K on the curve, and where its orbits are linearly stable"
-    parser.number("--complete", "K", words, whole(1, LARGEST_ORDER), None)
+    parser.number("--complete", "K", words, whole_number(1, LARGEST_ORDER), None)
     words = "halve an interval at most N times (default: %(default)s)"
-    parser.number("--max-splits", "N", words, whole(0, MOST_SPLITS), RunLimits.max_splits)
+    parser.number("--max-splits", "N", words, whole_number(0, MOST_SPLITS), RunLimits.max_splits)
     for name, what in (
         ("precision", "bits"),
         ("order", "degree of the expansions in time"),
         ("width", "degree of the expansions along the curve"),
     ):
-        parser.number(f"--{name}", "N", f"{what}, for the first attempt (default: as it suits)", whole(1), None)
+        parser.number(f"--{name}", "N", f"{what}, for the first attempt (default: as it suits)", whole_number(1), None)
     parser.run_options("pieces", "--timeout", "an interval of a piece", LONG_CHECK_SECONDS)
     return parser
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from orbitproof.shared.formats import as_options
 from orbitproof.verify.run import aligned
 from orbitproof.verify.run.branches import AtlasRun
 
@@ -40,4 +41,4 @@ def conclusion_text(certificate: Mapping[str, Any]) -> str:
     if certificate["verdict"] == "proved":
         return f"PROVED\n\n{certificate['statement']['theorem']}"
     reason = certificate["reason"]
-    return f"NOT PROVED: {reason['condition']}: {reason['message']}; {reason['remedy']}"
+    return f"NOT PROVED: {reason['condition']}: {reason['message']}; {as_options(reason['remedy'])}"

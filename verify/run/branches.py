@@ -24,7 +24,7 @@ from orbitproof.verify.evidence import exact_interval_text
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work
 from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
 from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, result_of, task_of
-from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, made_with, plan, whole
+from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, full_interval, made_with, plan
 from orbitproof.verify.run.workplace import Workplace
 from orbitproof.verify.stability import StabilityResult, open_on
 
@@ -125,7 +125,7 @@ class AtlasRun:
 
     def _share(self, name: str, fraction: float) -> float:
         """The part of a piece that is done, if an interval of it is done to `fraction`."""
-        start, end = whole(self._pieces[name])
+        start, end = full_interval(self._pieces[name])
         state = self._plans[name]
         done = sum(float(last - first) for first, last in state.proved) / float(end - start)
         longest = max((float(last - first) for (first, last), _ in state.missing), default=0.0) / float(end - start)
@@ -238,7 +238,7 @@ def prove_pieces(run: AtlasRun, workplace: Workplace, work: Work = prove_task) -
     display = Display(dict.fromkeys(run.pending, 1.0), workplace.quiet)
     if run.kept:
         count = f"{len(run.kept)} of {len(run.atlas.pieces)}"
-        display.message(f"{count} pieces settled already, kept (--fresh proves again)")
+        display.message(f"{count} pieces settled already, kept; a fresh run proves them again")
 
     lines = Lines()
 

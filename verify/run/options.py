@@ -37,7 +37,9 @@ class ArgumentParser(argparse.ArgumentParser):
 
         Without it, a check that does not integrate has the `usual` time, and one that does `INTEGRATION_SECONDS`.
         """
-        self.number("--jobs", "N", f"{tasks} side by side, each in a process of its own (default: 1)", whole(1), 1)
+        self.number(
+            "--jobs", "N", f"{tasks} side by side, each in a process of its own (default: 1)", whole_number(1), 1
+        )
         self.add_argument(
             "--scheduler", metavar="ADDRESS", help="use the cluster of this dask scheduler in place of --jobs"
         )
@@ -55,7 +57,7 @@ class ArgumentParser(argparse.ArgumentParser):
         self.add_argument("--quiet", action="store_true", help="no progress on stderr")
 
 
-def whole(first: int, last: int = 10**9 - 1) -> Callable[[str], int]:
+def whole_number(first: int, last: int = 10**9 - 1) -> Callable[[str], int]:
     """The type of an option: a whole number from `first` to `last`."""
 
     def number(text: str) -> int:

@@ -20,7 +20,7 @@ from orbitproof.verify.certificate import (
     Recheck,
     read_certificates,
 )
-from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, whole
+from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, whole_number
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.row_tables import recheck_table, verdict_table
 from orbitproof.verify.run.rows import RowRun
@@ -67,10 +67,10 @@ def _parser() -> ArgumentParser:
     parser.add_argument("file", type=Path, help="candidates file (JSON); with --recheck, certificates file")
     parser.add_argument("-o", "--output", type=Path, help="certificates file; rows are saved as they finish")
     parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
-    bits, words = whole(LEAST_PRECISION, GREATEST_PRECISION), "never use more bits (default: %(default)s)"
+    bits, words = whole_number(LEAST_PRECISION, GREATEST_PRECISION), "never use more bits (default: %(default)s)"
     parser.number("--max-precision", "BITS", words, bits, Limits.max_precision)
     words = "certain digits of the parameter to aim for (default: %(default)s)"
-    parser.number("--digits", "N", words, whole(1), Limits.digits)
+    parser.number("--digits", "N", words, whole_number(1), Limits.digits)
     words = (
         "coordinates of rows with a first integral: its level in place of one of Fix(R), which then follows from it "
         "(integral); those of Fix(R) as they are (coordinates); or what suits the row (default: auto)"

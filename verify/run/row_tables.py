@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import Candidate, as_options
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.levels import MEANINGS, Level, Recheck
@@ -37,7 +37,8 @@ def verdict_table(
         rows.append((name, str(candidate.k), candidate.kind, certificate.verdict, side, parameter, elapsed))
         reason = certificate.reason
         if reason is not None:
-            reasons.append(f"{name}: not proved, {reason.condition}: {reason.message}; {reason.remedy}")
+            remedy = as_options(reason.remedy, timeout="--row-timeout")
+            reasons.append(f"{name}: not proved, {reason.condition}: {reason.message}; {remedy}")
     return "\n".join([*aligned(rows), *([""] if reasons else []), *reasons])
 
 
@@ -59,7 +60,9 @@ def recheck_table(names: Sequence[str], rechecks: Mapping[str, Recheck]) -> str:
         remarks += [f"{name}: {entry.place}: {entry.message}" for entry in result.findings[:_SHOWN_FINDINGS]]
         further = len(result.findings) - _SHOWN_FINDINGS
         remarks += [f"{name}: and {further} more"] if further > 0 else []
-        remarks += [f"{name}: {text}" for text in (result.obstacle, result.open_place, *result.notes) if text]
+        remarks += [
+            f"{name}: {as_options(text)}" for text in (result.obstacle, result.open_place, *result.notes) if text
+        ]
     tables = [aligned(rows), remarks, _levels_table(rechecks)]
     return "\n\n".join("\n".join(lines) for lines in tables if lines)
 

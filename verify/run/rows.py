@@ -126,7 +126,7 @@ class RowRun:
         display = Display(work, workplace.quiet)
         if self.kept:
             count = f"{len(self.kept)} of {len(self.selected)}"
-            display.message(f"{count} proved already, kept (--fresh verifies again)")
+            display.message(f"{count} proved already, kept; a fresh run verifies them again")
 
         def finished(certificate: Certificate) -> None:
             self.certificates[certificate.id] = certificate
@@ -172,9 +172,9 @@ def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, An
 
 
 _REMEDIES = {
-    "process": "free memory, or give fewer --jobs or --max-precision less",
-    "time": "give --row-timeout more seconds or --max-precision less",
-    "memory": "give --memory more",
+    "process": "free memory, or give fewer `jobs` or `max_precision` less",
+    "time": "give `timeout` more seconds or `max_precision` less",
+    "memory": "give `memory` more",
 }
 
 

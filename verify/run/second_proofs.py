@@ -34,7 +34,7 @@ from orbitproof.verify.run import (
     aligned,
     apart,
     positive_seconds,
-    whole,
+    whole_number,
 )
 from orbitproof.verify.run.workplace import Workplace
 from orbitproof.verify.second_proof import (
@@ -69,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("file", type=Path, help="certificates file (JSON)")
     parser.add_argument("-o", "--output", type=Path, help="file of second proofs; rows are saved as they finish")
     parser.add_argument("--only", nargs="+", metavar="ID", help="these only (with * and ? as in file names)")
-    parser.number("--jobs", "N", "rows side by side, each in a process of its own (default: 1)", whole(1), 1)
+    parser.number("--jobs", "N", "rows side by side, each in a process of its own (default: 1)", whole_number(1), 1)
     parser.number("--row-timeout", "SECONDS", "give a row up after this time", positive_seconds, None)
     parser.memory_option("each row")
     parser.add_argument("--fresh", action="store_true", help="prove again what an earlier run proved")

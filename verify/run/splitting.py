@@ -52,7 +52,7 @@ class Plan:
         return not self.missing or bool(self.failed)
 
 
-def whole(piece: AnyPiece) -> Interval:
+def full_interval(piece: AnyPiece) -> Interval:
     """The interval of s on which a piece has to be proved; its symmetry gives the other half of a symmetric one."""
     return (Fraction(0), Fraction(1)) if piece.kind == "symmetric" else (Fraction(-1), Fraction(1))
 
@@ -112,7 +112,7 @@ def plan(
             for half in halves(interval):
                 walk(half, splits + 1)
 
-    walk(whole(piece), 0)
+    walk(full_interval(piece), 0)
     return Plan(tuple(done), tuple(missing), tuple(failed))
 
 

@@ -276,7 +276,7 @@ def orbit_functions(
     """
     if tube.system.fixed_level is not None:
         raise IntegrationFailure(
-            "stability", "no list is claimed on a fixed level of a first integral", "no --complete"
+            "stability", "no list is claimed on a fixed level of a first integral", "leave `complete` out"
         )
     with guarded(tube.limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
         try:

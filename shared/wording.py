@@ -1,0 +1,14 @@
+"""Words that go with numbers."""
+
+from __future__ import annotations
+
+
+def counted(number: int, thing: str) -> str:
+    """How many of a thing there are.
+
+    >>> counted(1, "piece"), counted(0, "orbit"), counted(12, "family")
+    ('1 piece', '0 orbits', '12 families')
+    """
+    if number == 1:
+        return f"1 {thing}"
+    return f"{number} {thing[:-1]}ies" if thing.endswith("y") else f"{number} {thing}s"
