@@ -25,7 +25,7 @@ from orbitproof.shared.formats import (
     write_candidates,
 )
 from orbitproof.shared.numbers import format_exact, parse_exact
-from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL, MASS_PARAMETERS, SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, HILL, MASS_PARAMETERS, SYSTEMS, ReversibleSystem, System
 
 EARTH_MOON = MASS_PARAMETERS["earth-moon"]
 SUN_JUPITER = MASS_PARAMETERS["sun-jupiter"]
@@ -43,6 +43,7 @@ __all__ = [
     "Candidate",
     "InputError",
     "ReversibleSystem",
+    "System",
     "define_system",
     "format_exact",
     "load_system",

@@ -23,7 +23,10 @@ def system_named(text: str) -> ReversibleSystem:
     if Path(text).suffix not in (".py", ".json"):
         known = ", ".join(FAMILY_NAMES)
         raise InputError(f"--system {text}: unknown; give one of {known}, or your own system's file (.py or .json)")
-    return load_system(text)
+    system = load_system(text)
+    if not isinstance(system, ReversibleSystem):
+        raise InputError(f"--system {text}: has neither R nor section; give both: searches are for symmetric orbits")
+    return system
 
 
 def given_parameters(

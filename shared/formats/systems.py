@@ -12,11 +12,21 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats.documents import InputError, read_document
-from orbitproof.shared.systems import KEYS, DescriptionError, ReversibleSystem, described, fault
+from orbitproof.shared.systems import (
+    KEYS,
+    DescriptionError,
+    ReversibleSystem,
+    System,
+    described,
+    described_plainly,
+    fault,
+)
 
 
-def load_system(path: str | Path) -> ReversibleSystem:
+def load_system(path: str | Path) -> System:
     """The system that a file describes, its symmetries and first integral tried at sample points.
+
+    A `ReversibleSystem`; of a description with neither R nor section a `System`, which `verify.enclose` takes.
 
     Arguments:
         path: of a ``.json`` file, or of a ``.py`` file, which is run; ``FILE:REVERSOR`` takes a further reversing
@@ -34,8 +44,10 @@ def load_system(path: str | Path) -> ReversibleSystem:
     return _tried({key: value for key, value in entry.items() if key not in ("format", "version")}, f"{file}: ")
 
 
-def define_system(description: Mapping[str, Any]) -> ReversibleSystem:
+def define_system(description: Mapping[str, Any]) -> System:
     """The system of a description: the keys of a system's file (docs/own-system.md), formulas as text or functions.
+
+    A `ReversibleSystem`; of a description with neither R nor section a `System`, which `verify.enclose` takes.
 
     Raises `InputError`, one line that says what is wrong.
 
@@ -49,16 +61,20 @@ def define_system(description: Mapping[str, Any]) -> ReversibleSystem:
     return _tried(description, "")
 
 
-def under_reversor(system: ReversibleSystem, reversor: str, source: str) -> ReversibleSystem:
+def under_reversor(system: System, reversor: str, source: str) -> ReversibleSystem:
     """The system with one of its further reversing symmetries for R. Raises `InputError`."""
+    if not isinstance(system, ReversibleSystem):
+        raise InputError(f"{source}: {system.name} has no reversing symmetry; leave the name after the colon out")
     try:
         return system.under(reversor)
     except ValueError as error:
         raise InputError(f"{source}: {error}") from None
 
 
-def _tried(entry: Mapping[str, Any], source: str) -> ReversibleSystem:
+def _tried(entry: Mapping[str, Any], source: str) -> System:
     try:
+        if isinstance(entry, Mapping) and "R" not in entry and "section" not in entry:
+            return described_plainly(entry)
         system = described(entry)
     except DescriptionError as error:
         raise InputError(f"{source}{error}") from None

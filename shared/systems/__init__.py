@@ -5,6 +5,7 @@ from orbitproof.shared.systems.description import (
     DescriptionError,
     describe,
     described,
+    described_plainly,
     program_function,
 )
 from orbitproof.shared.systems.examination import fault
@@ -37,4 +38,5 @@ from orbitproof.shared.systems.system import (
     FixedLevel,
     ParameterRange,
     ReversibleSystem,
+    System,
 )

@@ -19,7 +19,7 @@ from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import IDENTIFIER, LONGEST_TITLE, SYSTEM, fits, is_title
 from orbitproof.shared.systems.program import Program, Variable, record
-from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor
+from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
 from orbitproof.shared.wording import counted
 
 _OPTIONAL = (
@@ -29,21 +29,27 @@ _OPTIONAL = (
 )  # fmt: skip
 KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
 """What a description has; those after the section may be missing."""
+PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where")
+"""What the description of a system without R and section has; those after the field may be missing."""
 
-_INTERNED: dict[str, ReversibleSystem] = {}
+_INTERNED: dict[str, System] = {}
 
 
 class DescriptionError(ValueError):
     """What is wrong with a description, in one line that begins with the key and ends with the remedy."""
 
 
-def describe(system: ReversibleSystem) -> str | dict[str, Any]:
+def describe(system: System) -> str | dict[str, Any]:
     """The description of a system as JSON; for one that every installation knows, its name.
 
     The vector field, the first integral and the squared distance are programs as text.
     """
     if BRANCH_SYSTEMS.get(system.name) is system:
         return system.name
+    if not isinstance(system, ReversibleSystem):
+        plain = _plain_entry(system)
+        _INTERNED.setdefault(_text(plain), system)
+        return plain
     if system.original is not None:
         original = describe(system.original)
         chosen: dict[str, Any] = {**(original if isinstance(original, dict) else {"name": original})}
@@ -53,14 +59,7 @@ def describe(system: ReversibleSystem) -> str | dict[str, Any]:
     if system.derived_parameters or system.normalised:
         raise DescriptionError("derived_parameters: are not part of a description; give such parameters")
     entry: dict[str, Any] = {
-        "name": system.name,
-        "title": system.title,
-        "state": list(system.state),
-        "parameters": {
-            name: [None if end is None else str(end) for end in (interval.lower, interval.upper)]
-            for name, interval in system.parameters.items()
-        },
-        "field": system.program.text(),
+        **_plain_entry(system),
         "R": list(system.reversing_symmetry),
         "symmetries": {name: list(signs) for name, signs in system.symmetries.items()},
         "section": system.section,
@@ -81,18 +80,43 @@ def describe(system: ReversibleSystem) -> str | dict[str, Any]:
     return entry
 
 
+def _plain_entry(system: System) -> dict[str, Any]:
+    return {
+        "name": system.name,
+        "title": system.title,
+        "state": list(system.state),
+        "parameters": {
+            name: [None if end is None else str(end) for end in (interval.lower, interval.upper)]
+            for name, interval in system.parameters.items()
+        },
+        "field": system.program.text(),
+    }
+
+
 def described(entry: str | Mapping[str, Any]) -> ReversibleSystem:
-    """The system that `describe` describes, or that a file does. Raises `DescriptionError`."""
+    """The reversible system that `describe` describes, or that a file does. Raises `DescriptionError`."""
     if isinstance(entry, str):
         if entry not in BRANCH_SYSTEMS:
             raise DescriptionError(f"name: unknown system {entry!r}; known: {', '.join(BRANCH_SYSTEMS)}")
         return BRANCH_SYSTEMS[entry]
     try:
-        system = _read(entry)
+        system = _interned(_read(entry))
     except TypeError as error:
         raise DescriptionError(f"system: no description ({error}); give the keys {', '.join(KEYS)}") from None
-    known = BRANCH_SYSTEMS.get(system.name)
-    if known is not None:
+    assert isinstance(system, ReversibleSystem)
+    return system
+
+
+def described_plainly(entry: Mapping[str, Any]) -> System:
+    """The system of a description without R and section. Raises `DescriptionError`."""
+    try:
+        return _interned(_read_plain(entry))
+    except TypeError as error:
+        raise DescriptionError(f"system: no description ({error}); give the keys {', '.join(PLAIN_KEYS)}") from None
+
+
+def _interned(system: System) -> System:
+    if system.name in BRANCH_SYSTEMS:
         raise DescriptionError(f"name: {system.name!r} is the name of another system; choose your own")
     written = describe(system)
     assert isinstance(written, dict)
@@ -107,7 +131,45 @@ def _reduced(system: ReversibleSystem) -> tuple[Callable[..., ReversibleSystem],
     return described, (describe(system),)
 
 
+def _reduced_plainly(system: System) -> tuple[Callable[..., System], tuple[Any]]:
+    return described_plainly, (_plain_entry(system),)
+
+
 copyreg.pickle(ReversibleSystem, _reduced)
+copyreg.pickle(System, _reduced_plainly)
+
+
+def _read_plain(entry: Mapping[str, Any]) -> System:
+    for key in entry:
+        if key not in PLAIN_KEYS:
+            takes = "; it takes R and section as well" if key in KEYS else f"; there are {', '.join(KEYS)}"
+            raise DescriptionError(f"{key}: {'not without symmetry' if key in KEYS else 'unknown'}{takes}")
+    for key in PLAIN_KEYS[:3]:
+        if key not in entry:
+            raise DescriptionError(f"{key}: missing; give name, state and field at least")
+    name, title, state, ranges = _names_of(entry)
+    field = _Functions(state, tuple(ranges), entry.get("where", {})).function("field", entry["field"], state)
+    return System(name, title, state, ranges, field)
+
+
+def _names_of(entry: Mapping[str, Any]) -> tuple[str, str, tuple[str, ...], dict[str, ParameterRange]]:
+    """Name and title of a system, the names of its state coordinates and the ranges of its parameters."""
+    name = entry["name"]
+    if not fits(SYSTEM, name):
+        raise DescriptionError(f"name: {name!r} is no name; use letters, digits, - and _, a letter first")
+    _check_titles(entry)
+    state = _names("state", entry["state"])
+    ranges = _ranges(entry.get("parameters", ()))
+    _distinct("parameters", (*state, *ranges))
+    return name, entry.get("title") or name, state, ranges
+
+
+def _check_titles(entry: Mapping[str, Any]) -> None:
+    for key in ("title", "first_integral_name", "distance_name"):
+        text = entry.get(key)
+        if text is not None and not is_title(text):
+            what = f"{LONGEST_TITLE} letters, digits and signs such as . , ' ( ) + - * / ^ = at most, and no sentences"
+            raise DescriptionError(f"{key}: {text!r} is no title; give {what}")
 
 
 def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
@@ -117,18 +179,8 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
     for key in KEYS:
         if key not in _OPTIONAL and key not in entry:
             raise DescriptionError(f"{key}: missing; give name, state, field, R and section at least")
-    name = entry["name"]
-    if not fits(SYSTEM, name):
-        raise DescriptionError(f"name: {name!r} is no name; use letters, digits, - and _, a letter first")
-    for key in ("title", "first_integral_name", "distance_name"):
-        text = entry.get(key)
-        if text is not None and not is_title(text):
-            what = f"{LONGEST_TITLE} letters, digits and signs such as . , ' ( ) + - * / ^ = at most, and no sentences"
-            raise DescriptionError(f"{key}: {text!r} is no title; give {what}")
-    state = _names("state", entry["state"])
-    ranges = _ranges(entry.get("parameters", ()))
+    name, title, state, ranges = _names_of(entry)
     variables = (*state, *ranges)
-    _distinct("parameters", variables)
     named = _mapping("symmetries", entry.get("symmetries", {}))
     _distinct("symmetries", (*variables, *named))
     functions = _Functions(state, tuple(ranges), entry.get("where", {}))
@@ -136,7 +188,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
     try:
         system = ReversibleSystem(
             name=name,
-            title=entry.get("title") or name,
+            title=title,
             state=state,
             parameters=ranges,
             vector_field=functions.function("field", entry["field"], state),

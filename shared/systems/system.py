@@ -1,7 +1,7 @@
-"""Reversible systems: vector field, symmetries, section, first integral, parameters.
+"""Systems: vector field and parameters; of reversible ones symmetries, section, first integral.
 
-A system is one `ReversibleSystem` value. Neither the integrator nor the theorems know any system by
-name: a further one is a file of its own (`description`).
+A system is one `System` value, a reversible one a `ReversibleSystem`. Neither the integrator nor the theorems know
+any system by name: a further one is a file of its own (`description`).
 
 All symmetries are diagonal sign matrices in the state coordinates, the section is the vanishing of
 one state coordinate, and Fix(R) lies in the section. Coordinates on the section are split into
@@ -70,8 +70,8 @@ class Reversor:
 
 
 @dataclass(frozen=True, repr=False)
-class ReversibleSystem:
-    """x' = vector_field(x, parameters), reversible under the involution R = diag(reversing_symmetry).
+class System:
+    """x' = vector_field(x, parameters), of which no symmetry is known.
 
     Attributes:
         name: the key in `SYSTEMS` and in the JSON formats.
@@ -79,6 +79,29 @@ class ReversibleSystem:
         state: names of the state coordinates, m of them.
         parameters: admissible open interval of each parameter, by name, in the vector field's order.
         vector_field: plain arithmetic, called with (state, parameters), returns m values.
+    """
+
+    name: str
+    title: str
+    state: tuple[str, ...]
+    parameters: Mapping[str, ParameterRange]
+    vector_field: VectorField
+
+    def __repr__(self) -> str:
+        parameters = f", parameters {' '.join(self.parameters)}" if self.parameters else ""
+        return f"<{type(self).__name__} {self.name}: state {' '.join(self.state)}{parameters}>"
+
+    @cached_property
+    def program(self) -> Program:
+        """The vector field as a straight-line program; inputs: state, then parameters."""
+        return record(self.vector_field, self.state, tuple(self.parameters))
+
+
+@dataclass(frozen=True, repr=False)
+class ReversibleSystem(System):
+    """A system that is reversible under the involution R = diag(reversing_symmetry).
+
+    Attributes, beside those of `System`:
         reversing_symmetry: m signs; f(R x) = -R f(x).
         symmetries: further symmetries, by name, m signs each; f(S x) = S f(x), S commutes with R.
         section: the state coordinate whose vanishing defines the Poincare section; R negates it.
@@ -103,11 +126,6 @@ class ReversibleSystem:
             one value; variations w out of the plane along an orbit obey w'' = -g w, and R leaves g alone.
     """
 
-    name: str
-    title: str
-    state: tuple[str, ...]
-    parameters: Mapping[str, ParameterRange]
-    vector_field: VectorField
     reversing_symmetry: tuple[int, ...]
     section: str
     symmetries: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
@@ -174,10 +192,6 @@ class ReversibleSystem:
                 f"{self.name}: Fix(R) has the wrong dimension: R fixes {len(self.fixed_coordinates)} coordinates and "
                 f"negates {dimension + 1}; with a {rule} it negates"
             )
-
-    def __repr__(self) -> str:
-        parameters = f", parameters {' '.join(self.parameters)}" if self.parameters else ""
-        return f"<ReversibleSystem {self.name}: state {' '.join(self.state)}{parameters}>"
 
     def under(self, name: str) -> ReversibleSystem:
         """The same system with one of its further reversors for R. Raises `ValueError` for a name of none."""
@@ -252,11 +266,6 @@ class ReversibleSystem:
         rest, one = (float(self.first_integral([*before, w, *after], parameters)[0]) for w in (0.0, 1.0))
         square = (float(self.fixed_level.value) - rest) / (one - rest)
         return [*before, self.fixed_level.sign * sqrt(square) if square >= 0 else nan, *after]
-
-    @cached_property
-    def program(self) -> Program:
-        """The vector field as a straight-line program; inputs: state, then parameters."""
-        return record(self.vector_field, self.state, tuple(self.parameters))
 
     @cached_property
     def first_integral_program(self) -> Program | None:

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from orbitproof.shared import CR3BP, SYSTEMS, InputError, ReversibleSystem, load_system
+from orbitproof.explore.__main__ import main as explore_main
+from orbitproof.shared import CR3BP, SYSTEMS, InputError, ReversibleSystem, System, define_system, load_system
 from orbitproof.shared.systems import (
     AROUND,
     DescriptionError,
@@ -241,3 +242,48 @@ def test_a_file_may_have_names_of_its_own(tmp_path: Path) -> None:
     file = tmp_path / "own.py"
     file.write_text(f"import math\n_names = 3\nspeed = 2\n\ndef states():\n    return math.pi\n\n{text}", "utf-8")
     assert load_system(file).state == ("x", "y", "z")
+
+
+LORENZ = {
+    "name": "lorenz", "state": "x y z", "parameters": "sigma rho beta",
+    "field": {"x": "sigma*(y - x)", "y": "x*(rho - z) - y", "z": "x*y - beta*z"},
+}  # fmt: skip
+
+
+def test_a_system_needs_no_symmetry(tmp_path: Path) -> None:
+    system = load_system(write(tmp_path / "lorenz.json", LORENZ))
+    assert type(system) is System
+    assert repr(system) == "<System lorenz: state x y z, parameters sigma rho beta>"
+    assert list(system.vector_field([1, 2, 3], [10, 28, Fraction(8, 3)])) == [10, 23, -6]
+    assert pickle.loads(pickle.dumps(system)) is system is define_system(LORENZ)
+    by_function = define_system(
+        changed(LORENZ, field=lambda x, y, z, s, r, b: (s * (y - x), x * (r - z) - y, x * y - b * z))
+    )
+    assert by_function.program.evaluate([1, 2, 3, 10, 28, 1]) == [10, 23, -1]
+    assert define_system(changed(LORENZ, name="other", parameters={"sigma": ["0", None], "rho": [None, None],
+        "beta": [None, None]})).parameters["sigma"].lower == 0  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        (changed(LORENZ, R={"x": -1}), "section: missing"),
+        (changed(LORENZ, section="x"), "R: missing"),
+        (changed(LORENZ, symmetries={"S": [-1, -1, 1]}), "symmetries: not without symmetry; it takes R and section"),
+        (changed(LORENZ, name="cr3bp"), "another system"),
+        (changed(LORENZ, colour="red"), "colour: unknown"),
+        (changed(LORENZ, field={"x": "y"}), "field"),
+        ({"name": "lorenz", "state": "x y z"}, "field: missing"),
+    ],
+)  # fmt: skip
+def test_half_a_symmetry_is_none(entry: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        define_system(entry)
+
+
+def test_a_search_asks_for_the_symmetry(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write(tmp_path / "lorenz.json", LORENZ)
+    assert explore_main(["candidates", "--system", str(path), "-k", "2", "-o", str(tmp_path / "out.json")]) == 2
+    assert "has neither R nor section" in capsys.readouterr().err
+    with pytest.raises(InputError, match="has no reversing symmetry"):
+        load_system(f"{path}:other")
