@@ -10,7 +10,7 @@ import numpy as np
 from orbitproof.explore.families.continuation import Family, crossings
 from orbitproof.explore.families.named import FamilyFailure
 from orbitproof.explore.families.step_control import StepControl
-from orbitproof.explore.flow import FlowFailure, Vector
+from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.systems import ReversibleSystem
@@ -20,6 +20,9 @@ MOST_CROSSINGS = 12
 """So many crossings of the section are looked at for the half period."""
 
 _AT_START = 1e-6
+_RESTING = 1e-9
+"""So little, relative to the size of a state, an equilibrium moves in double precision."""
+
 _CLOSE = 0.05
 """Distance from Fix(R), relative to the size of the orbit, at which a crossing is taken for its other point there."""
 
@@ -46,10 +49,37 @@ def first_family(
         correction = problem.correct(unknowns, direction)
         tangent = problem.tangent(correction.jacobian, direction)
         states = problem.samples(correction.unknowns)
+        if _rests(states):
+            raise FamilyFailure(_equilibrium(problem, correction.unknowns))
+        orbit = problem.orbit(correction, crossings=crossings(problem, states))
     except (CorrectionFailure, FlowFailure, ZeroDivisionError) as error:
+        start = np.array([*first.point, 1.0])
+        if _field_vanishes(problem, start):
+            raise FamilyFailure(_equilibrium(problem, start)) from None
         raise FamilyFailure(f"no first orbit: {error}; give a point closer to one, and its half period") from None
-    orbit = problem.orbit(correction, crossings=crossings(problem, states))
     return Family(problem, (orbit,), (tangent,), "limit", "started")
+
+
+def _rests(states: Matrix) -> bool:
+    """Whether what the samples of an orbit move by is the error of their integration."""
+    return bool(np.max(np.abs(states - states[0])) <= _RESTING * (1 + np.max(np.abs(states[0]))))
+
+
+def _field_vanishes(problem: ShootingProblem, unknowns: Vector) -> bool:
+    state = problem.initial_state(unknowns).tolist()
+    try:
+        speed = np.abs(problem.system.vector_field(state, problem.parameter_values(unknowns).tolist()))
+    except (ArithmeticError, ValueError, TypeError):
+        return False
+    return bool(np.max(speed) <= _RESTING * (1 + np.max(np.abs(state))))
+
+
+def _equilibrium(problem: ShootingProblem, unknowns: Vector) -> str:
+    place = zip(problem.system.centre_coordinates, unknowns[:-1], strict=True)
+    there = ", ".join(f"{name} = {value:.8g}" for name, value in place)
+    born = problem.system.family_parameter is None
+    remedy = "--start equilibrium finds the families of small orbits about it" if born else "give a point away from it"
+    return f"no first orbit: {there} is an equilibrium, not an orbit; {remedy}"
 
 
 def _half_period(problem: ShootingProblem, point: tuple[float, ...]) -> float:

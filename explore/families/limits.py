@@ -55,6 +55,13 @@ class Limits:
             low, high = self.bounds.get(name, (-inf, inf))
             if not low <= value <= high:
                 return f"limit {name} = {low if value < low else high:g}"
+        if system.family_parameter is not None:
+            declared = system.parameters[system.family_parameter]
+            value = float(orbit.unknowns[0])
+            if declared.lower is not None and value <= declared.lower:
+                return f"limit {system.family_parameter} = {float(declared.lower):g}, where its declared range ends"
+            if declared.upper is not None and value >= declared.upper:
+                return f"limit {system.family_parameter} = {float(declared.upper):g}, where its declared range ends"
         integral = orbit.first_integral
         if self.integral_min is not None and integral is not None and integral <= self.integral_min:
             return f"limit {system.first_integral_name} = {self.integral_min:g}"

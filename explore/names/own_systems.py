@@ -26,6 +26,11 @@ def system_named(text: str) -> ReversibleSystem:
     system = load_system(text)
     if not isinstance(system, ReversibleSystem):
         raise InputError(f"--system {text}: has neither R nor section; give both: searches are for symmetric orbits")
+    if not system.kernel_coordinates:
+        raise InputError(
+            f"{text}: R negates the coordinate of the section alone: orbits have no multipliers besides 1, and nothing "
+            "branches off; give a system of three coordinates or more"
+        )
     return system
 
 
@@ -100,6 +105,9 @@ def place_of(system: ReversibleSystem, option: str, words: Sequence[str], *, com
         if name not in names:
             raise InputError(f"{option} {name}: no coordinate of {system.name} on Fix(R); give {', '.join(names)}")
         result[name] = finite_number(f"{option} {name}", text)
+        range_ = system.parameters[name] if name == system.family_parameter else None
+        if range_ is not None and not range_.contains(Fraction(result[name])):
+            raise InputError(f"{option} {name}={text}: outside {range_}; give a value inside, or declare a wider range")
     for name in names:
         if complete and name not in result:
             raise InputError(f"{option}: {name} is missing; give {' '.join(f'{each}=..' for each in names)}")

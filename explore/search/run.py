@@ -32,7 +32,7 @@ from orbitproof.explore.search.request import FamilyRequest, Request
 from orbitproof.explore.search.targets import Target, is_refined, merged, targets_of
 from orbitproof.shared.formats import Candidate, InputError, read_candidates, write_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem, shown
+from orbitproof.shared.systems import FALKNER_SKAN, THREE_BODY, ReversibleSystem, shown
 from orbitproof.shared.wording import counted
 
 
@@ -124,6 +124,13 @@ def _trace_tasks(request: Request) -> list[TraceTask]:
         names = " ".join(system.name for system in request.systems)
         raise InputError(
             f"--system {names}: {options.from_family} holds a family of {wrong.system.name}; leave the option out"
+        )
+    foreign = next((record.system.name for record in records if record.system not in THREE_BODY), None)
+    option = next((f"--{name}" for name in ("csv", "catalogue") if getattr(options, name, None) is not None), None)
+    if option is not None and foreign is not None:
+        raise InputError(
+            f"{option}: {options.from_family} holds a family of {foreign}, and the catalogue's columns are those "
+            "of the CR3BP; leave the option out"
         )
     if not request.families:
         speed = options.vy_max[0] if options.vy_max else None

@@ -40,6 +40,11 @@ def small_orbits(
     """
     if system.first_integral is None:
         raise EquilibriumFailure(f"{system.name} has no first integral: no families of orbits begin at an equilibrium")
+    if system.family_parameter is not None:
+        raise EquilibriumFailure(
+            f"small orbits about an equilibrium of {system.name} lie on other levels; leave family_parameter and "
+            "fixed_level out of its file to find them, or start from an orbit"
+        )
     point = np.array([guess.get(name, 0.0) for name in system.centre_coordinates])
     fixed = list(system.fixed_coordinates)
     # On Fix(R) the others vanish.

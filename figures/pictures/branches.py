@@ -79,10 +79,10 @@ def draw_overview(family: SampledFamily, branches: Sequence[BranchRecord]) -> Fi
         for branch in branches:
             _add(left, branch, lambda points, levels: (points[:, 1], levels))
             _add(right, branch, lambda points, levels: (points[:, 0], points[:, 1]))
-        left.set_xlabel(label_of(names[1]))
+        left.set_xlabel(label_of(family.system, names[1]))
         left.set_ylabel(level_label(family.system))
-        right.set_xlabel(label_of(names[0]))
-        right.set_ylabel(label_of(names[1]))
+        right.set_xlabel(label_of(family.system, names[0]))
+        right.set_ylabel(label_of(family.system, names[1]))
         titles = ("bifurcation parameter", "where the orbits start on Fix($R$)")
     else:
         for axes, curve, colour in ((left, family.points, CURVE), (right, family.second_points, SECOND_CURVE)):
@@ -91,7 +91,7 @@ def draw_overview(family: SampledFamily, branches: Sequence[BranchRecord]) -> Fi
                 if _nearest(family, branch)[0] is curve:
                     _add(axes, branch, lambda points, levels: (levels, points[:, 1]))
             axes.set_xlabel(level_label(family.system))
-            axes.set_ylabel(label_of(names[1]))
+            axes.set_ylabel(label_of(family.system, names[1]))
             parameter_scale(axes, curve[:, 0])
         titles = ("starting points on Fix($R$)", "the other points on Fix($R$)")
     for axes, letter, title in ((left, "a", titles[0]), (right, "b", titles[1])):
@@ -148,9 +148,11 @@ def _diagram(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> 
             points[:, place], levels - branch.level, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False, scaley=False
         )
     draw_point(axes, (float(branch.point[place]), 0.0), branch.k, _certified(branch), branch.id)
-    axes.set_xlabel(f"start on Fix($R$): {label_of(branch.system.centre_coordinates[place])}")
+    axes.set_xlabel(f"start on Fix($R$): {label_of(branch.system, branch.system.centre_coordinates[place])}")
     name = branch.system.family_parameter
-    quantity = label_of(name, unit=False) if name else branch.system.first_integral_name or "first integral"
+    quantity = (
+        label_of(branch.system, name, unit=False) if name else branch.system.first_integral_name or "first integral"
+    )
     axes.set_ylabel(f"{quantity} ${'-' if branch.level > 0 else '+'}$ {abs(branch.level):.7g}")
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_title("(a)  bifurcation diagram", color=INK)
@@ -176,8 +178,8 @@ def _starts(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> N
     draw_point(
         axes, (float(branch.point[shown[0]]), float(branch.point[shown[1]])), branch.k, _certified(branch), branch.id
     )
-    axes.set_xlabel(label_of(names[shown[0]]))
-    axes.set_ylabel(label_of(names[shown[1]]))
+    axes.set_xlabel(label_of(branch.system, names[shown[0]]))
+    axes.set_ylabel(label_of(branch.system, names[shown[1]]))
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_title("(b)  on Fix($R$)", color=INK)
 
@@ -214,8 +216,8 @@ def _section(axes: Axes, branch: BranchRecord) -> None:
         va="top",
     )
     draw_point(axes, [float(v) for v in centre], branch.k, _certified(branch), branch.id)
-    axes.set_xlabel(label_of(system.state[kept[0]]))
-    axes.set_ylabel(label_of(system.state[kept[1]]))
+    axes.set_xlabel(label_of(system, system.state[kept[0]]))
+    axes.set_ylabel(label_of(system, system.state[kept[1]]))
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.margins(0.12)
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
@@ -249,8 +251,8 @@ def _orbits(axes: Any, branch: BranchRecord, dimension: int) -> None:
         low, high = bounds_of(drawn or [none + 1.0])
         set_box(axes, branch.system, low, high, zoom=0.86)
         return
-    axes.set_xlabel(label_of(branch.system.state[0]))
-    axes.set_ylabel(label_of(branch.system.state[1]))
+    axes.set_xlabel(label_of(branch.system, branch.system.state[0]))
+    axes.set_ylabel(label_of(branch.system, branch.system.state[1]))
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.margins(0.06)
 

@@ -21,7 +21,7 @@ from orbitproof.figures.files import check_folder, save
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import legend_row, verdict_handles
 from orbitproof.figures.pictures.marks import draw_point
-from orbitproof.figures.style import CURVE, INK, close, label_of, marker_of, use_style
+from orbitproof.figures.style import CURVE, INK, close, label_of, marker_of, unit_of, use_style
 from orbitproof.shared.formats import InputError
 from orbitproof.verify.certificate import read_certificates
 
@@ -103,7 +103,7 @@ def _box(axes: Axes, curves: CertifiedCurves) -> None:
     unit = ""
     if curves.claim.is_family_of_maps:
         name = curves.claim.system.family_parameter
-        quantity = label_of(name, unit=False) if name else curves.parameter_name
+        quantity = label_of(curves.claim.system, name, unit=False) if name else curves.parameter_name
         unit = f": {quantity} $-$ centre,"
     axes.set_xlabel(f"$p_0${unit} in units of {first}")
     axes.set_ylabel(f"$p_1$ in units of {second}")
@@ -158,9 +158,9 @@ def _level(axes: Axes, curves: CertifiedCurves, branch: BranchRecord | None) -> 
     axes.set_xscale("log")
     axes.set_yscale("log")
     name = claim.system.family_parameter
-    quantity = label_of(name, unit=False) if name else curves.parameter_name
-    fold = claim.is_fold
-    axes.set_xlabel("$|p_1 - p_1^*|$  (nondimensional)" if fold else "$|p_1|$  (nondimensional)")
+    quantity = label_of(claim.system, name, unit=False) if name else curves.parameter_name
+    fold, unit = claim.is_fold, unit_of(claim.system)
+    axes.set_xlabel(f"$|p_1 - p_1^*|${unit}" if fold else f"$|p_1|${unit}")
     axes.set_ylabel(f"|{quantity} $-$ {'extremum' if fold else 'bifurcation'}|")
     where = {"above": "above", "below": "below", "both": "on both sides"}.get(curves.side, curves.side)
     words = f"family: two orbits {where}" if fold else f"branch: new orbits {where}"

@@ -19,7 +19,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.family import covered_by, crowds, free_corner
 from orbitproof.figures.pictures.legends import legend_below, legend_height, legend_row
 from orbitproof.figures.pictures.marks import draw_point, show_around
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, unit_of
 from orbitproof.verify.poincare import PHYSICAL
 
 _WIDTH = 7.2
@@ -122,10 +122,10 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
         _magnify(axes, curve)
     if axis.is_logarithmic:
         axes.set_xscale("log")
-    axes.set_xlabel(label_of(names[0]))
+    axes.set_xlabel(label_of(curve.system, names[0]))
     if axes.get_xscale() == "linear":
         axes.xaxis.set_major_locator(MaxNLocator(6))
-    axes.set_ylabel(label_of(names[1]))
+    axes.set_ylabel(label_of(curve.system, names[1]))
     return handles
 
 
@@ -207,7 +207,9 @@ class Along:
         self.is_parameter = curve.system.family_parameter is not None and _increases(first)
         self.is_logarithmic = bool(self.is_parameter and first.min() > 0 and first.max() > _MANY * first.min())
         name = curve.system.centre_coordinates[0]
-        self.label = label_of(name) if self.is_parameter else "arclength along the curve  (nondimensional)"
+        self.label = (
+            label_of(curve.system, name) if self.is_parameter else f"arclength along the curve{unit_of(curve.system)}"
+        )
 
     def half_width(self, stretch: Stretch) -> float:
         """Of the piece."""

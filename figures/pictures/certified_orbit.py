@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from orbitproof.explore.orbits import PeriodicSolution
 from orbitproof.figures.orbits import Array
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, unit_of
 from orbitproof.shared.formats import Candidate
 from orbitproof.verify.orbit import OrbitResults
 
@@ -47,8 +47,10 @@ def draw_orbit(candidate: Candidate, found: OrbitResults) -> Figure:
             there = solution.states(when)
             style = {**_DOT, **(_RING if colour == SECOND_CURVE else {})}
             axes.plot(across(there, when), there[:, second], marker=marker, color=colour, label=label, **style)
-        axes.set_xlabel("time  (nondimensional)" if first is None else label_of(names[first]))
-        axes.set_ylabel(label_of(names[second]))
+        axes.set_xlabel(
+            f"time{unit_of(candidate.system)}" if first is None else label_of(candidate.system, names[first])
+        )
+        axes.set_ylabel(label_of(candidate.system, names[second]))
         if first is not None and names[second] in ("y", "z"):
             axes.set_aspect("equal", adjustable="datalim")
         _body(axes, candidate, first, states)

@@ -119,14 +119,16 @@ def draw_surface(surface: Surface) -> Figure:
     figure.text(0.1, 0.965, heading_of(surface.atlas), color=INK, fontweight="bold", va="center")
     count = f"{proved} of {len(surface.sheets)} pieces proved, in {parts} parts"
     reach.set_title(f"(a)  halo orbits up to this height; {count}", color=INK)
-    reach.set_ylabel(f"{label_of(odd, unit=False)}")
+    reach.set_ylabel(f"{label_of(system, odd, unit=False)}")
     reach.margins(x=0.015)
     reach.tick_params(labelbottom=False)
     reach.grid(visible=False, axis="x")
     points.set_title("(b)  where the symmetry breaks", color=INK)
-    points.set_xlabel(_NAMES.get(surface.parameter_name, label_of(surface.parameter_name, unit=False)))
+    points.set_xlabel(_NAMES.get(surface.parameter_name, label_of(system, surface.parameter_name, unit=False)))
     handles = [
-        plt.Line2D([], [], color=INK, linestyle=style, label=label_of(system.centre_coordinates[index], unit=False))
+        plt.Line2D(
+            [], [], color=INK, linestyle=style, label=label_of(system, system.centre_coordinates[index], unit=False)
+        )
         for style, index in zip(_DASHES, even, strict=False)
     ]
     if proved < len(surface.sheets):

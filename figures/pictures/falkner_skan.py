@@ -15,6 +15,7 @@ from orbitproof.figures.orbits import Array, symmetric_orbit
 from orbitproof.figures.pictures.legends import legend_below
 from orbitproof.figures.pictures.marks import draw_mark
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of
+from orbitproof.shared.systems import FALKNER_SKAN
 
 _WIDTH = 7.2
 _LINE_STYLES = {2: "solid", 3: (0, (5, 2)), 4: (0, (1.5, 1.2))}
@@ -40,7 +41,7 @@ def draw_crossings(family: SampledFamily, marks: Sequence[MarkedPoint]) -> Figur
         axes.set_xlim(1.0, float(family.levels.max()) * 1.3)
         axes.set_xlabel(level_label(family.system))
     crossings.set_ylim(-2.2, 1.25)
-    crossings.set_ylabel(label_of(family.system.centre_coordinates[-1]))
+    crossings.set_ylabel(label_of(family.system, family.system.centre_coordinates[-1]))
     crossings.legend(loc="center right", handlelength=1.8)
     periods.set_ylabel("period  (nondimensional)")
     crossings.set_title("(a)  the two crossings of Fix($R$)", color=INK)
@@ -66,7 +67,7 @@ def draw_resonant_orbits(marks: Sequence[MarkedPoint]) -> Figure:
             axes.plot(rows[:, i], rows[:, j], color=marker_of(mark.k)[1], linestyle=_style(mark.k), linewidth=1.1)
         draw_mark(inset, (0.0, mark.point[-1]), mark)
     for letter, axes, (i, j) in zip("abc", panels, _PANELS, strict=True):
-        _label(axes, system.state[i], system.state[j], letter)
+        _label(axes, (i, j), letter)
     _magnify(panels[0], inset, np.array([mark.point[-1] for mark in marks]))
     claims = [(mark.k, mark.candidate.kind) for mark in marks]
     legend_below(figure, claims, [mark.certified for mark in marks])
@@ -103,8 +104,9 @@ def _style(k: int) -> Any:
     return _LINE_STYLES.get(k, "dashdot")
 
 
-def _label(axes: Axes, x: str, y: str, letter: str) -> None:
-    axes.set_xlabel(label_of(x))
-    axes.set_ylabel(label_of(y), labelpad=1)
+def _label(axes: Axes, shown: tuple[int, int], letter: str) -> None:
+    x, y = (FALKNER_SKAN.state[index] for index in shown)
+    axes.set_xlabel(label_of(FALKNER_SKAN, x))
+    axes.set_ylabel(label_of(FALKNER_SKAN, y), labelpad=1)
     axes.set_title(f"({letter})  ${x}$ and ${y}$", color=INK)
     axes.margins(0.08)

@@ -18,7 +18,7 @@ from orbitproof.figures.orbits import Array, OrbitNotClosed, state_on_fixed_set,
 from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_mark, draw_resonance, resonances, show_around
 from orbitproof.figures.pictures.space import bounds_of, primary_handle, set_box, show_primaries
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, level_label, marker_of, unit_of
 from orbitproof.shared.systems import THREE_BODY
 
 _ORBITS_SHOWN = 6
@@ -61,15 +61,15 @@ def _energy_figure(family: SampledFamily, placements: Sequence[Placement]) -> Fi
         draw_mark(level, (placement.arclength, placement.mark.level), placement.mark)
     level.set_ylabel(level_label(family.system))
     _stability_curves(stability, family, placements, family.arclength)
-    stability.set_xlabel("arclength along the family  (nondimensional)")
+    stability.set_xlabel(f"arclength along the family{unit_of(family.system)}")
     level.tick_params(labelbottom=False)
     _title(fixed, "a", "where the orbits meet Fix($R$)")
     _title(level, "b", family.system.first_integral_name or "first integral")
     _title(stability, "d", "stability parameters and resonances")
     size = float(stability.title.get_fontsize())
     top = stability.get_position().y1 + size * 0.6 / (72 * figure.get_figheight())
-    unit = "unit: distance of the primaries" if three_body else "nondimensional"
-    figure.text(0.085, top, f"(c)  orbits  ({unit})", fontsize=size, color=INK)
+    unit = "  (unit: distance of the primaries)" if three_body else unit_of(family.system)
+    figure.text(0.085, top, f"(c)  orbits{unit}", fontsize=size, color=INK)
     _legend(figure, placements, curves)
     return figure
 
@@ -113,8 +113,8 @@ def draw_marks(marks: Sequence[MarkedPoint]) -> Figure:
         draw_mark(fixed, mark.point[:2], mark)
         draw_mark(level, (mark.point[1], mark.level), mark)
     for axes, x, y in (
-        (fixed, label_of(names[0]), label_of(names[1])),
-        (level, label_of(names[1]), level_label(system)),
+        (fixed, label_of(system, names[0]), label_of(system, names[1])),
+        (level, label_of(system, names[1]), level_label(system)),
     ):
         axes.margins(0.08)
         axes.xaxis.set_major_locator(MaxNLocator(4))
@@ -150,8 +150,8 @@ def _fixed_plane(axes: Axes, family: SampledFamily, placements: Sequence[Placeme
         draw_mark(axes, placement.mark.point[:2], placement.mark)
     axes.margins(0.07)
     axes.xaxis.set_major_locator(MaxNLocator(6))
-    axes.set_xlabel(label_of(names[0]))
-    axes.set_ylabel(label_of(names[1]))
+    axes.set_xlabel(label_of(family.system, names[0]))
+    axes.set_ylabel(label_of(family.system, names[1]))
     _magnify(axes, family, placements)
 
 
@@ -249,7 +249,7 @@ def _fixed_line(axes: Axes, family: SampledFamily, placements: Sequence[Placemen
             draw_mark(axes, placement.mark.point[:2], placement.mark)
     parameter_scale(axes, family.levels)
     axes.margins(y=0.15)
-    axes.set_ylabel(label_of(family.system.centre_coordinates[1], unit=False))
+    axes.set_ylabel(label_of(family.system, family.system.centre_coordinates[1], unit=False))
     axes.annotate(
         "half a period later" if second else "starting point",
         (0.96, 0.9 if second else 0.08),
@@ -320,8 +320,8 @@ def _family_in_plane(axes: Axes, family: SampledFamily, placements: Sequence[Pla
         draw_mark(
             axes, state_on_fixed_set(family.system, family.parameters, list(placement.mark.point))[:2], placement.mark
         )
-    axes.set_xlabel(label_of(family.system.state[0]))
-    axes.set_ylabel(label_of(family.system.state[1]))
+    axes.set_xlabel(label_of(family.system, family.system.state[0]))
+    axes.set_ylabel(label_of(family.system, family.system.state[1]))
 
 
 def _orbits_shown(axes: Any, family: SampledFamily, placements: Sequence[Placement], dimension: int) -> list[Array]:
@@ -342,8 +342,8 @@ def _orbits_in_plane(axes: Axes, family: SampledFamily, placements: Sequence[Pla
         k = placement.mark.k
         style = {"color": marker_of(k)[1], "linestyle": _LINE_STYLES.get(k, "dashdot"), "linewidth": 1.2}
         _orbit(axes, family, placement.mark.point, 2, **style)
-    axes.set_xlabel(label_of(family.system.state[0]))
-    axes.set_ylabel(label_of(family.system.state[1]))
+    axes.set_xlabel(label_of(family.system, family.system.state[0]))
+    axes.set_ylabel(label_of(family.system, family.system.state[1]))
 
 
 def _orbit(axes: Any, family: SampledFamily, point: Array, dimension: int, **style: Any) -> Array | None:

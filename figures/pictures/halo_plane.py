@@ -18,7 +18,7 @@ from orbitproof.figures.orbits import Array
 from orbitproof.figures.pictures.legends import legend_below, legend_height, legend_row
 from orbitproof.figures.pictures.marks import draw_mark, show_around
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
-from orbitproof.shared.systems import MASS_PARAMETERS
+from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 
 _WIDTH = 7.2
 _SAME_ORBIT = 1e-3
@@ -92,9 +92,9 @@ def draw_closed_curves(families: Sequence[SampledFamily], marks: Sequence[Sequen
             draw_mark(axes, spot.position, spot.mark)
         shown += [spot.mark for spot in breakings]
         axes.set_aspect("equal")
-        axes.set_xlabel(label_of("x"))
+        axes.set_xlabel(label_of(CR3BP, "x"))
         if j == 0:
-            axes.set_ylabel(label_of("z"))
+            axes.set_ylabel(label_of(CR3BP, "z"))
             first = axes
         else:
             axes.tick_params(labelleft=False)
@@ -212,8 +212,8 @@ def _parted(spots: Sequence[Spot]) -> tuple[Sequence[Spot], Sequence[Spot]]:
 
 
 def _finish(axes: Axes, letter: str, title: str) -> None:
-    axes.set_xlabel(label_of("x"))
-    axes.set_ylabel(label_of("z"))
+    axes.set_xlabel(label_of(CR3BP, "x"))
+    axes.set_ylabel(label_of(CR3BP, "z"))
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.set_title(f"({letter})  {title}", color=INK)
 

@@ -43,8 +43,8 @@ def draw_tori(record: ToriRecord) -> Figure:
         axes.plot(*centre, marker="o", markerfacecolor="white", color=INK, linestyle="none", markersize=5)
         names = [CR3BP.state[index] for index in (0, 2, 3, 5)]
         axes.xaxis.set_major_locator(MaxNLocator(6))
-        axes.set_xlabel(label_of(names[first]))
-        axes.set_ylabel(label_of(names[second]))
+        axes.set_xlabel(label_of(CR3BP, names[first]))
+        axes.set_ylabel(label_of(CR3BP, names[second]))
         letter, text = ("b", "invariant curves, $y=0$") if first == 0 else ("c", "the same, across Fix($R$)")
         axes.set_title(f"({letter})  {text}", color=INK)
     errors = figure.add_subplot(grid[1, 1])
@@ -88,8 +88,8 @@ def draw_manifold(record: ManifoldRecord) -> Figure:
         closed[:, first], closed[:, first + 3], color=colour, linewidth=0.7, marker="o", markersize=3,
         markerfacecolor="white",
     )  # fmt: skip
-    section.set_xlabel(label_of(CR3BP.state[first]))
-    section.set_ylabel(label_of(CR3BP.state[first + 3]))
+    section.set_xlabel(label_of(CR3BP, CR3BP.state[first]))
+    section.set_ylabel(label_of(CR3BP, CR3BP.state[first + 3]))
     section.set_title(f"(b)  where it meets ${'xyz'[tube.plane.index]}$ = {tube.plane.value:.6g}", color=INK)
     figure.text(0.05, 0.895, "(a)  the tube  (unit: distance of the primaries)", fontsize=8.5, color=INK)
     _head(figure, f"{tube.kind.capitalize()} manifold of {record.title}, multiplier {tube.multiplier:.6g}")

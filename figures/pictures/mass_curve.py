@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from orbitproof.explore.masses import CurveRecord, PointRecord, read_curves
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of
 from orbitproof.shared.formats import InputError
+from orbitproof.shared.systems import CR3BP
 
 Array = NDArray[np.float64]
 
@@ -64,7 +65,7 @@ def draw_mass_curves(curves: list[CurveRecord]) -> Figure:
         )
         axes[1].set_ylabel("$C$")
         for panel in axes[1:]:
-            panel.set_xlabel(label_of("mu"))
+            panel.set_xlabel(label_of(CR3BP, "mu"))
     _legend(figure, curves)
     return figure
 
@@ -86,8 +87,8 @@ def _crossings(axes: Axes, curve: CurveRecord) -> None:
     axes.plot(second[:, 0], second[:, 1], color=SECOND_CURVE)
     axes.plot(first[:, 0], first[:, 1], color=CURVE)
     axes.margins(x=0.17, y=0.17)
-    axes.set_xlabel(label_of("x"))
-    axes.set_ylabel(label_of("vy", unit=False))
+    axes.set_xlabel(label_of(CR3BP, "x"))
+    axes.set_ylabel(label_of(CR3BP, "vy", unit=False))
     axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.autoscale_view()
     if curve.precise:

@@ -19,7 +19,7 @@ from orbitproof.explore.records import BAND, ExtremumRecord
 from orbitproof.figures.model import Place, SampledStability
 from orbitproof.figures.pictures.legends import bottom_margin, legend_below
 from orbitproof.figures.pictures.marks import draw_mark, draw_resonance, resonances
-from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, marker_of
+from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, marker_of, unit_of
 
 _WIDTH, _HEIGHT = 7.2, 6.6
 _CROWD_GAP = 1.68
@@ -105,7 +105,7 @@ def _panel(
     axes.set_xlim(low - 0.01 * (high - low), high + 0.01 * (high - low))
     axes.set_ylim(-1.25, 1.25)
     axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.set_xlabel("arclength along the family  (nondimensional)" if letter == "a" else "arclength")
+    axes.set_xlabel(f"arclength along the family{unit_of(curve.family.system)}" if letter == "a" else "arclength")
     if leftmost:
         axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
     axes.set_title(f"({letter})  {text}", color=INK)

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from orbitproof.shared.formats import FOLD, ORBIT
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem
 
 INK = "#222222"
 CURVE = "#3c6e91"
@@ -33,6 +33,11 @@ _TEX = {
     "zeta": r"\zeta",
     "veta": r"\dot{\eta}",
 }
+_GREEK = frozenset({
+    "alpha", "beta", "gamma", "delta", "epsilon", "varepsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda",
+    "mu", "nu", "xi", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega", "Gamma", "Delta",
+    "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi", "Psi", "Omega",
+})  # fmt: skip
 
 
 def use_style() -> Any:
@@ -48,17 +53,41 @@ def marker_of(k: int, kind: str = "") -> tuple[str, str]:
     return _OF_KIND.get(kind) or _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
 
 
-def label_of(name: str, unit: bool = True) -> str:
-    """Axis label of a state coordinate or parameter; all are nondimensional."""
-    text = f"${_TEX.get(name, name)}$"
-    return f"{text}  (nondimensional)" if unit else text
+def label_of(system: ReversibleSystem, name: str, unit: bool = True) -> str:
+    """Axis label of a state coordinate or parameter of a system."""
+    known = _TEX.get(name, name) if is_built_in(system) else _symbol(name)
+    return f"${known}${unit_of(system)}" if unit else f"${known}$"
 
 
 def level_label(system: ReversibleSystem) -> str:
     """Axis label of the bifurcation parameter: first integral or family parameter."""
     if system.family_parameter is not None:
-        return label_of(system.family_parameter)
-    return f"{system.first_integral_name or 'first integral'}  (nondimensional)"
+        return label_of(system, system.family_parameter)
+    return f"{system.first_integral_name or 'first integral'}{unit_of(system)}"
+
+
+def unit_of(system: ReversibleSystem) -> str:
+    """What an axis says of the unit: that there is none, of equations that were made so; nothing of a user's own."""
+    return "  (nondimensional)" if is_built_in(system) else ""
+
+
+def is_built_in(system: ReversibleSystem) -> bool:
+    """Whether every installation knows the system, and this module what its names mean."""
+    return BRANCH_SYSTEMS.get(system.name) == system
+
+
+def _symbol(name: str) -> str:
+    """A name of a user's own as mathematics: Greek letters, digits and what follows _ as index, words upright."""
+    stem, _, index = name.partition("_")
+    letters = stem.rstrip("0123456789")
+    index = ",".join(part for part in (stem[len(letters) :], index.replace("_", ",")) if part)
+    if letters == "eps":
+        letters = "varepsilon"
+    if letters in _GREEK:
+        text = rf"\{letters}"
+    else:
+        text = letters if len(letters) == 1 else rf"\mathrm{{{letters}}}"
+    return rf"{text}_{{\mathrm{{{index}}}}}" if index else text
 
 
 def close(figure: Figure) -> None:

@@ -24,6 +24,19 @@ _MOST_BITS = 20_000
 _NUMBER = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,4})?", re.ASCII)
 _ALLOWED = "write it with names, numbers, + - * / **, sqrt(..) and brackets"
 
+_CIRCLE = (
+    "where a coordinate u stands in sines and cosines alone, t = tan(u/2) in its place has t' = (1 + t**2)*u'/2, "
+    "sin(u) = 2*t/(1 + t**2), cos(u) = (1 - t**2)/(1 + t**2)"
+)
+_HYPERBOLA = (
+    "where a coordinate u stands in exponentials alone, t = tanh(u/2) in its place has t' = (1 - t**2)*u'/2, "
+    "exp(u) = (1 + t)/(1 - t)"
+)
+_IN_PLACE = {"sin": _CIRCLE, "cos": _CIRCLE, "tan": _CIRCLE} | dict.fromkeys(
+    ("exp", "sinh", "cosh", "tanh"), _HYPERBOLA
+)
+"""What leads to a field in plain arithmetic, of as many coordinates."""
+
 _OPERATIONS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -88,7 +101,7 @@ class _Reader:
             case ast.Call(func=ast.Name(id="sqrt"), args=[argument], keywords=[]):
                 return self.power(self.value(argument), Fraction(1, 2))
         part = ast.get_source_segment(self.source, node) or self.source
-        raise FormulaError(f"{_quoted(part)} is not allowed in a formula; {_ALLOWED}")
+        raise FormulaError(f"{_quoted(part)} is not allowed in a formula; {_remedy(node)}")
 
     def number(self, node: ast.Constant) -> Fraction:
         """The number as it is written: what Python makes of 0.1 is another one."""
@@ -111,6 +124,16 @@ class _Reader:
         if abs(exponent) * max(base.numerator.bit_length(), base.denominator.bit_length()) > _MOST_BITS:
             raise FormulaError(f"a number in {_quoted(self.source)} is too long; give fewer digits")
         return base ** int(exponent)
+
+
+def _remedy(node: ast.expr) -> str:
+    """What to write in place of a part that is not allowed."""
+    match node:
+        case ast.BinOp(op=ast.BitXor()):
+            return "a power is written **, as in x**2"
+        case ast.Call(func=ast.Name(id=name)) if name in _IN_PLACE:
+            return _IN_PLACE[name]
+    return _ALLOWED
 
 
 def _short(value: Any) -> Any:

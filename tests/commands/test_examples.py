@@ -165,7 +165,7 @@ def test_a_picture_of_a_plane_shows_no_primaries(tmp_path: Path) -> None:
         figure = draw_family(family.refined(), [])
         words = [text.get_text() for text in figure.findobj(Text)]
         close(figure)
-    assert "(c)  orbits  (nondimensional)" in words
+    assert "(c)  orbits" in words
     assert not any("primaries" in word for word in words)
     assert all(axes.name != "3d" for axes in figure.axes)
 
