@@ -14,6 +14,7 @@ from orbitproof.shared.claims.candidate import (
     Candidate,
     Equation,
 )
+from orbitproof.shared.claims.periodic import PERIODIC, PeriodicOrbit
 from orbitproof.shared.claims.pieces import (
     COORDINATES,
     AnyPiece,
@@ -23,3 +24,6 @@ from orbitproof.shared.claims.pieces import (
     evaluate,
     is_regular,
 )
+
+BoxClaim = Candidate | PeriodicOrbit
+"""What a row of a candidates file claims of a box."""

@@ -7,39 +7,54 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
-from orbitproof.shared.claims import ONCE, ORBIT, Candidate
+from orbitproof.shared.claims import ONCE, ORBIT, PERIODIC, BoxClaim, Candidate, PeriodicOrbit
 from orbitproof.shared.codec import from_json, register, to_json
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.formats.documents import read_document, write_document
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import SYSTEMS, DescriptionError, ReversibleSystem, describe, described
+from orbitproof.shared.systems import (
+    SYSTEMS,
+    DescriptionError,
+    ReversibleSystem,
+    System,
+    describe,
+    described,
+    described_plainly,
+)
 
 
-def read_candidates(path: Path) -> list[Candidate]:
+def read_claims(path: Path) -> list[BoxClaim]:
     """Read a candidates file. Raises `InputError` for anything that is not a well-formed claim."""
     document = read_document(path, "candidates")
-    candidates: list[Candidate] = []
+    claims: list[BoxClaim] = []
     seen: set[str] = set()
     for index, entry in enumerate(document["candidates"]):
         source = f"{path}: field candidates[{index}]"
-        candidate = candidate_from_json(entry, source)
-        if candidate.id in seen:
-            raise InputError(f"{source}.id: {candidate.id!r} appears twice; give each candidate its own id")
-        seen.add(candidate.id)
-        candidates.append(candidate)
+        claim = claim_from_json(entry, source)
+        if claim.id in seen:
+            raise InputError(f"{source}.id: {claim.id!r} appears twice; give each candidate its own id")
+        seen.add(claim.id)
+        claims.append(claim)
+    return claims
+
+
+def read_candidates(path: Path) -> list[Candidate]:
+    """The same of a file whose claims are all about symmetric orbits. Raises `InputError` for others too."""
+    candidates: list[Candidate] = []
+    for claim in read_claims(path):
+        if isinstance(claim, PeriodicOrbit):
+            what = "is about a periodic orbit without symmetry, which is not available here"
+            raise InputError(f"{path}: {claim.id!r} {what}; leave it out")
+        candidates.append(claim)
     return candidates
 
 
-register(
-    ReversibleSystem,
-    describe,
-    lambda system: system,
-    {"anyOf": [{"$ref": "#/$defs/system"}, {"type": "object"}]},
-)
+for _kind in (System, ReversibleSystem):
+    register(_kind, describe, lambda system: system, {"anyOf": [{"$ref": "#/$defs/system"}, {"type": "object"}]})
 """Which systems are known is for the reader to say: it puts the system in place of its name."""
 
 
-def candidate_to_json(candidate: Candidate, provenance: bool = True) -> dict[str, Any]:
+def candidate_to_json(candidate: BoxClaim, provenance: bool = True) -> dict[str, Any]:
     """The JSON object of a candidate, with or without what the verifier ignores."""
     entry: dict[str, Any] = to_json(candidate)
     return entry if provenance else {key: value for key, value in entry.items() if key != "provenance"}
@@ -79,6 +94,24 @@ def find_system(
         raise InputError(f"{source}.{error}") from None
 
 
+def claim_from_json(
+    entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
+) -> BoxClaim:
+    """The claim of a schema-valid JSON object, about one of `systems` or one that it describes. Raises `InputError`."""
+    if entry["kind"] != PERIODIC:
+        return candidate_from_json(entry, source, systems)
+    system: System
+    described_alone = entry["system"]
+    if isinstance(described_alone, Mapping) and not {"R", "section", "reversor"} & set(described_alone):
+        try:
+            system = described_plainly(described_alone)
+        except DescriptionError as error:
+            raise InputError(f"{source}.system.{error}") from None
+    else:
+        system = find_system(described_alone, f"{source}.system", systems)
+    return from_json(PeriodicOrbit, {**entry, "system": system}, source)
+
+
 def candidate_from_json(
     entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
 ) -> Candidate:
@@ -98,7 +131,7 @@ def candidate_from_json(
     return from_json(Candidate, {**entry, "system": system}, source)
 
 
-def write_candidates(path: Path, candidates: Sequence[Candidate]) -> None:
+def write_candidates(path: Path, candidates: Sequence[BoxClaim]) -> None:
     """Write a candidates file, whole or not at all. Raises `InputError` if it cannot be written."""
     document = {
         "format": "orbitproof-candidates",

@@ -7,13 +7,14 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from orbitproof.shared.claims import Atlas, Candidate
+from orbitproof.shared.claims import Atlas, BoxClaim
 from orbitproof.shared.codec import Definitions, schema_of
 from orbitproof.shared.systems import SYSTEM
 
 _CANDIDATES = (
     "Boxes that are claimed to contain a bifurcation of symmetric periodic orbits, or one orbit. Coordinates: the "
-    "family parameter of the system, if it has one, then the state coordinates fixed by R, in the system's order."
+    "family parameter of the system, if it has one, then the state coordinates fixed by R, in the system's order; of a "
+    "periodic orbit without symmetry the state coordinates."
 )
 _ATLAS = (
     "A curve of symmetric periodic orbits, or a surface of them over the mass parameter, as pieces in order along it. "
@@ -24,7 +25,7 @@ _ATLAS = (
 
 def schemas() -> dict[str, dict[str, Any]]:
     """The schemas by the names of their formats."""
-    candidate, definitions = schema_of(Candidate)
+    candidate, definitions = schema_of(BoxClaim)
     many = {"type": "array", "minItems": 1, "maxItems": 100000, "items": candidate}
     candidates = _document("candidates", _CANDIDATES, {"candidates": many}, ["candidates"], definitions)
     _, definitions = schema_of(Atlas)

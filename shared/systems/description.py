@@ -29,7 +29,7 @@ _OPTIONAL = (
 )  # fmt: skip
 KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
 """What a description has; those after the section may be missing."""
-PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where")
+PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where", "first_integral", "first_integral_name")
 """What the description of a system without R and section has; those after the field may be missing."""
 
 _INTERNED: dict[str, System] = {}
@@ -64,11 +64,9 @@ def describe(system: System) -> str | dict[str, Any]:
         "symmetries": {name: list(signs) for name, signs in system.symmetries.items()},
         "section": system.section,
     }
-    integral, level, distance = system.first_integral_program, system.fixed_level, system.squared_distance_program
+    level, distance = system.fixed_level, system.squared_distance_program
     optional = {
         "family_parameter": system.family_parameter,
-        "first_integral": None if integral is None else integral.text(),
-        "first_integral_name": system.first_integral_name,
         "level_coordinate": system.level_coordinate,
         "fixed_level": None if level is None else {"value": str(level.value), "sign": level.sign},
         "reversors": {name: list(each.signs) for name, each in system.reversors.items()} or None,
@@ -81,6 +79,8 @@ def describe(system: System) -> str | dict[str, Any]:
 
 
 def _plain_entry(system: System) -> dict[str, Any]:
+    integral = system.first_integral_program
+    named = {} if integral is None else {"first_integral_name": system.first_integral_name or "first integral"}
     return {
         "name": system.name,
         "title": system.title,
@@ -90,6 +90,7 @@ def _plain_entry(system: System) -> dict[str, Any]:
             for name, interval in system.parameters.items()
         },
         "field": system.program.text(),
+        **({} if integral is None else {"first_integral": integral.text(), **named}),
     }
 
 
@@ -148,8 +149,16 @@ def _read_plain(entry: Mapping[str, Any]) -> System:
         if key not in entry:
             raise DescriptionError(f"{key}: missing; give name, state and field at least")
     name, title, state, ranges = _names_of(entry)
-    field = _Functions(state, tuple(ranges), entry.get("where", {})).function("field", entry["field"], state)
-    return System(name, title, state, ranges, field)
+    functions, integral = _Functions(state, tuple(ranges), entry.get("where", {})), entry.get("first_integral")
+    return System(
+        name,
+        title,
+        state,
+        ranges,
+        functions.function("field", entry["field"], state),
+        first_integral=None if integral is None else functions.function("first_integral", integral, None),
+        first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
+    )
 
 
 def _names_of(entry: Mapping[str, Any]) -> tuple[str, str, tuple[str, ...], dict[str, ParameterRange]]:

@@ -79,6 +79,8 @@ class System:
         state: names of the state coordinates, m of them.
         parameters: admissible open interval of each parameter, by name, in the vector field's order.
         vector_field: plain arithmetic, called with (state, parameters), returns m values.
+        first_integral: plain arithmetic like the vector field, returns one value; `None` if absent.
+        first_integral_name: what people call it.
     """
 
     name: str
@@ -86,6 +88,8 @@ class System:
     state: tuple[str, ...]
     parameters: Mapping[str, ParameterRange]
     vector_field: VectorField
+    first_integral: VectorField | None = field(default=None, kw_only=True)
+    first_integral_name: str | None = field(default=None, kw_only=True)
 
     def __repr__(self) -> str:
         parameters = f", parameters {' '.join(self.parameters)}" if self.parameters else ""
@@ -95,6 +99,13 @@ class System:
     def program(self) -> Program:
         """The vector field as a straight-line program; inputs: state, then parameters."""
         return record(self.vector_field, self.state, tuple(self.parameters))
+
+    @cached_property
+    def first_integral_program(self) -> Program | None:
+        """The first integral as a straight-line program; inputs: state, then parameters."""
+        if self.first_integral is None:
+            return None
+        return record(self.first_integral, self.state, tuple(self.parameters))
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,8 +118,6 @@ class ReversibleSystem(System):
         section: the state coordinate whose vanishing defines the Poincare section; R negates it.
         family_parameter: the parameter of the vector field in which the maps form a family (C1-C4),
             or `None` when the level of `first_integral` is the bifurcation parameter (HC2-HC4).
-        first_integral: plain arithmetic like the vector field, returns one value; `None` if absent.
-        first_integral_name: what people call it.
         level_coordinate: a state coordinate w, fixed by R, in which the first integral is quadratic:
             H = A + b w^2, with A independent of w and a constant b. On Fix(R) it then follows from the level
             of H and the other coordinates up to its sign. `None` if there is no such coordinate.
@@ -130,8 +139,6 @@ class ReversibleSystem(System):
     section: str
     symmetries: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     family_parameter: str | None = None
-    first_integral: VectorField | None = None
-    first_integral_name: str | None = None
     level_coordinate: str | None = None
     normalised: Mapping[str, Fraction] = field(default_factory=dict)
     derived_parameters: Mapping[str, DerivedParameter] = field(default_factory=dict)
@@ -266,13 +273,6 @@ class ReversibleSystem(System):
         rest, one = (float(self.first_integral([*before, w, *after], parameters)[0]) for w in (0.0, 1.0))
         square = (float(self.fixed_level.value) - rest) / (one - rest)
         return [*before, self.fixed_level.sign * sqrt(square) if square >= 0 else nan, *after]
-
-    @cached_property
-    def first_integral_program(self) -> Program | None:
-        """The first integral as a straight-line program; inputs: state, then parameters."""
-        if self.first_integral is None:
-            return None
-        return record(self.first_integral, self.state, tuple(self.parameters))
 
     @cached_property
     def squared_distance_program(self) -> Program | None:

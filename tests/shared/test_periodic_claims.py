@@ -1,0 +1,120 @@
+"""Claims about periodic orbits without symmetry: written, read, and refused."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import (
+    PeriodicOrbit,
+    define_system,
+    read_candidates,
+    read_claims,
+    write_candidates,
+)
+from orbitproof.shared.systems import CR3BP, System
+
+LORENZ = define_system(
+    {
+        "name": "lorenz",
+        "state": "x y z",
+        "parameters": "sigma rho beta",
+        "field": {"x": "sigma*(y - x)", "y": "rho*x - y - x*z", "z": "x*y - beta*z"},
+    }
+)
+
+
+def _claim(**changes: Any) -> PeriodicOrbit:
+    zero, one = Fraction(0), Fraction(1)
+    claim = PeriodicOrbit(
+        id="AB",
+        system=LORENZ,
+        parameters={"sigma": Fraction(10), "rho": Fraction(28), "beta": Fraction(8, 3)},
+        normal=(zero, zero, one),
+        offset=Fraction(27),
+        direction=-1,
+        crossings=2,
+        centre=(Fraction(-17, 8), Fraction(33, 16), Fraction(27)),
+        frame=((one, zero), (zero, one), (zero, zero)),
+        radii=(Fraction(1, 1024), Fraction(1, 1024)),
+    )
+    return replace(claim, **changes)
+
+
+def test_claims_are_read_as_they_were_written(tmp_path: Path) -> None:
+    on_level = PeriodicOrbit(
+        id="planar",
+        system=CR3BP,
+        parameters={"mu": Fraction(1, 100)},
+        normal=(*[Fraction(0)] * 5, Fraction(1)),
+        offset=Fraction(0),
+        direction=1,
+        crossings=1,
+        centre=(Fraction(1, 2), *[Fraction(0)] * 5),
+        frame=tuple(tuple(Fraction(int(i == j)) for j in range(5)) for i in range(6)),
+        radii=(Fraction(1, 8),) * 5,
+        level=Fraction(19, 6),
+    )
+    claims = [_claim(), on_level]
+    write_candidates(tmp_path / "claims.json", claims)
+    assert read_claims(tmp_path / "claims.json") == claims
+
+
+def test_a_system_with_a_first_integral_needs_no_symmetry() -> None:
+    system = define_system(
+        {"name": "turn", "state": "x y", "field": {"x": "y", "y": "-x"}, "first_integral": "x**2 + y**2"}
+    )
+    assert type(system) is System
+    assert system.first_integral_program is not None
+    assert system.first_integral_name == "first integral"
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"direction": 0}, "direction"),
+        ({"crossings": 0}, "crossings"),
+        ({"parameters": {"sigma": Fraction(10)}}, "parameters"),
+        ({"radii": (Fraction(1), Fraction(0))}, "radii[1]"),
+        ({"radii": (Fraction(1),)}, "radii"),
+        ({"normal": (Fraction(1),)}, "normal"),
+        ({"centre": (Fraction(1),) * 4}, "centre"),
+        ({"centre": (Fraction(1, 3),) * 3}, "centre"),
+        ({"frame": ((Fraction(1),),) * 3}, "frame"),
+        ({"level": Fraction(1)}, "level"),
+        ({"id": "\n"}, "id"),
+        ({"offset": 0.5}, "offset"),
+    ],
+)
+def test_what_is_no_claim_is_refused(changes: dict[str, Any], field: str) -> None:
+    with pytest.raises(InputError) as error:
+        _claim(**changes)
+    assert str(error.value).startswith(f"{field}: ")
+
+
+def test_files_name_the_field_that_is_wrong(tmp_path: Path) -> None:
+    path = tmp_path / "claims.json"
+    write_candidates(path, [_claim()])
+    document = json.loads(path.read_text())
+    document["candidates"][0]["direction"] = 2
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match="direction"):
+        read_claims(path)
+    del document["candidates"][0]["system"]["field"]
+    document["candidates"][0]["direction"] = 1
+    path.write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"system\.field: missing"):
+        read_claims(path)
+
+
+def test_what_is_about_symmetric_orbits_only_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "claims.json"
+    write_candidates(path, [_claim()])
+    with pytest.raises(InputError, match="without symmetry, which is not available here"):
+        read_candidates(path)
