@@ -18,7 +18,7 @@ from orbitproof.shared.systems import AROUND, CR3BP, FALKNER_SKAN, MASS_PARAMETE
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
 from orbitproof.verify.curve import parameter_series
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare import Returns
+from orbitproof.verify.poincare import HalfOrbits
 
 MU = MASS_PARAMETERS["earth-moon"]
 BITS = 170
@@ -182,12 +182,12 @@ class WideSet:
         known = parameter_series(arithmetic, self.system, self.parameters)
         return state, [named[name] if name in named else known[name] for name in self.system.parameters]
 
-    def returns(self) -> Returns:
+    def returns(self) -> HalfOrbits:
         """The orbits, at the start."""
         state, parameters = self.initial()
         names = (*self.system.state, *self.system.parameters)
         point = dict(zip(names, (*state, *parameters), strict=True))
-        return Returns(self.system, self.arithmetic, point, ORACLE, self.piece.coordinates)
+        return HalfOrbits(self.system, self.arithmetic, point, ORACLE, self.piece.coordinates)
 
 
 def value_and_error(series: Series, s: Fraction, w: Sequence[Fraction]) -> tuple[Any, Any]:

@@ -25,6 +25,7 @@ from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import (
     REGULARISED,
+    HalfOrbits,
     HalfReturns,
     IntegratorSettings,
     Returns,
@@ -100,11 +101,11 @@ def test_half_returns_are_told_apart_from_the_crossings_between_them() -> None:
 
 
 @cache
-def on_the_section() -> Returns:
+def on_the_section() -> HalfOrbits:
     """The oscillators with nu = 1 + xi/64, near their first crossing."""
     arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 16)
     point = {"nu": arithmetic.polynomial({(0,): Fraction(1), (1,): Fraction(1, 64)})}
-    returns = Returns(OSCILLATOR, arithmetic, {**point, "a": arithmetic.constant(Fraction(1))}, ORACLE)
+    returns = HalfOrbits(OSCILLATOR, arithmetic, {**point, "a": arithmetic.constant(Fraction(1))}, ORACLE)
     while not returns.step():
         assert returns.steps < 40
     return returns
@@ -131,11 +132,9 @@ def test_a_crossing_is_after_the_last_time_without_one_and_behind_if_it_is_said_
 def test_times_of_returns_hold_what_is_unknown_of_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     returns = on_the_section()
     monkeypatch.setattr(returns, "time", returns.time + arb(0, 2.0**-20))
-    before = returns.return_time
     _, time = returns.crossing(1)
     assert Fraction(returns.return_time.errors[0]) >= Fraction(1, 2**20)
     assert time.rad() >= arb(2) ** -20
-    assert before is not returns.return_time
 
 
 def test_the_kernel_coordinates_are_those_of_the_frame() -> None:
@@ -153,7 +152,9 @@ def test_the_crossings_of_a_half_orbit_before_its_end_are_off_the_fixed_set(c: s
     """In the plane c = d = 0 the orbits are in Fix(R) at every crossing."""
     arithmetic = Arithmetic(Grading((1,), 1), 60, 0, 24)
     values = {"omega": Fraction(3, 2), "a": Fraction(1, 2), "c": Fraction(c)}
-    returns = Returns(TWIST, arithmetic, {name: arithmetic.constant(value) for name, value in values.items()}, ORACLE)
+    returns = HalfOrbits(
+        TWIST, arithmetic, {name: arithmetic.constant(value) for name, value in values.items()}, ORACLE
+    )
     if meets:
         with pytest.raises(IntegrationFailure, match=r"in Fix\(R\) at crossing 1 already"):
             returns.half_orbit(2)

@@ -24,8 +24,9 @@ from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.wide_solution import expand
-from orbitproof.verify.poincare import Returns
-from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, wide_parts
+from orbitproof.verify.poincare import HalfOrbits
+from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter
+from orbitproof.verify.poincare.half_orbits import wide_parts
 from orbitproof.verify.poincare.section import onto_section
 from orbitproof.verify.poincare.section_field import build_section_program
 
@@ -100,23 +101,23 @@ def test_a_step_without_its_defect_is_caught(monkeypatch: pytest.MonkeyPatch) ->
     assert escapes(WIDE_SETS["twist"], half_return(WIDE_SETS["twist"]), 1, 6) > 0
 
 
-# Returns
+# HalfOrbits
 
 
-def half_return(wide: WideSet) -> Returns:
+def half_return(wide: WideSet) -> HalfOrbits:
     returns = wide.returns()
     go_on(returns)
     return returns
 
 
-def go_on(returns: Returns) -> None:
+def go_on(returns: HalfOrbits) -> None:
     """To the next crossing of the centre."""
     with np.errstate(all="ignore"):
         while not returns.step():
             assert returns.steps < 60
 
 
-def escapes(wide: WideSet, returns: Returns, crossing: int, count: int) -> int:
+def escapes(wide: WideSet, returns: HalfOrbits, crossing: int, count: int) -> int:
     """How many random orbits of the set lie outside the enclosure of their crossing, or of its time."""
     source = random.Random(f"{wide.system.name} {crossing}")
     with np.errstate(all="ignore"):
@@ -143,12 +144,12 @@ RATES = {
 
 
 def with_rate(monkeypatch: pytest.MonkeyPatch, powers: Sequence[Fraction] | None) -> None:
-    def rate(self: Returns) -> Series | None:
+    def rate(self: HalfOrbits) -> Series | None:
         if powers is None:
             return None
         return self.arithmetic.polynomial({self.arithmetic.grading.monomials[0]: powers})
 
-    monkeypatch.setattr(Returns, "_rate", rate)
+    monkeypatch.setattr(HalfOrbits, "_rate", rate)
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,8 @@ from orbitproof.verify.flow.gronwall import (
     derivative_bounds,
     norm_arithmetic,
 )
-from orbitproof.verify.poincare.crossing import range_of, stays_positive, wide_parts
+from orbitproof.verify.poincare.crossing import range_of, stays_positive
+from orbitproof.verify.poincare.half_orbits import wide_parts
 
 
 @pytest.fixture(autouse=True)

@@ -16,7 +16,7 @@ from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, recentred, values_around
 from orbitproof.verify.evidence import enclose
-from orbitproof.verify.poincare import Oracle, Returns
+from orbitproof.verify.poincare import HalfOrbits, Oracle
 
 BEYOND = Fraction(17, 16)
 TUBE = Fraction(1, 2)
@@ -94,7 +94,7 @@ class HalfReturn:
 
         Raises `IntegrationFailure`.
         """
-        returns = Returns(system, next(iter(start.values())).arithmetic, start, oracle, coordinates)
+        returns = HalfOrbits(system, next(iter(start.values())).arithmetic, start, oracle, coordinates)
         if begun is not None:
             begun(returns.coordinates.name)
         state, time = returns.half_orbit(crossings, progress)

@@ -24,7 +24,7 @@ from orbitproof.verify.evidence import (
     is_positive,
     total,
 )
-from orbitproof.verify.poincare import Oracle, Returns, default_order
+from orbitproof.verify.poincare import HalfOrbits, Oracle, default_order
 
 _LEAST_BITS = 96
 _SPARE_BITS = 16
@@ -66,7 +66,7 @@ def _half_return(
     crossings: int,
 ) -> dict[str, arb] | None:
     known = {name: _constant(arithmetic, ball) for name, ball in point.items()}
-    returns = Returns(system, arithmetic, {**parameter_series(arithmetic, system, given), **known}, oracle)
+    returns = HalfOrbits(system, arithmetic, {**parameter_series(arithmetic, system, given), **known}, oracle)
     state = [_ball(element) for element in returns.half_orbit(crossings)[0]]
     if any(excludes_zero(state[index]) for index in system.kernel_coordinates):
         # The orbit through x is not symmetric: what was said of x is wrong.

@@ -32,7 +32,7 @@ from orbitproof.verify.evidence import IntegrationFailure, NotKnown, enclose, is
 from orbitproof.verify.flow import advance, dyadic_below
 from orbitproof.verify.functions import StoredFunction, error_of, known_part, restricted
 from orbitproof.verify.orbit import distance_rates
-from orbitproof.verify.poincare import InTime, Returns, at_start
+from orbitproof.verify.poincare import HalfOrbits, InTime, at_start
 
 
 @unique
@@ -106,7 +106,7 @@ class _Step:
 class DistanceAlongCurve:
     """The squared distance along the orbits from y(s) to x(s), step by step."""
 
-    def __init__(self, returns: Returns, share: Fraction) -> None:
+    def __init__(self, returns: HalfOrbits, share: Fraction) -> None:
         """`share`: sigma = share tau."""
         self.returns, self.share = returns, share
         flow = returns.arithmetic

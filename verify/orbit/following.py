@@ -18,10 +18,10 @@ from orbitproof.verify.orbit.rates import distance_rates
 from orbitproof.verify.poincare import (
     BOX_RATIO,
     Box,
+    HalfOrbits,
     IntegratorSettings,
     InTime,
     Oracle,
-    Returns,
     at_start,
     box_of,
     check_size,
@@ -113,7 +113,7 @@ class _HalfOrbits:
 
     def run(self) -> OrbitEnclosures:
         box, system = self.box, self.system
-        returns = Returns(system, box.arithmetic, box.point, self.oracle, self.coordinates, box.level)
+        returns = HalfOrbits(system, box.arithmetic, box.point, self.oracle, self.coordinates, box.level)
         along = None if system.squared_distance is None else _Distances(returns)
 
         def after_step(_steps: int) -> None:
@@ -178,7 +178,7 @@ class _HalfOrbits:
             middle, radius = exact_value(where.mid()), exact_value(where.rad())
             terms = {(0,) * size: middle, units[row]: scales[row]}
             start[name] = arithmetic.polynomial(terms).widened(radius)
-        returns = Returns(self.system, arithmetic, start, self.oracle, self.coordinates)
+        returns = HalfOrbits(self.system, arithmetic, start, self.oracle, self.coordinates)
         state, _ = returns.half_orbit(self.candidate.crossings, lambda _steps: self.progress(0.75))
         tables = [self._table(element) for element in self._on_fixed_set(state)]
         return tuple(tuple(table.centre[unit] for unit in units) for table in tables), returns.steps
@@ -187,7 +187,7 @@ class _HalfOrbits:
 class _Distances:
     """The distance over the steps of a half orbit."""
 
-    def __init__(self, returns: Returns) -> None:
+    def __init__(self, returns: HalfOrbits) -> None:
         self.returns = returns
         self.regularisation = returns.coordinates.regularisation
         self.program = prepare(distance_rates(returns.system, returns.coordinates))

@@ -12,7 +12,7 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure, NotKnown
 from orbitproof.verify.functions import BoundedFunction, StoredFunction, error_of, known_part, restricted
-from orbitproof.verify.poincare import Oracle, Returns
+from orbitproof.verify.poincare import HalfOrbits, Oracle
 
 _VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
 _START = (1, 0, 0, 1)
@@ -89,7 +89,7 @@ def variations_across(
     }
     begun |= {name: arithmetic.constant(Fraction(value)) for name, value in zip(_VARIATIONS, _START, strict=True)}
     try:
-        returns = Returns(with_variations(system), arithmetic, begun, oracle)
+        returns = HalfOrbits(with_variations(system), arithmetic, begun, oracle)
         state, _ = returns.half_orbit(crossings, progress)
         first, first_rate, second, second_rate = state[len(system.state) :]
         rows = (first, second, first_rate, second_rate)

@@ -4,6 +4,7 @@ from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates
 from orbitproof.verify.poincare.crossing import InTime
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
+from orbitproof.verify.poincare.half_orbits import HalfOrbits
 from orbitproof.verify.poincare.iterates import (
     BOX_RATIO,
     Box,

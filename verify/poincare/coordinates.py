@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Final
+from typing import Final
 
-from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, record
+from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem
 from orbitproof.verify.algebra import PreparedProgram, prepare
 from orbitproof.verify.poincare.section_field import build_section_program
 
@@ -70,13 +70,3 @@ def regularised(system: ReversibleSystem, state: Sequence[float], parameters: Se
     embedding = regularisation.embedding_program(regularisation.branch(state, parameters))
     field, section = regularisation.program, regularisation.section_index
     return Coordinates(regularisation.name, field, program, section_program, section, regularisation, embedding)
-
-
-def at_rate(field: Program) -> Program:
-    """The vector field times a constant, which becomes the last input: the same orbits in another time."""
-
-    def scaled(arguments: Sequence[Any], rate: Sequence[Any]) -> Sequence[Any]:
-        velocity = field.evaluate(arguments, lambda value: value, lambda base, exponent: base**exponent)
-        return [rate[0] * component for component in velocity]
-
-    return record(scaled, field.inputs, ("rate",))

@@ -20,11 +20,6 @@ _WIDE_DEPTH = 4
 _BITS = 96
 
 
-def wide_parts(number: int) -> list[arb]:
-    """Balls that cover the interval [-1, 1] of the wide variable."""
-    return [(arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
-
-
 def stays_positive(series: Series, wide: arb | None = None) -> bool:
     """Whether a function is positive on [0, 1] for all real points of the box, for certain.
 

@@ -1,4 +1,4 @@
-"""Successive returns to the section of a set of orbits (sections 3 to 5, 14 and 15).
+"""Successive returns to the section of a set of orbits (sections 3 to 5 and 14).
 
 `Returns` follows the orbits of elements of the algebra, given as initial values on Fix(R), from one crossing of
 the section to the next, with the proof that it is that crossing.
@@ -15,13 +15,13 @@ from typing import Final
 
 from flint import arb
 
-from orbitproof.shared.systems import Program, ReversibleSystem
+from orbitproof.shared.systems import Program, Regularisation, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, evaluate, prepare
 from orbitproof.verify.claim import level_program, quadratic_coefficient
-from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value, excludes_zero, is_positive
+from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
 from orbitproof.verify.flow import FlowStep, advance, dyadic_below, rough
-from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, at_rate, physical, regularised
-from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive, wide_parts
+from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical, regularised
+from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
 
@@ -30,11 +30,8 @@ REGULARISED: Final = "regularised"
 
 _LEAST_STEP = 1e-8
 _LEAST_SHARE = 1 / 8
-_NEGLIGIBLE_CHANGE = 2.0**-6
 MOST_STEPS = 400
 """From one crossing to the next."""
-WIDE_PARTS = 8
-"""With a wide variable, crossings are counted separately on so many parts of its interval."""
 
 
 class Returns:
@@ -43,13 +40,13 @@ class Returns:
     Attributes:
         state: the orbits now, in the coordinates that are integrated.
         constants: the constants of motion.
-        rate: with a wide variable, what the vector field is multiplied by; `None` for 1.
+        program, fixed: the vector field that is followed, and its inputs after the state.
         coordinates: which coordinates these are.
         steps: number of integration steps so far.
+        step_taken: the enclosure of the last of them, the time of the integration at its beginning, its length.
         crossings: number of crossings that `next_crossing` has found.
-        return_time: the system's time at the last of them, for all orbits.
-        delay: time of the field that is followed, not multiplied by `rate`, from the last step to the last of them.
-        step_taken: the enclosure of the last step, the time of the integration at its beginning, its length.
+        image: the orbits at the last of them.
+        delay: time from the last step to there.
     """
 
     def __init__(
@@ -77,19 +74,14 @@ class Returns:
         level = first_integral(system, arithmetic, point) if level is None else level
         self.coordinates = self._choose(coordinates, initial, level)
         self.state, self.constants = self._enter(initial, level)
-        parts = wide_parts(WIDE_PARTS) if arithmetic.width else [None]
-        self.counters = [CrossingCounter(part) for part in parts]
-        self.rate = self._rate()
+        self.counters = [CrossingCounter()]
         self.program, self.fixed = self.coordinates.program, self.constants
-        if self.rate is not None:
-            self.program = prepare(at_rate(self.coordinates.field))
-            self.fixed = [*self.constants, self.rate]
         self.time = arb(0)
         self.steps = 0
         self.crossings = 0
         self.share = 1.0
         self.at_section = True
-        self.return_time = self.delay = arithmetic.constant(Fraction(0))
+        self.image, self.delay = list(self.state), arithmetic.constant(Fraction(0))
         self.step_taken: tuple[FlowStep, arb, Fraction] | None = None
 
     def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
@@ -119,20 +111,6 @@ class Returns:
             return image
         return at_start(regularisation.projection_program, (*image, *self.parameters))
 
-    def _rate(self) -> Series | None:
-        """A positive element by which the vector field is multiplied so that wide orbits return about together."""
-        arithmetic, coordinates = self.arithmetic, self.coordinates
-        if not arithmetic.width:
-            return None
-        program, section = coordinates.program, coordinates.section
-        powers = self.oracle.return_times(program, arithmetic, section, self.state, self.constants)
-        if powers is None or sum(map(abs, powers[1:])) < _NEGLIGIBLE_CHANGE:
-            return None
-        rate = arithmetic.polynomial({arithmetic.grading.monomials[0]: powers})
-        if not all(is_positive(range_of(rate, counter.wide)) for counter in self.counters):
-            return None
-        return rate
-
     def next_crossing(self, progress: Callable[[int], None] | None = None) -> tuple[Sequence[Series], arb]:
         """The system's own state at the next crossing, and its time, with the proof that it is that crossing.
 
@@ -154,24 +132,6 @@ class Returns:
         raise IntegrationFailure(
             "steps", f"no crossing number {self.crossings + 1} within {MOST_STEPS} steps", "give another centre"
         )
-
-    def half_orbit(self, crossings: int, progress: Callable[[int], None] | None = None) -> tuple[Sequence[Series], arb]:
-        """The same at crossing number `crossings`, at none before which an orbit is in Fix(R) (section 8.8).
-
-        Arguments and exceptions are those of `next_crossing`, the latter also if that is not shown.
-        """
-        parts = [counter.wide for counter in self.counters]
-        for number in range(1, crossings):
-            state, _ = self.next_crossing(progress)
-            kernel = [state[index] for index in self.system.kernel_coordinates]
-            if not all(any(excludes_zero(range_of(value, part)) for value in kernel) for part in parts):
-                raise IntegrationFailure(
-                    "half-orbit",
-                    f"orbits may be in Fix(R) at crossing {number} already",
-                    "claim fewer crossings, or give a narrower piece",
-                    needs_precision=True,
-                )
-        return self.next_crossing(progress)
 
     def step(self) -> bool:
         """Advance by one step; true if it ends, at the centre, at the next crossing."""
@@ -219,17 +179,14 @@ class Returns:
                 needs_precision=True,
             )
         coordinates = self.coordinates
-        image, elapsed = onto_section(
+        self.image, self.delay = onto_section(
             coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants, self.oracle
         )
-        self.delay = elapsed
         for counter, arrival in zip(self.counters, arrivals, strict=True):
-            # In the system's own time, of which the integration's is the part `rate`.
-            rate = arb(1) if self.rate is None else range_of(self.rate, counter.wide)
-            delay = range_of(elapsed, counter.wide)
+            delay = range_of(self.delay, counter.wide)
             if (
                 arrival is None
-                or not is_positive(rate * (self.time - arrival.since) + delay)
+                or not is_positive(self.rate_on(counter.wide) * (self.time - arrival.since) + delay)
                 or (arrival.behind and not is_positive(-delay))
             ):
                 raise IntegrationFailure(
@@ -238,29 +195,21 @@ class Returns:
                     "the box is too large: give smaller radii",
                 )
         if coordinates.regularisation is None:
-            rate = arb(1) if self.rate is None else range_of(self.rate)
-            time = rate * self.time + range_of(elapsed)
-            self.return_time = self._constant_time() + elapsed
+            time = self.rate_on(None) * self.time + range_of(self.delay)
         else:
-            self.return_time = image[coordinates.regularisation.time_index]
-            time = range_of(image[coordinates.regularisation.time_index])
-        return self._leave(image), time
+            time = range_of(self.image[coordinates.regularisation.time_index])
+        return self._leave(self.image), time
 
-    def _constant_time(self) -> Series:
-        """The time of the system that the integration has taken, without that onto the section."""
-        time = self.arithmetic.constant(Fraction(1)) if self.rate is None else self.rate
-        middle, radius = exact_value(self.time.mid()), exact_value(self.time.rad())
-        return time * self.arithmetic.constant(middle).widened(radius)
+    def rate_on(self, part: arb | None) -> arb:
+        """The system's time by that of the integration, on a part of the wide variable's interval."""
+        return arb(1)
 
     def _check_time(self, flow: FlowStep) -> None:
         """Regularised coordinates describe an orbit as long as their time runs forwards (section 14)."""
         regularisation = self.coordinates.regularisation
         if regularisation is None:
             return
-        rate = flow.slopes[regularisation.time_index]
-        if self.arithmetic.width:
-            # Over a wide piece the coarse bounds of the tube are too coarse for a passage close to the primary.
-            rate = self._clock_rate(flow)
+        rate = self.clock_rate(flow, regularisation)
         if not all(stays_positive(rate, counter.wide) for counter in self.counters):
             raise IntegrationFailure(
                 "collision",
@@ -269,13 +218,9 @@ class Returns:
                 needs_precision=True,
             )
 
-    def _clock_rate(self, flow: FlowStep) -> Series:
+    def clock_rate(self, flow: FlowStep, regularisation: Regularisation) -> Series:
         """The derivative of the system's time over a step, for all orbits."""
-        regularisation = self.coordinates.regularisation
-        assert regularisation is not None
-        field = self.coordinates.field
-        only = prepare(replace(field, outputs=(field.outputs[regularisation.time_index],)))
-        return evaluate(only, [*flow.solution, *self.constants])[0]
+        return flow.slopes[regularisation.time_index]
 
     def _clock(self) -> float:
         """About the system's time, for messages."""

@@ -47,7 +47,7 @@ from orbitproof.verify.functions import (
     slope,
 )
 from orbitproof.verify.out_of_plane import VariationFunctions, variations_across
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Oracle, Returns, first_integral, initial_values
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, HalfOrbits, Oracle, first_integral, initial_values
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import in_own_units
@@ -168,7 +168,7 @@ class TubeOfOrbits:
         around = _as_wide(out, max(widths))
         begun = {**half.start, **other.tube(flow, system.centre_coordinates, around)}
 
-        returns = Returns(system, flow, begun, self.oracle, self.coordinates)
+        returns = HalfOrbits(system, flow, begun, self.oracle, self.coordinates)
         along = DistanceAlongCurve(returns, SHARE) if is_distance_of_orbits(system, self.symmetry) else None
 
         def after_step(number: float) -> None:

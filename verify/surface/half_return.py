@@ -19,7 +19,7 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic, plus, recentred, values_around
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, enclose, guarded
-from orbitproof.verify.poincare import Oracle, Returns, first_integral, kernel_components, table_of
+from orbitproof.verify.poincare import HalfOrbits, Oracle, first_integral, kernel_components, table_of
 
 _RATIO = Fraction(1, 2)
 """The box is this fraction of the polydisc on which the orbits are enclosed: large boxes ask for a large one."""
@@ -135,7 +135,7 @@ def _enclose(
         point[name] = arithmetic.polynomial({constant: recentred(piece.parameters[name], middle, half)})
     level = first_integral(system, arithmetic, point)
     assert level is not None
-    returns = Returns(system, arithmetic, point, oracle, level=level)
+    returns = HalfOrbits(system, arithmetic, point, oracle, level=level)
     state, time = returns.next_crossing(progress)
     kernel = tuple(kernel_components(system, piece.kernel_frame, state))
     return SurfaceReturn(kernel, level, time, scales, interval, returns.steps, returns.coordinates.name)

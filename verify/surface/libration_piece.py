@@ -29,7 +29,7 @@ from orbitproof.verify.evidence import (
     is_inside,
     power,
 )
-from orbitproof.verify.poincare import PHYSICAL, Oracle, Returns
+from orbitproof.verify.poincare import PHYSICAL, HalfOrbits, Oracle
 from orbitproof.verify.surface.half_return import SurfaceLimits
 
 BOX = Fraction(7, 8)
@@ -159,7 +159,7 @@ def _half_return(
         "eps": arithmetic.polynomial({(0, 0): recentred(piece.size, middle, half)}),
         "vy": arithmetic.polynomial(speed),
     }
-    returns = Returns(system, arithmetic, point, oracle, PHYSICAL)
+    returns = HalfOrbits(system, arithmetic, point, oracle, PHYSICAL)
     state, time = returns.next_crossing(progress)
     (kernel,) = system.kernel_coordinates
     return state[kernel], time, returns.steps
