@@ -27,7 +27,7 @@ from orbitproof.explore.orbits.stability import (
     half_return,
     stability_parameters,
 )
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, on_level
 
 _DIFFERENCE = 1e-6
 
@@ -151,7 +151,7 @@ class ShootingProblem:
         state = np.zeros(len(self.system.state))
         fixed = self.system.fixed_coordinates
         state[list(fixed)] = unknowns[self.size - 1 - len(fixed) : -1]
-        return np.array(self.system.on_level(state.tolist(), self.parameter_values(unknowns)))
+        return np.array(on_level(self.system, state.tolist(), self.parameter_values(unknowns)))
 
     @cached_property
     def _level_index(self) -> int:

@@ -19,6 +19,7 @@ from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import IDENTIFIER, LONGEST_TITLE, SYSTEM, fits, is_title
 from orbitproof.shared.systems.program import Program, Variable, record
+from orbitproof.shared.systems.program_text import program_from_text
 from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
 from orbitproof.shared.wording import counted
 
@@ -326,7 +327,7 @@ class _Functions:
         count = 1 if names is None else len(names)
         if isinstance(value, str) and value.lstrip().startswith("v0 ="):
             try:
-                program = Program.from_text(value)
+                program = program_from_text(value)
             except ValueError as error:
                 raise DescriptionError(f"{key}: {error}; write a formula for each coordinate") from None
             if program.inputs != self.inputs or len(program.outputs) != count:

@@ -5,13 +5,16 @@ With h = mu^(1/3), positions are counted from the smaller mass in units of h, ti
     (x, y, z) = (1 - mu + h xi, h eta, h zeta).
 
 Nothing cancels or becomes large as h tends to 0, where the equations are those of Hill's lunar problem. See
-section 17.1; `shared.systems.system` makes a `ReversibleSystem` of these functions.
+section 17.1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import Any
+
+from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
 
 
 def hill_field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
@@ -52,3 +55,18 @@ def hill_integral(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[A
     share = (1 + t) ** -1
     far = t * t * share * (xi * u * (1 + 2 * t) * share - square)
     return (plane + 2 * square**-0.5 + 2 * (1 - h * h * h) * far - (v_xi * v_xi + v_eta * v_eta + v_zeta * v_zeta),)
+
+
+HILL = ReversibleSystem(
+    name="cr3bp-hill",
+    title="circular restricted three-body problem in Hill's units",
+    state=("xi", "eta", "zeta", "vxi", "veta", "vzeta"),
+    # Below h = 0 there is no mechanics, but the field is as regular there.
+    parameters={"h": ParameterRange(Fraction(-1), Fraction(1))},
+    vector_field=hill_field,
+    reversing_symmetry=(1, -1, 1, -1, 1, -1),
+    symmetries={"S": (1, 1, -1, 1, 1, -1)},
+    section="eta",
+    first_integral=hill_integral,
+    first_integral_name="(C - (1 - mu)(3 - mu))/mu^(2/3)",
+)

@@ -12,7 +12,8 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from orbitproof.shared.systems.system import SYSTEMS, DerivedParameter, ParameterRange, ReversibleSystem, VectorField
+from orbitproof.shared.systems.known import SYSTEMS
+from orbitproof.shared.systems.system import DerivedParameter, ParameterRange, ReversibleSystem, VectorField
 
 
 def _relative_field(sides: tuple[int, int]) -> VectorField:

@@ -8,7 +8,6 @@ from which a verifier can build Taylor recurrences, enclosures or derivatives.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -16,8 +15,6 @@ from typing import Any, Literal
 
 LARGEST_EXPONENT = 100
 """Of a power, its numerator and its denominator: a power is evaluated as that many products."""
-_MOST_LINES = 10_000
-"""Of a program that is read."""
 
 Operation = Literal["input", "constant", "add", "sub", "mul", "div", "pow"]
 
@@ -102,63 +99,9 @@ class Program:
         lines.append("return " + ", ".join(f"v{index}" for index in self.outputs))
         return "\n".join(lines)
 
-    @classmethod
-    def from_text(cls, text: str) -> Program:
-        """The program that `text` writes in this way. It is read as data, never run.
 
-        Raises `ValueError` for every other text.
-        """
-        *body, last = text.split("\n")
-        if len(body) > _MOST_LINES:
-            raise ValueError(f"a program has at most {_MOST_LINES} lines, not {len(body)}")
-        instructions = [_instruction(index, line) for index, line in enumerate(body)]
-        inputs = tuple(step.name for step in instructions if step.name is not None)
-        if not re.fullmatch(r"return v[0-9]{1,9}(, v[0-9]{1,9})*", last, re.ASCII):
-            raise ValueError(f"the last line of a program names its outputs, not {last[:60]!r}")
-        outputs = tuple(int(name) for name in re.findall(r"[0-9]+", last))
-        leading = all(step.operation == "input" for step in instructions[: len(inputs)])
-        earlier = all(operand < index for index, step in enumerate(instructions) for operand in step.operands)
-        if not leading or not earlier or max(outputs) >= len(instructions):
-            raise ValueError("a program begins with its inputs, and each line uses earlier ones only")
-        program = cls(inputs, tuple(instructions), outputs)
-        if len(set(inputs)) != len(inputs) or len(set(instructions)) != len(instructions) or program.text() != text:
-            raise ValueError("a program names each input and writes each operation once, in one form")
-        return program
-
-
-_LINE = re.compile(
-    r"v(?P<index>[0-9]{1,9}) = (?:"
-    r"(?P<name>[A-Za-z_][A-Za-z0-9_]{0,59})"
-    r"|(?P<constant>-?[0-9]{1,4000}(?:/[0-9]{1,4000})?)"
-    r"|v(?P<base>[0-9]{1,9}) \*\* \((?P<exponent>-?[0-9]{1,9}(?:/[0-9]{1,9})?)\)"
-    r"|v(?P<left>[0-9]{1,9}) (?P<sign>[-+*/]) v(?P<right>[0-9]{1,9})"
-    r")",
-    re.ASCII,
-)
-_OPERATIONS: dict[str, Operation] = {"+": "add", "-": "sub", "*": "mul", "/": "div"}
-
-
-def _instruction(index: int, line: str) -> Instruction:
-    """One line of a program's text. Raises `ValueError` for anything else."""
-    found = _LINE.fullmatch(line)
-    if found is None or found["index"] != str(index):
-        raise ValueError(f"line {index + 1} is no operation of a program: {line[:60]!r}")
-    try:
-        if found["constant"] is not None:
-            return Instruction("constant", value=Fraction(found["constant"]))
-        if found["base"] is not None:
-            return Instruction("pow", (int(found["base"]),), _exponent(Fraction(found["exponent"])))
-    except ZeroDivisionError:
-        raise ValueError(f"line {index + 1} divides by zero: {line[:60]!r}") from None
-    if found["sign"] is not None:
-        return Instruction(_OPERATIONS[found["sign"]], (int(found["left"]), int(found["right"])))
-    # A name that looks like a line, v7, would make two texts of one program.
-    if re.fullmatch(r"v[0-9]+", found["name"]):
-        raise ValueError(f"line {index + 1}: {found['name']!r} cannot be the name of an input")
-    return Instruction("input", name=found["name"])
-
-
-def _exponent(value: Fraction) -> Fraction:
+def allowed_exponent(value: Fraction) -> Fraction:
+    """The exponent of a power. Raises `ValueError` for one that is too large."""
     if max(abs(value.numerator), value.denominator) > LARGEST_EXPONENT:
         raise ValueError(f"the exponent {value} is too large; write it as products")
     return value
@@ -244,7 +187,7 @@ class Variable:
         return self
 
     def __pow__(self, exponent: object) -> Variable:
-        value = _exponent(exact_constant(exponent))
+        value = allowed_exponent(exact_constant(exponent))
         return self.recorder.emit(Instruction("pow", (self.index,), value=value))
 
 

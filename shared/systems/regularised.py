@@ -15,7 +15,8 @@ from functools import cached_property
 from typing import Any
 
 from orbitproof.shared.systems.program import Program, record
-from orbitproof.shared.systems.system import CR3BP, ReversibleSystem
+from orbitproof.shared.systems.system import ReversibleSystem
+from orbitproof.shared.systems.three_body import CR3BP
 
 _HALF = Fraction(1, 2)
 

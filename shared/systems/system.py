@@ -14,10 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from math import nan, sqrt
 from typing import Any
 
-from orbitproof.shared.systems.hill import hill_field, hill_integral
 from orbitproof.shared.systems.program import Program, record
 
 VectorField = Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]
@@ -74,7 +72,7 @@ class System:
     """x' = vector_field(x, parameters), of which no symmetry is known.
 
     Attributes:
-        name: the key in `SYSTEMS` and in the JSON formats.
+        name: the key in the JSON formats.
         title: the name that people read.
         state: names of the state coordinates, m of them.
         parameters: admissible open interval of each parameter, by name, in the vector field's order.
@@ -102,10 +100,11 @@ class System:
 
     @cached_property
     def first_integral_program(self) -> Program | None:
-        """The first integral as a straight-line program; inputs: state, then parameters."""
-        if self.first_integral is None:
-            return None
-        return record(self.first_integral, self.state, tuple(self.parameters))
+        """The first integral as such a program; `None` if absent."""
+        return self._recorded(self.first_integral)
+
+    def _recorded(self, function: VectorField | None) -> Program | None:
+        return None if function is None else record(function, self.state, tuple(self.parameters))
 
 
 @dataclass(frozen=True, repr=False)
@@ -260,136 +259,12 @@ class ReversibleSystem(System):
         kept = [self.state[i] for i in self.fixed_coordinates if self.state[i] != self.level_coordinate]
         return (self.first_integral_name or "first integral", *kept)
 
-    def on_level(self, state: Sequence[float], parameters: Sequence[float]) -> list[float]:
-        """The state with the level coordinate w that belongs to the fixed level, if there is one, from H = A + b w^2.
-
-        In floating point, not for proofs; NaN where no point of the level lies over the other coordinates.
-        """
-        if self.fixed_level is None:
-            return list(state)
-        assert self.first_integral is not None
-        place = self.state.index(str(self.level_coordinate))
-        before, after = state[:place], state[place + 1 :]
-        rest, one = (float(self.first_integral([*before, w, *after], parameters)[0]) for w in (0.0, 1.0))
-        square = (float(self.fixed_level.value) - rest) / (one - rest)
-        return [*before, self.fixed_level.sign * sqrt(square) if square >= 0 else nan, *after]
-
     @cached_property
     def squared_distance_program(self) -> Program | None:
-        """The square of the distance as a straight-line program; inputs: state, then parameters."""
-        if self.squared_distance is None:
-            return None
-        return record(self.squared_distance, self.state, tuple(self.parameters))
+        """The square of the distance as a program; `None` if absent."""
+        return self._recorded(self.squared_distance)
 
     @cached_property
     def stiffness_across_program(self) -> Program | None:
-        """g of variations out of the plane as a straight-line program; inputs: state, then parameters."""
-        if self.stiffness_across is None:
-            return None
-        return record(self.stiffness_across, self.state, tuple(self.parameters))
-
-
-def _circular_restricted_three_body(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-    x, y, z, vx, vy, vz = state
-    (mu,) = parameters
-    larger = x + mu
-    smaller = larger - 1
-    off_axis = y * y + z * z
-    pull_larger = (1 - mu) * (larger * larger + off_axis) ** -1.5
-    pull_smaller = mu * (smaller * smaller + off_axis) ** -1.5
-    pull = pull_larger + pull_smaller
-    return (
-        vx,
-        vy,
-        vz,
-        x + 2 * vy - pull_larger * larger - pull_smaller * smaller,
-        y - 2 * vx - pull * y,
-        -(pull * z),
-    )
-
-
-def _jacobi_constant(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-    x, y, z, vx, vy, vz = state
-    (mu,) = parameters
-    larger = x + mu
-    smaller = larger - 1
-    off_axis = y * y + z * z
-    potential = (1 - mu) * (larger * larger + off_axis) ** -0.5 + mu * (smaller * smaller + off_axis) ** -0.5
-    return (x * x + y * y + 2 * potential - (vx * vx + vy * vy + vz * vz),)
-
-
-def _from_smaller_primary(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-    x, y, z, *_ = state
-    (mu,) = parameters
-    along = x + mu - 1
-    return (along * along + y * y + z * z,)
-
-
-def _falkner_skan(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-    x, y, z = state
-    (beta,) = parameters
-    return (y, z, beta * (y * y - 1) - x * z)
-
-
-CR3BP = ReversibleSystem(
-    name="cr3bp",
-    title="circular restricted three-body problem",
-    state=("x", "y", "z", "vx", "vy", "vz"),
-    parameters={"mu": ParameterRange(Fraction(0), Fraction(1))},
-    vector_field=_circular_restricted_three_body,
-    reversing_symmetry=(1, -1, 1, -1, 1, -1),
-    symmetries={"S": (1, 1, -1, 1, 1, -1)},
-    section="y",
-    first_integral=_jacobi_constant,
-    first_integral_name="Jacobi constant",
-    level_coordinate="vy",
-    squared_distance=_from_smaller_primary,
-    distance_name="the smaller primary",
-    reversors={"axial": Reversor((1, -1, -1, -1, 1, 1), "the half turn about the x axis")},
-)
-
-CR3BP_AXIAL = CR3BP.under("axial")
-
-THREE_BODY = (CR3BP, CR3BP_AXIAL)
-"""The same equations with their two reversing symmetries: R, and R S, the half turn about the x axis."""
-
-HILL = ReversibleSystem(
-    name="cr3bp-hill",
-    title="circular restricted three-body problem in Hill's units",
-    state=("xi", "eta", "zeta", "vxi", "veta", "vzeta"),
-    # Below h = 0 there is no mechanics, but the field is as regular there.
-    parameters={"h": ParameterRange(Fraction(-1), Fraction(1))},
-    vector_field=hill_field,
-    reversing_symmetry=(1, -1, 1, -1, 1, -1),
-    symmetries={"S": (1, 1, -1, 1, 1, -1)},
-    section="eta",
-    first_integral=hill_integral,
-    first_integral_name="(C - (1 - mu)(3 - mu))/mu^(2/3)",
-)
-
-FALKNER_SKAN = ReversibleSystem(
-    name="falkner-skan",
-    title="Falkner-Skan equation",
-    state=("x", "y", "z"),
-    parameters={"beta": ParameterRange(None, None)},
-    vector_field=_falkner_skan,
-    reversing_symmetry=(-1, 1, -1),
-    section="z",
-    family_parameter="beta",
-)
-
-SYSTEMS: Mapping[str, ReversibleSystem] = {system.name: system for system in (CR3BP, CR3BP_AXIAL, HILL, FALKNER_SKAN)}
-
-MASS_PARAMETERS: Mapping[str, Fraction] = {
-    "earth-moon": Fraction(float.fromhex("0x1.8e267d713713fp-7")),
-    "sun-jupiter": Fraction(float.fromhex("0x1.f41bc26a74648p-11")),
-    "jpl-earth-moon": Fraction("1.215058560962404e-2"),
-    "jupiter-europa": Fraction("2.528017528540000e-5"),
-    "mars-phobos": Fraction("1.611081404409632e-8"),
-    "saturn-enceladus": Fraction("1.901109735892602e-7"),
-    "saturn-titan": Fraction("2.366393158331484e-4"),
-    "sun-earth": Fraction("3.054200000000000e-6"),
-    "sun-mars": Fraction("3.227154996101724e-7"),
-}
-"""Mass parameters by name, exactly: the first two are those of the paper, equation (EM_SJ_mass), two IEEE doubles; the
-others those of the systems of the JPL three-body periodic orbit catalogue, as decimals."""
+        """g of variations out of the plane as a program; `None` if absent."""
+        return self._recorded(self.stiffness_across)

@@ -427,7 +427,7 @@ def test_systems_without_regularisation_keep_their_own_coordinates() -> None:
 def test_another_system_of_the_same_name_has_no_regularisation(monkeypatch: pytest.MonkeyPatch) -> None:
     other = replace(CR3BP, title="another system")
     assert regularised(other, [0.84, 0.0, 0.16, 0.0, 0.26, 0.0], [float(MU)]) is None
-    monkeypatch.setattr("orbitproof.shared.systems.system.SYSTEMS", {CR3BP.name: other})
+    monkeypatch.setattr("orbitproof.shared.systems.known.SYSTEMS", {CR3BP.name: other})
     monkeypatch.setattr("orbitproof.verify.poincare.coordinates.SYSTEMS", {CR3BP.name: other}, raising=False)
     assert regularised(other, [0.84, 0.0, 0.16, 0.0, 0.26, 0.0], [float(MU)]) is None
 

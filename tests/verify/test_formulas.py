@@ -13,7 +13,13 @@ import pytest
 from flint import arb
 from support.claims import coordinates_in_box, known
 
-from orbitproof.shared.systems import BRANCH_SYSTEMS, SYSTEMS, Program, record
+from orbitproof.shared.systems import (
+    BRANCH_SYSTEMS,
+    SYSTEMS,
+    Program,
+    program_from_text,
+    record,
+)
 from orbitproof.verify.bifurcation import BifurcationTheorem
 from orbitproof.verify.certificate import Certificate, Limits, digest, is_proof_of, recheck
 from orbitproof.verify.certificate.certify import certify
@@ -67,7 +73,7 @@ def test_a_formula_of_another_program_differs(program: Program) -> None:
     if other == text:
         other = text.replace(" - ", " + ", 1)
     left = [f"out{i}" for i in range(len(program.outputs))]
-    assert equations(Program.from_text(other), left) != equations(program, left)
+    assert equations(program_from_text(other), left) != equations(program, left)
 
 
 def test_the_images_of_a_point_under_the_symmetries_are_printed_with_their_signs() -> None:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.systems import ParameterRange, Program, ReversibleSystem, is_title, program_function
+from orbitproof.shared.systems import ParameterRange, ReversibleSystem, is_title, program_from_text, program_function
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 
@@ -68,15 +68,15 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
     for text in (title, reversor or title, *(names[key] for key in names if key != "system")):
         if not is_title(text):
             raise ValueError(f"statement.names: {text!r} is no title of a system that is not known here")
-    field = Program.from_text(statement["vector_field"])
+    field = program_from_text(statement["vector_field"])
     text = statement.get("first_integral")
-    integral = None if text is None else Program.from_text(text)
+    integral = None if text is None else program_from_text(text)
     size = len(field.outputs)
     state, parameters = field.inputs[:size], field.inputs[size:]
     if integral is not None and (integral.inputs != field.inputs or len(integral.outputs) != 1):
         raise ValueError("statement.first_integral: is not a function of state and parameters of the vector field")
     text = statement.get("squared_distance")
-    distance = None if text is None else Program.from_text(text)
+    distance = None if text is None else program_from_text(text)
     if distance is not None and (distance.inputs != field.inputs or len(distance.outputs) != 1):
         raise ValueError("statement.squared_distance: is not a function of state and parameters of the vector field")
     symmetry, signs = _symmetry_of(claim), statement.get("symmetry")

@@ -9,49 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from enum import StrEnum
 from typing import Generic, Protocol, TypeVar
 
 from flint import arb
 
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.decimals import decimal_interval
-
-
-class Stop(StrEnum):
-    """What ends a verification and is no hypothesis of its theorem: the other conditions of a `Reason`."""
-
-    BIFURCATIONS = "bifurcations"
-    COLLISION = "collision"
-    COMPLETE = "complete"
-    CROSSING_COUNT = "crossing count"
-    DERIVED_PARAMETER = "derived parameter"
-    DISTANCE = "distance"
-    EVALUATION = "evaluation"
-    EXACT_CHECKS = "exact checks"
-    HALF_ORBIT = "half-orbit"
-    INTEGRATION = "integration"
-    LEVEL = "level"
-    LEVEL_BOX = "level-box"
-    MEMORY = "memory"
-    MULTIPLICITY = "multiplicity"
-    NEWTON = "newton"
-    PIECE = "piece"
-    PRECISION = "precision"
-    PROCESS = "process"
-    RADII = "radii"
-    RESULTS = "results"
-    SECTION = "section"
-    SINGULARITY = "singularity"
-    SIZE = "size"
-    STABILITY = "stability"
-    STEPS = "steps"
-    SYSTEM = "system"
-    THEOREM = "theorem"
-    TIME = "time"
-    TUBE = "tube"
-    UNFINISHED = "unfinished"
-    VERIFICATION = "verification"
 
 
 def one_line(text: str) -> str:
