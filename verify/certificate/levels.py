@@ -17,7 +17,7 @@ from flint import arb
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.processes import Failure
 from orbitproof.verify.evidence import (
-    Stop,
+    STOPS,
     ball_from_json,
     ball_to_json,
     bounds,
@@ -315,7 +315,7 @@ def other_hypotheses(
 def unknown_reason(reason: Mapping[str, Any], hypotheses: Sequence[str]) -> Iterator[Finding]:
     """A finding if a certificate says that it proves nothing for a reason that this program does not give."""
     condition = reason["condition"]
-    if condition not in (*hypotheses, *(stop.value for stop in Stop)):
+    if condition not in (*hypotheses, *STOPS):
         yield Finding("reason", f"{condition!r} is no hypothesis of the theorem, and nothing else that ends a proof")
 
 

@@ -58,4 +58,4 @@ from orbitproof.verify.evidence.outcome import (
 from orbitproof.verify.evidence.outcome_as_json import hypothesis_to_json, outcome_to_json, quoted, quoted_name
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
 from orbitproof.verify.evidence.sources import ON_WHICH_NOTHING_RESTS, installed, software
-from orbitproof.verify.evidence.stops import Stop
+from orbitproof.verify.evidence.stops import STOPS

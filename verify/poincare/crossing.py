@@ -58,6 +58,12 @@ def range_of(series: Series, wide: arb | None = None) -> arb:
         return enclosure.polynomial(arb(0)) + enclosure.deviation
 
 
+def may_touch(what: str) -> IntegrationFailure:
+    """The failure of a count of crossings because orbits may touch the section."""
+    remedy = "the orbit may touch the section: give smaller radii or another centre"
+    return IntegrationFailure("crossing count", what, remedy, needs_precision=True)
+
+
 @dataclass(frozen=True)
 class Arrival:
     """A box that is close to a crossing, before or after it.
@@ -106,12 +112,7 @@ class CrossingCounter:
             self._moves(direction)
             return
         if depth == _DEPTH:
-            raise IntegrationFailure(
-                "crossing count",
-                "the section coordinate and its velocity cannot be separated from zero along the orbit",
-                "the orbit may touch the section: give smaller radii or another centre",
-                needs_precision=True,
-            )
+            raise may_touch("the section coordinate and its velocity cannot be separated from zero along the orbit")
         middle = (left + right) / 2
         self._cover(y, dy, left, middle, depth + 1, time, step)
         self._cover(y, dy, middle, right, depth + 1, time, step)
@@ -120,12 +121,7 @@ class CrossingCounter:
         if self._start:
             self._side, self._start = sign, False
         if self.velocity_sign not in (0, sign):
-            raise IntegrationFailure(
-                "crossing count",
-                "the velocity of the section coordinate changes sign next to the section",
-                "the orbit may touch the section: give smaller radii or another centre",
-                needs_precision=True,
-            )
+            raise may_touch("the velocity of the section coordinate changes sign next to the section")
         self.velocity_sign = sign
 
     def _keeps_side(self, sign: int, until: arb) -> None:

@@ -21,7 +21,7 @@ from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
 from orbitproof.verify.flow import FlowStep, advance, dyadic_below, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical, regularised
-from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, stays_positive
+from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, range_of, stays_positive
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
 
@@ -172,12 +172,7 @@ class Returns:
         """The system's own state at crossing `number`, and its time, with the proof that it is that crossing."""
         arrivals = [counter.arrival(number) for counter in self.counters]
         if any(arrival is None for arrival in arrivals):
-            raise IntegrationFailure(
-                "crossing count",
-                f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}",
-                "the orbit may touch the section: give smaller radii or another centre",
-                needs_precision=True,
-            )
+            raise may_touch(f"the orbit at time {self._clock():.6g} was not proved to be at crossing {number}")
         coordinates = self.coordinates
         self.image, self.delay = onto_section(
             coordinates.section_program, coordinates.section, self.arithmetic, self.state, self.constants, self.oracle
