@@ -351,6 +351,9 @@ def test_a_stored_part_has_the_point_and_the_side_of_its_hypotheses(piece: Surfa
     part = results[0]["parts"][0]
     other = [*part["point"][:2], ball_to_json(arb(0))]
     assert list(unshown(piece, part_of({**part, "point": other}))) == ["the point is not that of the hypothesis"]
+    # Narrower about the same midpoint: not what was enclosed.
+    narrower = [*part["point"][:2], ball_to_json(arb(ball_from_json(part["point"][2]).mid()))]
+    assert list(unshown(piece, part_of({**part, "point": narrower}))) == ["the point is not that of the hypothesis"]
     assert part["side"] == "below"
     assert any("the side is 'above'" in text for text in unshown(piece, part_of({**part, "side": "above"})))
 

@@ -1,0 +1,242 @@
+"""Each thing that the check of a branch compares is compared: certificates that differ from the true ones in it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb
+from support import atlas_work
+from support.atlas_runs import CURVE, go
+from support.chain_cases import symmetric_arc
+from support.claims import known
+from support.forgeries import atlas_certificate, forged, honest, of_parabola
+from support.stability_cases import results as stability_results
+from support.stored import value_of, values
+
+from orbitproof.shared import parse_exact
+from orbitproof.shared.claims import Atlas
+from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, order_of, recheck_atlas
+from orbitproof.verify.atlas import recheck as chapter
+from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
+from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.certificate.certify import not_proved as unproved
+from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.evidence import Reason
+from orbitproof.verify.functions import StoredFunction
+from orbitproof.verify.run.branch_tasks import task_again
+from orbitproof.verify.stability import StabilityFunctions, StabilityResult
+from orbitproof.verify.surface import ProvedPart, SurfaceResult
+
+DATA = Path(__file__).parents[1] / "data"
+Prove = Callable[[Atlas, Sequence[ProvedBefore], Callable[[str, Any], str]], None]
+
+
+def checked(document: Any, prove: Prove | None = None) -> Recheck:
+    return recheck_atlas(document, (), prove is not None, Means(lambda entries, integrate: (), prove))
+
+
+def as_before(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Any], str]) -> None:
+    """A prover that finds what is true."""
+    for each in intervals:
+        argument = task_again(atlas, each, None).argument
+        finished(each.name, value_of(atlas_work.proving(argument, lambda fraction, label: None)))
+
+
+@pytest.fixture(scope="module")
+def document() -> Any:
+    return atlas_certificate(*of_parabola())
+
+
+# Its form
+
+
+@pytest.mark.parametrize(("name", "value"), [("precision", 10**6), ("order", -1), ("steps", 5000)])
+def test_settings_of_the_integrator_are_possible(document: Any, name: str, value: int) -> None:
+    found = checked(forged(document, lambda d: d["results"][1]["computation"].update({name: value})))
+    assert (found.stands, found.level) == (False, Level.NONE)
+
+
+@pytest.mark.parametrize("interval", [("0x0", "0x1"), ("-0x1", "0x0"), ("-0x1p-1", "0x1")])
+def test_what_contains_the_symmetric_point_is_proved_about_it(interval: tuple[str, str]) -> None:
+    atlas, results = symmetric_arc()
+    assert atlas.pieces[0].kind == "symmetric"
+    places = []
+    for start, end in (interval, ("-0x1", "0x1")):
+        changed = replace(value_of(results[0]), interval=(parse_exact(start), parse_exact(end)))
+        unfinished = make_atlas_certificate(atlas, values([changed, *results[1:]]), None)
+        places.append([finding.place for finding in checked(unfinished).findings])
+    assert places == [["results[0].interval", "conclusion"], ["conclusion"]]
+
+
+def test_a_certificate_of_an_id_is_carried_once(document: Any) -> None:
+    carried = unproved(known("fs3"), Reason("time", "it is late", "give it more"), 0.0).to_json()
+    twice = forged(document, lambda d: d.update(rests_on=[carried, carried]))
+    messages = {finding.message for finding in checked(twice).findings if finding.place == "rests_on"}
+    assert f"{carried['id']!r} appears twice: nothing says which of them the theorem is about" in messages
+
+
+def not_proved() -> Any:
+    run, _ = go(CURVE, atlas_work.proving)
+    return atlas_certificate(CURVE, run.results[:2])  # type: ignore[arg-type]
+
+
+def test_a_reason_is_a_hypothesis_or_what_ends_a_proof() -> None:
+    document = not_proved()
+    assert document["verdict"] == "not proved"
+    assert checked(document).stands
+    found = checked(forged(document, lambda d: d["reason"].update(condition="luck")))
+    assert (found.level, [finding.place for finding in found.findings]) == (Level.NONE, ["reason"])
+
+
+def test_what_is_not_proved_cannot_be_called_proved() -> None:
+    found = checked(forged(not_proved(), lambda d: d.update(verdict="proved")))
+    assert not found.stands
+
+
+@pytest.mark.parametrize("order", [0, 100, -3, True, 2.0, "3"])
+def test_the_order_of_a_list_is_one_from_1_to_99(order: Any) -> None:
+    assert [order_of({"conclusion": {"complete": {"order": number}}}) for number in (1, 99)] == [1, 99]
+    with pytest.raises(ValueError, match="1 to 99"):
+        order_of({"conclusion": {"complete": {"order": order}}})
+
+
+# Its integration
+
+
+def test_every_interval_is_asked_for_with_other_settings_and_without_an_answer_is_not_confirmed(document: Any) -> None:
+    asked: list[Sequence[ProvedBefore]] = []
+    found = checked(document, lambda atlas, intervals, finished: asked.append(list(intervals)))
+    first, second = asked
+    assert [each.piece.id for each in first] == [each["piece"] for each in document["results"]]
+    assert [each.name for each in second] == [each.name for each in first]
+    assert [finding.place for finding in found.findings] == [each.name for each in first]
+    assert {finding.message for finding in found.findings} == {"was not integrated again"}
+    assert found.level is Level.CONCLUSION
+    assert [dict(each.settings) for each in first] == [{"precision": 112, "order": 44, "width": 48}] * 3
+    assert [dict(each.settings) for each in second] == [{"precision": 112, "order": 44, "width": 40}] * 3
+
+
+def test_where_nothing_is_proved_there_is_nothing_to_integrate() -> None:
+    atlas, results = of_parabola()
+    none = [honest(())({"piece": {"id": each["piece"]}, "interval": each["interval"]}, print) for each in results]
+    found = checked(atlas_certificate(atlas, none), as_before)  # type: ignore[arg-type]
+    assert (found.stands, found.level) == (True, Level.CONCLUSION)
+
+
+def test_a_theorem_that_the_new_results_do_not_prove_is_found(document: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    honestly = chapter.conclusion_of
+    proved: list[str] = []
+
+    def conclude(*arguments: Any) -> Any:
+        conclusion = honestly(*arguments)
+        return {**conclusion, "verdict": "not proved", "reason": {"message": "a gap"}} if proved else conclusion
+
+    def prove(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Any], str]) -> None:
+        proved.extend(each.name for each in intervals)
+        as_before(atlas, intervals, finished)
+
+    monkeypatch.setattr(chapter, "conclusion_of", conclude)
+    found = checked(document, prove)
+    assert [finding.message for finding in found.findings] == ["the theorem is not proved again: a gap"]
+
+
+# One interval
+
+
+def said(stored: IntervalResult, fresh: IntervalResult) -> list[str]:
+    return [f"{finding.place}: {finding.message}" for finding in _interval_findings(stored, fresh)]
+
+
+def test_bounds_across_the_curve_are_as_many() -> None:
+    result = value_of(of_parabola()[1][0])
+    assert not said(result, result)
+    for name in ("deviation", "slope_deviation"):
+        changed: dict[str, Any] = {name: (*getattr(result, name), Fraction(0))}
+        (text,) = said(result, replace(result, **changed))
+        assert text.endswith(f"another number of bounds {name}")
+
+
+def test_half_periods_that_differ_contradict_each_other() -> None:
+    result = value_of(of_parabola()[1][0])
+    (finding,) = _contradictions(result, replace(result, time=arb(9, 0.25)))
+    assert finding.place.endswith("half period")
+    assert not list(_contradictions(result, result))
+
+
+def test_functions_are_those_of_the_stored_interval_and_confirmed() -> None:
+    result = value_of(stability_results()[0])
+    assert isinstance(result, StabilityResult)
+    assert isinstance(result.stability, StabilityFunctions)
+    assert not said(result, result)
+    longer = replace(result, interval=(Fraction(-2), Fraction(2)))
+    assert any("its functions are of another interval" in text for text in said(result, longer))
+    other = replace(result.stability, half_period=StoredFunction((Fraction(7),), Fraction(1, 1024)))
+    assert any("half period" in text for text in said(result, replace(result, stability=other)))
+    assert said(result, replace(result, stability=None))
+
+
+def surface() -> SurfaceResult:
+    result = value_of(json.loads((DATA / "surface-results.json").read_text())[0])
+    assert isinstance(result, SurfaceResult)
+    assert len(result.parts) == 3
+    return result
+
+
+def with_part(number: int, **changes: Any) -> SurfaceResult:
+    result = surface()
+    parts = list(result.parts)
+    parts[number] = replace(parts[number], **changes)
+    return replace(result, parts=tuple(parts))
+
+
+@pytest.mark.parametrize("number", range(2))
+def test_each_part_is_proved_again_on_all_of_it(number: int) -> None:
+    """By parts inside it: others have other sides, and their enclosures are of other orbits too."""
+    assert not said(surface(), surface())
+    parts = list(surface().parts)
+    (start, end), (_, beyond) = (part.interval for part in parts[number : number + 2])
+    for middle in ((start + end) / 2, (end + beyond) / 2):
+        parts[number : number + 2] = (
+            replace(surface().parts[number], interval=(start, middle)),
+            replace(surface().parts[number + 1], interval=(middle, beyond)),
+        )
+        found = said(surface(), replace(surface(), parts=tuple(parts)))
+        # One is proved on a half of it, the other by a part that reaches out of it.
+        assert len(found) == 2
+        assert all(text.endswith("is not proved again on all of it") for text in found)
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_the_sides_of_all_parts_agree(number: int) -> None:
+    (finding,) = _contradictions(surface(), with_part(number, side="above"))
+    assert finding.place.endswith("side")
+
+
+def enclosures(part: ProvedPart, change: Callable[[dict[str, dict[str, arb]]], Any]) -> dict[str, Any]:
+    found = {name: dict(balls) for name, balls in part.enclosures.items()}
+    return {"enclosures": change(found) or found}
+
+
+def test_enclosures_of_a_part_are_those_of_a_new_proof_and_contain_them() -> None:
+    part = surface().parts[1]
+    ball = part.enclosures["HC3"]["g_0"]
+    wider, narrower = ball + arb(0, 1), arb(ball.mid())
+
+    def found(change: Callable[[dict[str, dict[str, arb]]], Any]) -> list[str]:
+        return said(surface(), with_part(1, **enclosures(part, change)))
+
+    assert any("stored hypotheses are" in text for text in found(lambda e: dict(reversed(e.items()))))
+    for change in (lambda e: e["HC3"].update(more=ball), lambda e: e["HC3"].pop("g_0")):
+        (text,) = found(lambda e, change=change: change(e) and None)
+        assert text.endswith("HC3: has other enclosures than the new proof")
+    (text,) = found(lambda e: e["HC3"].update(g_0=wider))
+    assert "HC3, g_0: stored is" in text
+    assert not found(lambda e: e["HC3"].update(g_0=narrower))
+    (text,) = said(surface(), with_part(1, point=(part.point[0] + arb(0, 1), *part.point[1:])))
+    assert "p_0: stored is" in text
