@@ -15,6 +15,7 @@ from orbitproof.explore.commands import (
     invariants,
     mass_curve,
     orbit,
+    periodic,
     portraits,
     refine,
     trajectory,
@@ -119,6 +120,7 @@ def parser() -> Parser:
     )
     for command in (
         orbit,
+        periodic,
         refine,
         branches,
         mass_curve,

@@ -6,6 +6,7 @@ from .batch import flow_batch as flow_batch
 from .compilation import compiled as compiled
 from .compilation import compiling as compiling
 from .compilation import configure_jax as configure_jax
+from .fields import field_of as field_of
 from .fields import power as power
 from .flow import FlowFailure as FlowFailure
 from .flow import FlowResult as FlowResult

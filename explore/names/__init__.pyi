@@ -18,3 +18,6 @@ from .own_systems import place_of as place_of
 from .own_systems import system_named as system_named
 from .resonances import resonant_values as resonant_values
 from .resonances import short_name as short_name
+from .sections import given_values as given_values
+from .sections import own_system as own_system
+from .sections import section_of as section_of

@@ -9,9 +9,11 @@ from .orbit import refine_orbit as refine_orbit
 from .orbit import refine_orbits as refine_orbits
 from .reduction import branch_geometry as branch_geometry
 from .resonance import working_context as working_context
+from .tape import Tape as Tape
 from .tasks import Task as Task
 from .tasks import refine_task as refine_task
 from .tasks import refine_tasks as refine_tasks
 from .taylor import IntegrationFailure as IntegrationFailure
+from .taylor import JetStepper as JetStepper
 from .turning import SIDES as SIDES
 from .turning import refine_turns as refine_turns

@@ -1,0 +1,147 @@
+"""``orbitproof explore periodic``: periodic orbits of any system, without symmetry, as claims for the verifier."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from orbitproof.explore.commands import common
+from orbitproof.explore.names import exact_number, given_values, own_system, section_of
+from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims, write_candidates
+
+if TYPE_CHECKING:
+    from orbitproof.explore.periodic import FoundOrbit
+
+_EXAMPLES = """\
+examples:
+  orbitproof explore periodic --system lorenz.py --parameter sigma=10 rho=28 beta=8/3 --start x=1 y=2 z=20
+      follow the orbit of the start until it nearly repeats, and print the periodic orbit
+  orbitproof explore periodic --system lorenz.py --parameter sigma=10 rho=28 beta=8/3 --start x=1 y=2 z=20 \\
+      --section z=27 --direction - --returns 4 -o lorenz.json
+      all orbits that are found with up to 4 crossings of a section of your own, as claims
+  orbitproof explore periodic --system mine.json --parameter mu=1 --start x=1 y=0 --period 6.28 -o orbit.json
+      from a guess of a point and the period
+  orbitproof verify lorenz.json -o certificates.json
+
+The system's file needs neither R nor section. For a system with a first integral the orbits on one level are looked
+for. Exit codes: 0 found, 1 not, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    meaning = "periodic orbits of any system, no symmetry needed: found, and to many digits for the verifier"
+    parser = common.add_command(commands, "periodic", meaning, _EXAMPLES)
+    parser.add_argument(
+        "--system", required=True, metavar="NAME|FILE", help="a file of your own, .json, or .py, which is run; or cr3bp"
+    )
+    parser.add_argument(
+        "--parameter", nargs="+", metavar="NAME=VALUE", help="all parameters of the vector field, exactly as written"
+    )
+    parser.add_argument(
+        "--start", nargs="+", required=True, metavar="NAME=VALUE", help="where to begin: all coordinates of the state"
+    )
+    parser.add_argument("--period", type=common.positive, metavar="T", help="near the period: Newton's method at once")
+    parser.add_argument(
+        "--section", metavar="EXPRESSION", help="for example z=27 or x+2*y=1/2 (default: one that suits the orbit)"
+    )
+    parser.add_argument(
+        "--direction", choices=("+", "-"), help="crossings at which the left side grows or falls (default: +)"
+    )
+    parser.add_argument("--level", metavar="H", help="value of the first integral (default: that of the start)")
+    parser.add_argument(
+        "--returns",
+        type=common.index,
+        default=1,
+        metavar="M",
+        help="look for orbits with up to so many crossings of the section (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--follow", type=common.positive, default=100.0, metavar="T", help="for how long (default: %(default)s)"
+    )
+    parser.add_argument("--transient", type=common.positive, metavar="T", help="time to leave out before that")
+    parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
+    parser.add_argument(
+        "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="candidates file to write; without, orbits are printed only"
+    )
+    parser.add_argument("--append", action="store_true", help="keep what the output file already holds")
+    common.add_quiet(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Find, print, refine and write; returns the exit code. Raises `InputError`."""
+    if options.output is not None:
+        check_writable(options.output)
+    system = own_system(options.system)
+    parameters = given_values("--parameter", options.parameter or (), tuple(system.parameters))
+    for name, value in parameters.items():
+        if not system.parameters[name].contains(value):
+            raise InputError(f"--parameter {name}={value}: outside {system.parameters[name]}; give a value inside")
+    start = given_values("--start", options.start, system.state)
+    section = section_of(system, options.section, options.direction)
+    if options.level is not None and system.first_integral_program is None:
+        raise InputError(f"--level: {system.name} has no first integral; leave it out")
+    level = None if options.level is None else exact_number("--level", options.level)
+    kept: list[BoxClaim] = []
+    if options.append and options.output is not None and options.output.exists():
+        kept = read_claims(options.output)
+
+    # Only now: JAX takes a moment to load.
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.periodic import AffineSection, PeriodicFailure, PeriodicRequest, described, find_periodic
+
+    request = PeriodicRequest(
+        system,
+        parameters,
+        tuple(map(float, start.values())),
+        options.period,
+        None if section is None else AffineSection(*section),
+        level,
+        options.returns,
+        options.transient or 0.0,
+        options.follow,
+    )
+    orbits: list[FoundOrbit] = []
+    with Reporter(options.quiet) as report:
+        report.stage(f"looking for periodic orbits of {system.name}")
+        try:
+            for orbit in find_periodic(request, report.update):
+                orbits.append(orbit)
+        except PeriodicFailure as failure:
+            report.error(f"{system.name}: {failure}")
+            return 1
+        complete = True
+        if options.output is not None:
+            complete = _write(options, orbits, kept, report)
+    for orbit in orbits:
+        print("\n".join(described(orbit)))
+    return 0 if complete else 1
+
+
+def _write(options: argparse.Namespace, orbits: list[FoundOrbit], kept: list[BoxClaim], report: Any) -> bool:
+    """Refine all orbits and write them; whether all were refined. Raises `InputError`."""
+    from orbitproof.explore.periodic import refined
+    from orbitproof.explore.refinement import RefinementFailure
+
+    complete, claims = True, list(kept)
+    known = {claim.id for claim in kept}
+    for number, orbit in enumerate(orbits, start=1):
+        base = options.id or orbit.problem.system.name
+        name = base if len(orbits) == 1 else f"{base}-{number}"
+        if name in known:
+            raise InputError(f"--id {name}: is in {options.output} already; choose another name")
+        report.stage(f"refining {name}")
+        try:
+            claims.append(refined(orbit, name, options.digits, report.update))
+        except RefinementFailure as failure:
+            report.error(f"{name}: not refined: {failure}")
+            complete = False
+    if claims:
+        write_candidates(options.output, claims)
+        report.message(f"{len(claims)} claims are in {options.output}")
+    return complete

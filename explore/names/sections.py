@@ -1,0 +1,79 @@
+"""What a command line says about a system without symmetry: which one, all its numbers, a section."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+
+from orbitproof.explore.names.exact_numbers import exact_number
+from orbitproof.explore.names.own_systems import assignments
+from orbitproof.shared.formats import InputError, load_system
+from orbitproof.shared.systems import SYSTEMS, FormulaError, System, evaluate_formula
+
+_LONGEST = 1000
+
+
+def own_system(text: str) -> System:
+    """Any system by its name or by its file, with or without symmetry. Raises `InputError`."""
+    if text in SYSTEMS:
+        return SYSTEMS[text]
+    name = text.partition(":")[0]
+    if Path(name).suffix not in (".py", ".json") and Path(text).suffix not in (".py", ".json"):
+        known = ", ".join(SYSTEMS)
+        raise InputError(f"--system {text}: unknown; give one of {known}, or your own system's file (.py or .json)")
+    return load_system(text)
+
+
+def given_values(option: str, words: Sequence[str], names: Sequence[str]) -> dict[str, Fraction]:
+    """A number for each of the names, in their order, from words like ``x=0.2``. Raises `InputError`."""
+    texts = assignments(option, words)
+    for name in texts:
+        if name not in names:
+            known = ", ".join(names) or "none"
+            raise InputError(f"{option} {name}: there is no such name; there are {known}")
+    for name in names:
+        if name not in texts:
+            raise InputError(f"{option}: {name} is missing; give {' '.join(f'{each}=..' for each in names)}")
+    values = {name: exact_number(f"{option} {name}", texts[name]) for name in names}
+    for name, value in values.items():
+        if not abs(value) < 2**_LONGEST:
+            raise InputError(f"{option} {name}: too large; give a smaller number")
+    return values
+
+
+def section_of(
+    system: System, text: str | None, direction: str | None
+) -> tuple[tuple[Fraction, ...], Fraction, int] | None:
+    """Normal, offset and direction of a section such as ``z=27`` or ``x+2*y=1/2``; `None` for none.
+
+    Raises `InputError`.
+    """
+    if text is None:
+        if direction is not None:
+            raise InputError("--direction: belongs to --section; give that too")
+        return None
+    left, sign, right = text.partition("=")
+    if not sign or not left.strip() or not right.strip():
+        raise InputError(f"--section {text}: no equation; write for example {system.state[-1]}=1/2")
+    offset = exact_number("--section, right side", right.strip())
+
+    def value(point: Sequence[Fraction]) -> Fraction:
+        try:
+            return Fraction(evaluate_formula(left, dict(zip(system.state, point, strict=True))))
+        except (FormulaError, TypeError, ZeroDivisionError) as error:
+            raise InputError(f"--section {text}: {error}; write a linear expression in {names}") from None
+
+    names, size = ", ".join(system.state), len(system.state)
+    units = [tuple(Fraction(int(i == j)) for i in range(size)) for j in range(size)]
+    constant = value((Fraction(0),) * size)
+    normal = tuple(value(unit) - constant for unit in units)
+    for point in (
+        tuple(Fraction(3 * i + 2, i + 3) for i in range(size)),
+        tuple(Fraction(-i - 1, 7) for i in range(size)),
+    ):
+        if value(point) != constant + sum((a * x for a, x in zip(normal, point, strict=True)), Fraction(0)):
+            raise InputError(f"--section {text}: its left side is not linear; write one such as {system.state[0]}+2*..")
+    if not any(normal):
+        raise InputError(f"--section {text}: no coordinate is in it; there are {names}")
+    return normal, offset - constant, -1 if direction == "-" else 1

@@ -1,0 +1,15 @@
+from .correction import ClosedOrbit as ClosedOrbit
+from .correction import PeriodicFailure as PeriodicFailure
+from .correction import PeriodicProblem as PeriodicProblem
+from .correction import correct as correct
+from .refinement import PeriodicTask as PeriodicTask
+from .refinement import refine_periodic as refine_periodic
+from .search import FOLLOWED as FOLLOWED
+from .search import FoundOrbit as FoundOrbit
+from .search import PeriodicRequest as PeriodicRequest
+from .search import described as described
+from .search import find_periodic as find_periodic
+from .search import refined as refined
+from .section import AffineSection as AffineSection
+from .section import map_derivative as map_derivative
+from .section import suggested as suggested

@@ -1,0 +1,203 @@
+"""Periodic orbits without symmetry in float64: Newton's method for a point and its period.
+
+phi_T(x) = x, with a phase condition, and with the first integral of the system, if it has one, at a level: then there
+are more equations than unknowns, which are solved in the sense of least squares; at an orbit all of them hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.periodic.flow import SAMPLES, Arc, Matrix, Vector, arc_of, velocity_at
+from orbitproof.explore.periodic.section import AffineSection
+from orbitproof.shared.systems import System
+
+_MOST_STEPS = 40
+_TOLERANCE = 1e-9
+_LONGEST = 0.2
+"""Of a step, relative to the size of the orbit."""
+_MOST_TIMES = 12
+_CLOSES = 1e-5
+_REPEATS = 1e-6
+_EQUILIBRIUM = 1e-7
+
+
+class PeriodicFailure(Exception):
+    """No periodic orbit was found; one line that says why."""
+
+
+@dataclass(frozen=True)
+class PeriodicProblem:
+    """A system with all its parameters, and what counts as the same level of its first integral.
+
+    Attributes:
+        parameters: all of the vector field's, exact.
+    """
+
+    system: System
+    parameters: Mapping[str, Fraction]
+
+    @property
+    def values(self) -> Vector:
+        """The parameters as doubles, in the vector field's order."""
+        return np.array([float(self.parameters[name]) for name in self.system.parameters])
+
+    def level(self, point: Sequence[float] | Vector, values: Vector) -> float | None:
+        """The first integral at a point."""
+        program = self.system.first_integral_program
+        return None if program is None else float(program.evaluate([*map(float, point), *map(float, values)])[0])
+
+    def level_slopes(self, point: Vector, values: Vector) -> tuple[Vector, Vector]:
+        """Derivatives of the first integral in the state and in the parameters."""
+        program = self.system.first_integral_program
+        assert program is not None
+
+        def function(state: jax.Array, given: jax.Array) -> jax.Array:
+            return jnp.asarray(program.evaluate([*state, *given])[0])
+
+        by_state, by_given = jax.grad(function, (0, 1))(jnp.asarray(point), jnp.asarray(values))
+        return np.asarray(by_state), np.asarray(by_given)
+
+
+@dataclass(frozen=True)
+class ClosedOrbit:
+    """A periodic orbit in float64.
+
+    Attributes:
+        point: shape (N,), a point of it.
+        period: the least one, as far as float64 tells.
+        values: shape (P,), all parameters.
+        arc: the orbit over the period from there.
+        level: the first integral, or `None`.
+        multipliers: complex, without the 1 of the direction of the flow and, with a first integral, the second 1;
+            the largest first.
+        error: length of the last Newton step, relative to the size of the orbit.
+    """
+
+    point: Vector
+    period: float
+    values: Vector
+    arc: Arc
+    level: float | None
+    multipliers: Vector
+    error: float
+
+    @property
+    def loop(self) -> Matrix:
+        """States at equal times over the period, both ends included, shape (`SAMPLES`, N)."""
+        return self.arc.samples
+
+    @property
+    def size(self) -> float:
+        """Diameter of the orbit in its widest coordinate."""
+        return float(np.max(np.ptp(self.loop, axis=0)))
+
+
+def correct(
+    problem: PeriodicProblem,
+    point: Sequence[float] | Vector,
+    period: float,
+    section: AffineSection | None = None,
+    level: float | None = None,
+) -> ClosedOrbit:
+    """The periodic orbit near a guess.
+
+    Arguments:
+        point: shape (N,), near the orbit.
+        period: near its period.
+        section: where the point shall lie; `None`: on the plane through the guess across the flow.
+        level: of the first integral, if the system has one; `None`: that of the guess.
+
+    Raises `PeriodicFailure`.
+    """
+    system, values = problem.system, problem.values
+    x, time = np.array(point, dtype=float), float(period)
+    if not (np.all(np.isfinite(x)) and np.isfinite(time) and time > 0):
+        raise PeriodicFailure("the guess is not finite, or its period is not positive")
+    normal, offset = _phase(problem, x, section)
+    if level is None:
+        level = problem.level(x, values)
+    start, before = time, np.inf
+    try:
+        for _ in range(_MOST_STEPS):
+            arc = arc_of(system, x, time, values)
+            size = float(np.max(np.ptp(arc.samples, axis=0))) or 1.0
+            matrix = np.vstack([
+                np.column_stack([arc.by_state - np.eye(len(x)), arc.velocity]), np.append(normal, 0.0)
+            ])  # fmt: skip
+            residual = np.append(arc.end - x, normal @ x - offset)
+            if level is not None:
+                slopes, _ = problem.level_slopes(x, values)
+                matrix = np.vstack([matrix, np.append(slopes, 0.0)])
+                residual = np.append(residual, (problem.level(x, values) or 0.0) - level)
+            scale = np.append(np.full(len(x), size), time)
+            step = -np.linalg.lstsq(matrix * scale, residual, rcond=None)[0]
+            length = float(np.max(np.abs(step)))
+            if not np.isfinite(length):
+                raise PeriodicFailure("Newton's method broke down")
+            taken = step * min(1.0, _LONGEST / length) * scale
+            x, time = x + taken[:-1], time + float(taken[-1])
+            if not start / 3 < time < 3 * start:
+                raise PeriodicFailure("Newton's method leaves the neighbourhood of the guess")
+            if length < _TOLERANCE and (length > 0.25 * before or length < 1e-13):
+                break
+            before = length
+        else:
+            raise PeriodicFailure(f"Newton's method did not converge in {_MOST_STEPS} steps (last step {length:.1e})")
+        for least in (_least_period(arc, x, time, size), time):
+            found = _closed(problem, x, least, values, length)
+            if np.max(np.abs(found.arc.end - x)) < _REPEATS * size:
+                return found
+        raise PeriodicFailure("the orbit is too unstable for float64: it does not close")
+    except FlowFailure as failure:
+        raise PeriodicFailure(str(failure)) from None
+
+
+def _phase(problem: PeriodicProblem, x: Vector, section: AffineSection | None) -> tuple[Vector, float]:
+    if section is not None:
+        normal = np.array(list(map(float, section.normal)))
+        return normal, float(section.offset)
+    velocity = velocity_at(problem.system, x, problem.values)
+    speed = float(np.linalg.norm(velocity))
+    if not speed > 0:
+        raise PeriodicFailure("the guess is an equilibrium")
+    return velocity / speed, float(velocity @ x) / speed
+
+
+def _least_period(arc: Arc, x: Vector, time: float, size: float) -> float:
+    """The period without repetitions, as far as the samples tell."""
+    if size < _EQUILIBRIUM * max(1.0, float(np.max(np.abs(x)))):
+        raise PeriodicFailure("Newton's method found an equilibrium")
+    for times in range(_MOST_TIMES, 1, -1):
+        place = (SAMPLES - 1) / times
+        low = int(place)
+        near = arc.samples[low] + (place - low) * (arc.samples[low + 1] - arc.samples[low])
+        if np.max(np.abs(near - x)) < max(_CLOSES, (4 * times / SAMPLES) ** 2) * size:
+            return time / times
+    return time
+
+
+def _closed(problem: PeriodicProblem, x: Vector, time: float, values: Vector, error: float) -> ClosedOrbit:
+    arc = arc_of(problem.system, x, time, values)
+    found = multipliers(problem, x, arc, values)
+    return ClosedOrbit(x, time, values, arc, problem.level(x, values), found, error)
+
+
+def multipliers(problem: PeriodicProblem, x: Vector, arc: Arc, values: Vector) -> Vector:
+    """The multipliers without the trivial ones: of the return map, on the level if there is a first integral."""
+    direction = arc.velocity / np.linalg.norm(arc.velocity)
+    fixed = [direction]
+    if problem.system.first_integral_program is not None:
+        slopes, _ = problem.level_slopes(x, values)
+        fixed.append(slopes / np.linalg.norm(slopes))
+    # An orthonormal basis of what is left; the monodromy matrix acts on it modulo the direction of the flow.
+    basis = np.linalg.svd(np.array(fixed))[2][len(fixed) :]
+    found = np.linalg.eigvals(basis @ arc.by_state @ basis.T) if len(basis) else np.zeros(0)
+    return found[np.argsort(-np.abs(found), kind="stable")].astype(complex)

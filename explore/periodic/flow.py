@@ -1,0 +1,90 @@
+"""The flow of any vector field in float64, with its derivatives in the initial state and in all parameters.
+
+diffrax integrates; compiled once for each system. Derivatives count when the steps are chosen: without a symmetry that
+halves the way, they may grow a thousandfold over a period.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import diffrax
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.typing import NDArray
+
+from orbitproof.explore.flow import FlowFailure, compiled, configure_jax, field_of, integrate
+from orbitproof.shared.systems import System
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+SAMPLES = 2048
+"""States at equal times that an integration keeps, both ends included."""
+
+
+@dataclass(frozen=True)
+class Arc:
+    """The orbit of a point over a time.
+
+    Attributes:
+        end: shape (N,), the state at the end.
+        velocity: shape (N,), the vector field there.
+        by_state: shape (N, N), derivatives of `end` in the initial state.
+        by_parameters: shape (N, P), the same in the parameters.
+        samples: shape (`SAMPLES`, N), the states at equal times.
+    """
+
+    end: Vector
+    velocity: Vector
+    by_state: Matrix
+    by_parameters: Matrix
+    samples: Matrix
+
+
+_COMPILED: dict[int, tuple[System, Callable[..., Any]]] = {}
+
+
+def arc_of(system: System, point: Sequence[float] | Vector, time: float, parameters: Sequence[float]) -> Arc:
+    """The orbit of a point over a positive time.
+
+    Arguments:
+        point: shape (N,).
+        parameters: shape (P,), all of them, in the vector field's order.
+
+    Raises `FlowFailure` where the orbit runs away or into a singularity.
+    """
+    configure_jax()
+    if id(system) not in _COMPILED:
+        _COMPILED[id(system)] = system, compiled(_integrator(system))
+    start, values = np.asarray(point, dtype=float), np.asarray(parameters, dtype=float)
+    extended, velocity, samples, done = map(np.asarray, _COMPILED[id(system)][1](start, float(time), values))
+    if not done:
+        raise FlowFailure(f"the orbit could not be integrated over time {float(time):.6g}")
+    m = len(start)
+    return Arc(extended[0], velocity, extended[1 : 1 + m].T, extended[1 + m :].T, samples)
+
+
+def velocity_at(system: System, point: Sequence[float] | Vector, parameters: Sequence[float]) -> Vector:
+    """The vector field at a point, shape (N,)."""
+    return np.array([float(value) for value in system.program.evaluate([*map(float, point), *map(float, parameters)])])
+
+
+def _integrator(system: System) -> Callable[..., Any]:
+    field, m, count = field_of(system), len(system.state), len(system.parameters)
+    shifts = jnp.concatenate([jnp.zeros((m, count)), jnp.eye(count)])
+
+    def run(initial: jax.Array, time: jax.Array, parameters: jax.Array) -> tuple[jax.Array, ...]:
+        def slopes(_time: Any, extended: jax.Array, _arguments: Any) -> jax.Array:
+            value, push = jax.linearize(field, extended[0], parameters)
+            return jnp.concatenate([value[None], jax.vmap(push)(extended[1:], shifts)])
+
+        keep = diffrax.SubSaveAt(ts=time * jnp.linspace(0.0, 1.0, SAMPLES), fn=lambda _t, extended, _a: extended[0])
+        start = jnp.concatenate([initial[None], jnp.eye(m + count, m)])
+        end, solution, reached = integrate(slopes, start, time, save=keep)
+        return end, slopes(None, end, None)[0], solution.ys[1], reached
+
+    return run

@@ -1,0 +1,165 @@
+"""Periodic orbits of any system, from a guess or by following an orbit, up to claims for the verifier."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import floor, log10
+
+import numpy as np
+
+from orbitproof.explore.engines import Progress
+from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
+from orbitproof.explore.periodic.flow import velocity_at
+from orbitproof.explore.periodic.nearly import follow, nearby_orbits, recurrences
+from orbitproof.explore.periodic.refinement import PeriodicTask, refine_periodic
+from orbitproof.explore.periodic.section import AffineSection, suggested, through_the_middle
+from orbitproof.explore.refinement import RefinementFailure
+from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.systems import System
+
+FOLLOWED = 100.0
+"""Time for which an orbit is followed if nothing else is said."""
+_SAMPLED = 4000
+_LEVEL_DIGITS = 12
+
+
+@dataclass(frozen=True)
+class PeriodicRequest:
+    """What to look for.
+
+    Attributes:
+        parameters: all of the system's, exact.
+        start: shape (N,), where to begin.
+        period: near that of the orbit; `None`: the orbit of the start is followed until it nearly repeats.
+        section: `None` for one that suits the orbit.
+        level: of the first integral, exact; `None` for that of the start, to 12 digits.
+        returns: largest number of crossings of the section within a period, if the orbit is followed.
+        transient, followed: for how long it is followed before and while it is looked at.
+    """
+
+    system: System
+    parameters: Mapping[str, Fraction]
+    start: tuple[float, ...]
+    period: float | None = None
+    section: AffineSection | None = None
+    level: Fraction | None = None
+    returns: int = 1
+    transient: float = 0.0
+    followed: float = FOLLOWED
+
+
+@dataclass(frozen=True)
+class FoundOrbit:
+    """A periodic orbit in float64, with the section in which it is to be claimed.
+
+    Attributes:
+        orbit: its point lies on the section, where it is crossed in the direction.
+        crossings: of the section in the direction within a period.
+        level: exact, of the first integral; `None` without one.
+    """
+
+    problem: PeriodicProblem
+    orbit: ClosedOrbit
+    section: AffineSection
+    crossings: int
+    level: Fraction | None
+
+    def task(self, name: str, digits: int) -> PeriodicTask:
+        """What there is to refine."""
+        return PeriodicTask(
+            name, self.problem.system, self.problem.parameters, self.section, self.crossings,
+            tuple(map(float, self.orbit.point)), self.orbit.period, self.level, digits, {},
+        )  # fmt: skip
+
+
+def find_periodic(request: PeriodicRequest, progress: Progress) -> Iterator[FoundOrbit]:
+    """The periodic orbits that are found, one after another. Raises `PeriodicFailure` if there is none."""
+    problem = PeriodicProblem(request.system, request.parameters)
+    level = _level(problem, request)
+    value = None if level is None else float(level)
+    if request.period is not None:
+        progress("Newton's method", None)
+        yield _claimed(problem, correct(problem, request.start, request.period, None, value), request.section, level)
+        return
+    x: Sequence[float] = request.start
+    if request.transient > 0:
+        states, _ = follow(problem, x, request.transient, lambda done: progress("transient", done))
+        x = states[-1]
+    states, times = follow(problem, x, request.followed, lambda done: progress("following", done))
+    section = request.section or through_the_middle(states)
+    found = False
+    for orbit in nearby_orbits(problem, recurrences(problem, states, times, section, request.returns), section):
+        found = True
+        yield _claimed(problem, orbit, section, level)
+    if not found:
+        why = f"within time {request.followed:g} nothing repeats after up to {request.returns} returns to the section"
+        raise PeriodicFailure(f"{why}; follow it longer, allow more returns, or give a period to begin with")
+
+
+def refined(found: FoundOrbit, name: str, digits: int, progress: Progress | None = None) -> PeriodicOrbit:
+    """The claim about an orbit. Raises `RefinementFailure`."""
+    if len(found.orbit.point) < 2:
+        raise RefinementFailure("a state of one coordinate has no periodic orbits")
+    return refine_periodic(found.task(name, digits), progress)
+
+
+def _level(problem: PeriodicProblem, request: PeriodicRequest) -> Fraction | None:
+    if problem.system.first_integral_program is None:
+        return None
+    if request.level is not None:
+        return request.level
+    value = problem.level(request.start, problem.values) or 0.0
+    return Fraction(f"{value:.{_LEVEL_DIGITS - 1}e}")
+
+
+def _section_through(problem: PeriodicProblem, states: np.ndarray) -> AffineSection:
+    """A section that an orbit crosses again and again: a coordinate in the middle of its range."""
+    few = states[:: max(1, len(states) // _SAMPLED)]
+    return suggested(few, np.array([velocity_at(problem.system, state, problem.values) for state in few]))
+
+
+def _claimed(
+    problem: PeriodicProblem, orbit: ClosedOrbit, section: AffineSection | None, level: Fraction | None
+) -> FoundOrbit:
+    """The orbit from the steepest of its crossings of a section, by default of one that suits it."""
+    chosen = section or _section_through(problem, orbit.loop)
+    where = chosen.crossings(orbit.loop)
+    if not where:
+        raise PeriodicFailure("the orbit does not cross the section in the direction; give another section")
+    normal = np.array(list(map(float, chosen.normal)))
+
+    def steepness(index: int) -> float:
+        velocity = velocity_at(problem.system, orbit.loop[index], problem.values)
+        return float(abs(normal @ velocity) / (np.linalg.norm(velocity) or 1.0))
+
+    start = orbit.loop[max(where, key=steepness)]
+    value = None if level is None else float(level)
+    moved = correct(problem, start, orbit.period, chosen, value)
+    return FoundOrbit(problem, moved, chosen, len(chosen.crossings(moved.loop)), level)
+
+
+def described(found: FoundOrbit) -> list[str]:
+    """An orbit in lines."""
+    system, orbit = found.problem.system, found.orbit
+    place = ", ".join(f"{name} = {value:.12g}" for name, value in zip(system.state, orbit.point, strict=True))
+    lines = [f"period {orbit.period:.14g}, {found.crossings} crossings of the section", f"  point: {place}"]
+    shown = ", ".join(_complex(value) for value in orbit.multipliers) or "none"
+    trivial = "1" if orbit.level is None else "1, 1"
+    lines.append(f"  multipliers other than {trivial}: {shown}")
+    if orbit.level is not None:
+        lines.append(f"  {system.first_integral_name}: {orbit.level:.12g}")
+    return lines
+
+
+def _complex(value: complex) -> str:
+    if abs(value.imag) < 1e-14 * max(1.0, abs(value)):
+        return _short(value.real)
+    return f"{_short(value.real)} {'+' if value.imag > 0 else '-'} {_short(abs(value.imag))}i"
+
+
+def _short(value: float) -> str:
+    """A number to the digits that float64 leaves of a multiplier."""
+    digits = 10 if value == 0 else max(1, min(10, 12 + floor(log10(abs(value)))))
+    return f"{value:.{digits}g}"

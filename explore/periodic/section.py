@@ -1,0 +1,103 @@
+"""Affine sections, their coordinates, and how often an orbit crosses them, in float64."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from orbitproof.explore.periodic.flow import Matrix, Vector
+
+
+@dataclass(frozen=True)
+class AffineSection:
+    """The points x with normal . x = offset, crossed where normal . x grows (direction 1) or falls (-1); exact.
+
+    Attributes:
+        normal: shape (N,), not zero.
+    """
+
+    normal: tuple[Fraction, ...]
+    offset: Fraction
+    direction: int
+
+    @property
+    def pivot(self) -> int:
+        """The coordinate that follows from the others: that of the largest entry of the normal."""
+        return max(range(len(self.normal)), key=lambda i: abs(self.normal[i]))
+
+    def frame(self) -> tuple[tuple[Fraction, ...], ...]:
+        """N rows of N - 1 numbers: the columns span the section, one for each coordinate but the pivot."""
+        size, j = len(self.normal), self.pivot
+        others = [i for i in range(size) if i != j]
+        return tuple(
+            tuple(-self.normal[k] / self.normal[j] if i == j else Fraction(int(i == k)) for k in others)
+            for i in range(size)
+        )
+
+    def onto(self, point: Sequence[Fraction]) -> tuple[Fraction, ...]:
+        """The point of the section with the same coordinates but the pivot, exactly."""
+        j = self.pivot
+        rest = sum((a * x for i, (a, x) in enumerate(zip(self.normal, point, strict=True)) if i != j), Fraction(0))
+        return tuple((self.offset - rest) / self.normal[j] if i == j else x for i, x in enumerate(point))
+
+    def heights(self, states: Matrix) -> Vector:
+        """normal . x - offset at states, shape (K, N), positive after a crossing in the direction."""
+        return self.direction * (states @ np.array(list(map(float, self.normal))) - float(self.offset))
+
+    def crossings(self, loop: Matrix) -> list[int]:
+        """Where a closed orbit, given by states at equal times with both ends, crosses in the direction.
+
+        Gives the index before each crossing. The last state is the first one again and counts once.
+        """
+        heights = self.heights(loop[:-1])
+        after = np.roll(heights, -1)
+        return [int(i) for i in np.flatnonzero((heights < 0) & (after >= 0))]
+
+
+def map_derivative(section: AffineSection, monodromy: Matrix, velocity: Vector) -> Matrix:
+    """The derivative of the return map at a fixed point, in the coordinates of `AffineSection.frame`."""
+    normal = np.array(list(map(float, section.normal)))
+    across = monodromy - np.outer(velocity, normal @ monodromy) / (normal @ velocity)
+    frame = np.array([[float(value) for value in row] for row in section.frame()])
+    others = [i for i in range(len(normal)) if i != section.pivot]
+    return (across @ frame)[others]
+
+
+def through_the_middle(states: Matrix) -> AffineSection:
+    """A section for an orbit that is followed for long: its widest coordinate, in the middle of its range."""
+    size = states.shape[1]
+    j = int(np.argmax(np.ptp(states, axis=0)))
+    return AffineSection(tuple(Fraction(int(i == j)) for i in range(size)), _middle(states[:, j]), 1)
+
+
+def _middle(values: Vector) -> Fraction:
+    """The middle of the range of values, to few digits."""
+    low, high = float(values.min()), float(values.max())
+    if not high > low:
+        return Fraction(str(low))
+    return Fraction(str(round((low + high) / 2, int(np.ceil(-np.log10(high - low))) + 1)))
+
+
+def suggested(loop: Matrix, velocities: Matrix) -> AffineSection:
+    """A section for a closed orbit: a coordinate at the middle of its range, crossed seldom and steeply."""
+    best: tuple[tuple[int, float], AffineSection] | None = None
+    size = loop.shape[1]
+    for j in range(size):
+        if not np.ptp(loop[:, j]) > 0:
+            continue
+        offset = _middle(loop[:, j])
+        for direction in (1, -1):
+            section = AffineSection(tuple(Fraction(int(i == j)) for i in range(size)), offset, direction)
+            where = section.crossings(loop)
+            if not where:
+                continue
+            steep = min(abs(velocities[i, j]) / (np.linalg.norm(velocities[i]) or 1.0) for i in where)
+            key = (len(where), -float(steep))
+            if best is None or key < best[0]:
+                best = key, section
+    if best is None:
+        raise ValueError("the orbit does not move")
+    return best[1]

@@ -1,0 +1,137 @@
+"""Periodic orbits without symmetry: found, corrected, refined; closed forms and published periods."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import exp, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orbitproof.explore.__main__ import main
+from orbitproof.explore.periodic import (
+    AffineSection,
+    PeriodicFailure,
+    PeriodicProblem,
+    PeriodicRequest,
+    correct,
+    find_periodic,
+    map_derivative,
+    refined,
+)
+from orbitproof.shared.formats import define_system, read_claims
+
+LORENZ = """\
+name = "lorenz"
+state = "x y z"
+parameters = "sigma rho beta"
+
+def field(x, y, z, sigma, rho, beta):
+    return sigma * (y - x), rho * x - y - x * z, x * y - beta * z
+"""
+
+HOPF = define_system(
+    {
+        "name": "hopf",
+        "state": "x y w",
+        "parameters": "c",
+        "where": {"s": "1 - x**2 - y**2"},
+        "field": {"x": "x*s - y", "y": "x + y*s", "w": "-c*w"},
+    }
+)
+"""The unit circle with period 2 pi and the multipliers exp(-4 pi), exp(-2 pi c)."""
+
+OSCILLATORS = define_system(
+    {
+        "name": "oscillators",
+        "state": "x y u v",
+        "field": {"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
+        "first_integral": "x**2 + y**2 + 2*u**2 + v**2",
+    }
+)
+
+
+def _nothing(message: str, fraction: float | None) -> None:
+    """No progress is shown."""
+
+
+def test_a_limit_cycle_has_its_period_and_multipliers() -> None:
+    problem = PeriodicProblem(HOPF, {"c": Fraction(1, 4)})
+    orbit = correct(problem, [1.1, 0.1, 0.05], 6.0)
+    assert orbit.period == pytest.approx(2 * pi, abs=1e-10)
+    assert orbit.multipliers == pytest.approx([exp(-pi / 2), exp(-4 * pi)], abs=1e-9)
+
+
+def test_an_orbit_that_is_run_through_twice_is_found_once() -> None:
+    orbit = correct(PeriodicProblem(HOPF, {"c": Fraction(1, 4)}), [1.0, 0.0, 0.0], 4 * pi)
+    assert orbit.period == pytest.approx(2 * pi, abs=1e-10)
+
+
+def test_an_equilibrium_is_no_orbit() -> None:
+    with pytest.raises(PeriodicFailure):
+        correct(PeriodicProblem(HOPF, {"c": Fraction(1, 4)}), [0.0, 0.0, 0.0], 6.0)
+
+
+def test_with_a_first_integral_the_orbit_is_on_the_level_of_the_guess() -> None:
+    problem = PeriodicProblem(OSCILLATORS, {})
+    orbit = correct(problem, [1.0, 0.0, 0.01, 0.0], 6.2)
+    assert orbit.level == pytest.approx(1.0002, abs=1e-9)
+    angle = np.arccos(np.cos(2 * pi * 2**0.5))
+    found = sorted(orbit.multipliers, key=lambda value: value.imag)
+    assert found == pytest.approx([np.exp(-1j * angle), np.exp(1j * angle)], abs=1e-9)
+
+
+def test_the_derivative_of_the_return_map_has_the_multipliers() -> None:
+    section = AffineSection((Fraction(1), Fraction(2), Fraction(0)), Fraction(0), 1)
+    orbit = correct(PeriodicProblem(HOPF, {"c": Fraction(1, 4)}), [1.0, -0.5, 0.0], 6.2, section)
+    found = np.linalg.eigvals(map_derivative(section, orbit.arc.by_state, orbit.arc.velocity))
+    assert sorted(found.real, reverse=True) == pytest.approx(orbit.multipliers.real, abs=1e-9)
+
+
+def test_orbits_are_found_by_following_until_they_repeat_and_refined() -> None:
+    request = PeriodicRequest(HOPF, {"c": Fraction(1, 4)}, (0.3, 0.2, 0.1), transient=20.0, followed=30.0)
+    (found,) = find_periodic(request, _nothing)
+    assert found.crossings == 1
+    claim = refined(found, "cycle", 40)
+    assert claim.offset == sum(a * x for a, x in zip(claim.normal, claim.centre, strict=True))
+    x, y, w = claim.centre
+    assert abs(x * x + y * y - 1) < Fraction(1, 10**38)
+    assert abs(w) < Fraction(1, 10**38)
+
+
+def test_published_orbits_of_lorenz_are_found_by_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "lorenz.py").write_text(LORENZ)
+    claims = tmp_path / "claims.json"
+    system = ["--system", str(tmp_path / "lorenz.py"), "--parameter", "sigma=10", "rho=28", "beta=8/3"]
+    arguments = ["--start", "x=-2.15", "y=2.08", "z=27", "--period", "1.56", "--section", "z=27", "--direction", "-"]
+    assert main(["periodic", *system, *arguments, "--digits", "30", "-o", str(claims), "--quiet"]) == 0
+    assert "period 1.5586522107162, 2 crossings" in capsys.readouterr().out
+    (claim,) = read_claims(claims)
+    assert (claim.kind, claim.crossings, claim.direction) == ("periodic", 2, -1)
+    assert claim.centre[2] == 27
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--start", "x=1", "y=1"], "--start: z is missing"),
+        (["--start", "x=1", "y=1", "z=1", "q=1"], "--start q: there is no such name"),
+        (["--start", "x=1", "y=1", "z=one"], "--start z one: no number"),
+        (["--start", "x=1", "y=1", "z=1", "--section", "z"], "no equation"),
+        (["--start", "x=1", "y=1", "z=1", "--section", "x*z=1"], "not linear"),
+        (["--start", "x=1", "y=1", "z=1", "--direction", "-"], "belongs to --section"),
+        (["--start", "x=1", "y=1", "z=1", "--level", "1"], "has no first integral"),
+    ],
+)
+def test_bad_input_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], words: str
+) -> None:
+    (tmp_path / "lorenz.py").write_text(LORENZ)
+    system = ["--system", str(tmp_path / "lorenz.py"), "--parameter", "sigma=10", "rho=28", "beta=8/3"]
+    assert main(["periodic", *system, *arguments]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
