@@ -9,14 +9,13 @@ from pathlib import Path
 from orbitproof.shared.formats import Atlas, Candidate, InputError
 from orbitproof.verify.atlas import AtlasCertificate, Placed, kind_of, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
-from orbitproof.verify.run import GIBIBYTE, CheckLimits
+from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
 from orbitproof.verify.run.branch_checks import places_on_apart
 from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.rows import RowRun
 from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
-from orbitproof.verify.run.workplace import Workplace
 
 
 def certify(
@@ -78,10 +77,7 @@ def certify(
             raise TypeError(
                 f"claims: {type(claim).__name__} is no Candidate; explore.refine and read_candidates give some"
             )
-    names = [claim.id for claim in candidates]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"claims: id {name!r} appears twice; give each candidate its own id")
+    names = _ids(candidates, "claims", "give each candidate its own id")
     limits = Limits(max_precision, digits, timeout, level)
     run = RowRun(candidates, candidates, limits, None if output is None else Path(output), fresh, fresh)
     run.prove(Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet))
@@ -126,8 +122,7 @@ def certify_atlas(
     interrupt (`KeyboardInterrupt`) no process is left, and `output` holds what was done.
     """
     given = list(bifurcations)
-    for name in repeated(given):
-        raise InputError(f"bifurcations: id {name!r} appears twice; give each certificate once")
+    _ids(given, "bifurcations")
     if given and not kind_of(claim).holds_points:
         raise InputError("bifurcations: a surface is about all bifurcations over it; leave them out")
     limits = limits_of(claim, complete, max_splits, timeout, precision=precision, order=order, width=width)
@@ -167,10 +162,7 @@ def recheck(
     """
     workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
     given = [certificates] if isinstance(certificates, (Certificate, AtlasCertificate)) else list(certificates)
-    names = [entry.id for entry in given]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
+    names = _ids(given, "certificates")
     with closing(checked_again(given, curve, integrate, workplace)) as checks:
         found = {check.id: check for check in checks}
     return [found[name] for name in names]
@@ -211,8 +203,7 @@ def prove_again(
     `InputError` if an id appears twice or a certificate is not well formed.
     """
     entries = [certificates] if isinstance(certificates, Certificate) else list(certificates)
-    for name in repeated(entries):
-        raise InputError(f"certificates: id {name!r} appears twice; give each certificate once")
+    _ids(entries, "certificates")
     workplace = Workplace(_jobs(jobs), None, timeout, int(memory * GIBIBYTE), quiet)
     known = {entry.id: entry.to_json() for entry in entries}
     if problem := problem_of(known, CheckLimits(memory=workplace.memory)):
@@ -251,13 +242,20 @@ def write(path: str | Path, certificates: Sequence[Certificate]) -> None:
 
     Raises `InputError` if an id appears twice, there is nothing to write or the file cannot be written.
     """
-    names = [certificate.id for certificate in certificates]
-    if not names:
+    if not _ids(certificates, str(path), "give each certificate its own id"):
         raise InputError(f"{path}: there are no certificates to write")
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"{path}: id {name!r} appears twice; give each certificate its own id")
     write_certificates(Path(path), certificates)
+
+
+def _ids(
+    entries: Sequence[Candidate | Certificate | AtlasCertificate],
+    where: str,
+    remedy: str = "give each certificate once",
+) -> list[str]:
+    """The ids of these, in their order. Raises `InputError` if one appears twice."""
+    for name in repeated(entries):
+        raise InputError(f"{where}: id {name!r} appears twice; {remedy}")
+    return [entry.id for entry in entries]
 
 
 def _jobs(jobs: int) -> int:

@@ -19,7 +19,7 @@ from orbitproof.verify.atlas import (
     check_of_conclusion,
     make_atlas_certificate,
     read_atlas_certificate,
-    recheck_places,
+    recheck_place,
     write_atlas_certificate,
 )
 from orbitproof.verify.atlas.conclusion import told
@@ -207,18 +207,18 @@ def test_a_place_on_a_curve_whose_certificate_does_not_stand_does_not_stand(
 
 def test_a_place_is_not_shown_by_the_check_of_another_curve(placed: Path, curve: Path) -> None:
     (entry,) = read_certificates(placed).values()
-    given, checks = read_atlas_certificate(curve), {entry.id: recheck(entry)}
+    given, check = read_atlas_certificate(curve), recheck(entry)
     own = check_of_conclusion(given.document)
-    (shown,) = recheck_places(given, own, [entry], checks).values()
+    shown = recheck_place(given, own, entry, check)
     assert (shown.stands, shown.level) == (True, Level.CONCLUSION)
     other = {**given.document, "computation": {"intervals": 2, "seconds": 0.0}}
     changed = replace(given, document=other)
     for which, examined in ((given, replace(own, digest=digest(other))), (changed, own)):
         with pytest.raises(ValueError, match="not of the curve"):
-            recheck_places(which, examined, [entry], checks)
+            recheck_place(which, examined, entry, check)
     # An orbit is integrated again, its curve is not.
-    deeper = {entry.id: replace(checks[entry.id], level=Level.INTEGRATION)}
-    assert recheck_places(given, own, [entry], deeper)[entry.id].level is Level.CONCLUSION
+    deeper = replace(check, level=Level.INTEGRATION)
+    assert recheck_place(given, own, entry, deeper).level is Level.CONCLUSION
 
 
 def test_a_curve_whose_certificate_was_changed_places_nothing(

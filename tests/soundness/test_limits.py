@@ -188,7 +188,7 @@ def test_a_check_that_does_not_end_is_an_obstacle(
 @pytest.mark.parametrize("how", ENDS)
 def test_the_check_of_a_curve_that_does_not_end_is_an_obstacle(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     work, words = ENDS[how]
-    monkeypatch.setattr(apart, "_conclusion", work)
+    monkeypatch.setattr(apart, "check_of_conclusion", work)
     found = conclusion_apart({"id": "curve", "verdict": "proved"}, CheckLimits(0.5, 2**28))
     assert words in found.obstacle
     assert found.findings == ()
@@ -200,16 +200,16 @@ def test_a_place_that_does_not_end_is_an_obstacle_of_its_row(
     how: str, honest: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     work, words = ENDS[how]
-    monkeypatch.setattr(apart, "_place", work)
+    monkeypatch.setattr(apart, "recheck_place", work)
     plain = Certificate.from_json(honest)
     place = {"rests_on": {"id": "curve", "digest": "sha256:" + 64 * "0"}, "piece": "p", "s": ball_to_json(arb(0)),
              "mirrored": False, "other_point": False, "statement": "It lies there."}  # fmt: skip
     placed = plain.with_place(place)
     check = Recheck(plain.id, "proved", 11, (), level=Level.CONCLUSION)
-    found = apart.recheck_places_apart(None, None, [placed], {plain.id: check}, CheckLimits(0.5, 2**28))
-    assert words in found[plain.id].obstacle
-    assert found[plain.id].level is Level.FORM
-    assert apart.recheck_places_apart(None, None, [plain], {plain.id: check}, CheckLimits(0.5))[plain.id] is check
+    found = apart.place_apart(None, None, placed, check, CheckLimits(0.5, 2**28))
+    assert words in found.obstacle
+    assert found.level is Level.FORM
+    assert apart.place_apart(None, None, plain, check, CheckLimits(0.5)) is check
 
 
 def refused(path: Path, text: str, command: list[str], capsys: pytest.CaptureFixture[str]) -> str:
@@ -275,7 +275,7 @@ def test_a_program_has_bounded_exponents_and_lines() -> None:
 def test_commands_say_what_cannot_be_checked(
     honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(apart, "_conclusion", process_work.hanging)
+    monkeypatch.setattr(apart, "check_of_conclusion", process_work.hanging)
     monkeypatch.setattr(side_by_side, "recheck_task", process_work.aborting)
     rows, curve = written(tmp_path / "rows.json", honest), tmp_path / "curve.json"
     curve.write_text(json.dumps(a_curve()), "utf-8")
@@ -295,7 +295,7 @@ def test_commands_say_what_cannot_be_checked(
 def test_an_orbit_is_not_placed_on_a_curve_that_cannot_be_checked(
     honest: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(apart, "_places", process_work.hanging)
+    monkeypatch.setattr(apart, "places_on", process_work.hanging)
     document = a_curve()
     curve, orbit = AtlasCertificate(atlas_of(document), document), Certificate.from_json(honest)
     (placed,) = places_on_apart(curve, [orbit], CheckLimits(0.5))

@@ -20,8 +20,7 @@ from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import ball_to_json
-from orbitproof.verify.run import CheckLimits, branch_checks, checking_again, rows
-from orbitproof.verify.run.workplace import Workplace
+from orbitproof.verify.run import CheckLimits, Workplace, branch_checks, checking_again, rows
 
 QUIET = Workplace(quiet=True)
 DATA = Path(__file__).parents[1] / "data"
@@ -116,9 +115,7 @@ def test_a_branch_that_stands_is_integrated_again_where_that_is_asked_for(
 def test_a_place_that_was_not_looked_at_is_not_passed(point: Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
     placed = point.with_place(PLACE)
     monkeypatch.setattr(branch_checks, "apart", lambda *_: Failure("memory", "it was large"))
-    checks = {placed.id: standing(placed.id)}
-    found = branch_checks.recheck_places_apart(curve(), standing("parabola"), [placed], checks, CheckLimits())
-    check = found[placed.id]
+    check = branch_checks.place_apart(curve(), standing("parabola"), placed, standing(placed.id), CheckLimits())
     assert (check.stands, check.level) == (False, Level.FORM)
     assert check.obstacle.startswith("its place: it was large")
 
@@ -130,11 +127,11 @@ def test_no_place_rests_on_a_surface(point: Certificate, monkeypatch: pytest.Mon
     surface = AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
     handed: list[Any] = []
 
-    def places(on: Any, checked: Any, certificates: Sequence[Certificate], checks: Any, _: Any) -> dict[str, Recheck]:
+    def place(on: Any, checked: Any, certificate: Certificate, check: Recheck, _: Any) -> Recheck:
         handed.append(checked)
-        return dict(checks)
+        return check
 
-    monkeypatch.setattr(branch_checks, "recheck_places_apart", places)
+    monkeypatch.setattr(branch_checks, "place_apart", place)
     monkeypatch.setattr(branch_checks, "examined", lambda document, *_: standing(document["id"]))
     for on in (surface, curve(), None):
         list(branch_checks.places_checked(on, [point], {point.id: standing(point.id)}, False, QUIET))

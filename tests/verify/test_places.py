@@ -11,7 +11,7 @@ import pytest
 from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 
-from orbitproof.verify.atlas import AtlasCertificate, check_of_conclusion, places_on, recheck_places
+from orbitproof.verify.atlas import AtlasCertificate, check_of_conclusion, places_on, recheck_place
 from orbitproof.verify.certificate import Certificate, Finding, Limits, Recheck, recheck
 from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.run import CheckLimits
@@ -41,7 +41,7 @@ def placed(curve: AtlasCertificate, point: Certificate) -> Certificate:
 def checked(curve: AtlasCertificate, entry: Certificate, examined: Recheck | None = None) -> Recheck:
     """With the place that it carries."""
     examined = check_of_conclusion(curve.document) if examined is None else examined
-    return recheck_places(curve, examined, [entry], {entry.id: recheck(entry)})[entry.id]
+    return recheck_place(curve, examined, entry, recheck(entry))
 
 
 def test_a_place_stands_with_the_curve_that_it_rests_on(curve: AtlasCertificate, placed: Certificate) -> None:

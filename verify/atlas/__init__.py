@@ -10,6 +10,6 @@ from orbitproof.verify.atlas.certificate import (
 )
 from orbitproof.verify.atlas.conclusion import Placing, conclusion_of
 from orbitproof.verify.atlas.kinds import kind_of
-from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_on, recheck_places
+from orbitproof.verify.atlas.places import Placed, check_of_conclusion, places_on, recheck_place
 from orbitproof.verify.atlas.recheck import Means, ProvedBefore, atlas_of, order_of, recheck_atlas
 from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers, results_from_json

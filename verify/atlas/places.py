@@ -60,41 +60,32 @@ def _checked(entries: Sequence[Certificate], integrate: bool) -> Sequence[Rechec
     return [recheck(entry, integrate) for entry in entries]
 
 
-def recheck_places(
-    curve: AtlasCertificate | None,
-    examined: Recheck | None,
-    certificates: Sequence[Certificate],
-    checks: Mapping[str, Recheck],
-) -> dict[str, Recheck]:
-    """What checking certificates again has shown, with the places that they carry.
+def recheck_place(
+    curve: AtlasCertificate | None, examined: Recheck | None, certificate: Certificate, check: Recheck
+) -> Recheck:
+    """What checking a certificate again has shown, with the place that it carries.
 
     Args:
-        curve: the certificate that the places rest on; without it they cannot be checked.
-        examined: that one, checked as far as the others; without it, or if it is a surface, no place is shown.
-        checks: of the certificates, by id, which leave their places open.
+        curve: the certificate that the place rests on; without it it cannot be checked.
+        examined: that one, checked as far as the other; without it, or if it is a surface, no place is shown.
+        check: of the certificate, which leaves its place open.
 
     Raises `ValueError` if `examined` is the check of another certificate than the curve's.
     """
-    if curve is not None and examined is not None and examined.stands and examined.digest != digest(curve.document):
+    place = certificate.to_json().get("place")
+    if curve is None or place is None or not check.stands_without_place:
+        return check
+    if examined is not None and examined.stands and examined.digest != digest(curve.document):
         raise ValueError(f"examined: is the check of {examined.id!r}, and not of the curve {curve.document['id']!r}")
-    result = dict(checks)
-    for entry in certificates:
-        place = entry.to_json().get("place")
-        check = checks.get(entry.id)
-        if place is None or check is None or not check.stands_without_place or curve is None:
-            continue
-        rendered, findings = check.rendered, []
-        for finding, again in _differences(curve, examined, entry, place):
-            if finding.in_words:
-                rendered = {**(rendered or entry.to_json()), "place": again}
-            else:
-                findings.append(finding)
-        level = min(check.level, Level.FORM if findings or examined is None else examined.level)
-        notes = check.notes if rendered is check.rendered else tuple(dict.fromkeys((*check.notes, REWORDED)))
-        result[entry.id] = replace(
-            check, findings=tuple(findings), level=level, open_place="", rendered=rendered, notes=notes
-        )
-    return result
+    rendered, findings = check.rendered, []
+    for finding, again in _differences(curve, examined, certificate, place):
+        if finding.in_words:
+            rendered = {**(rendered or certificate.to_json()), "place": again}
+        else:
+            findings.append(finding)
+    level = min(check.level, Level.FORM if findings or examined is None else examined.level)
+    notes = check.notes if rendered is check.rendered else tuple(dict.fromkeys((*check.notes, REWORDED)))
+    return replace(check, findings=tuple(findings), level=level, open_place="", rendered=rendered, notes=notes)
 
 
 def _differences(

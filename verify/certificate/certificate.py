@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 from textwrap import indent
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from flint import arb
 
@@ -340,9 +340,14 @@ def read_certificates(path: Path) -> dict[str, Certificate]:
     return {entry.id: entry for entry in entries}
 
 
-def repeated(certificates: Iterable[Certificate]) -> list[str]:
-    """The ids that more than one certificate has, once each."""
-    counts = Counter(entry.id for entry in certificates)
+class _Identified(Protocol):
+    @property
+    def id(self) -> str: ...
+
+
+def repeated(entries: Iterable[_Identified]) -> list[str]:
+    """The ids that more than one of these has, once each."""
+    counts = Counter(entry.id for entry in entries)
     return [name for name, count in counts.items() if count > 1]
 
 

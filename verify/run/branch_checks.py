@@ -20,15 +20,14 @@ from orbitproof.verify.atlas import (
     check_of_conclusion,
     places_on,
     recheck_atlas,
-    recheck_places,
+    recheck_place,
 )
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
-from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Report, Work, apart
+from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Work, Workplace, apart
 from orbitproof.verify.run.branch_tasks import result_of, task_again
 from orbitproof.verify.run.rows import rechecks
-from orbitproof.verify.run.workplace import Workplace
 
 
 def examined(
@@ -107,52 +106,35 @@ def placing(quiet: bool) -> Placing:
 def conclusion_apart(document: Mapping[str, Any], limits: CheckLimits, given: Sequence[Certificate] = ()) -> Recheck:
     """As `check_of_conclusion`; what is not brought to an end cannot be checked."""
     name = str(document["id"])
-    result = apart(_conclusion, name, (document, given), limits)
+    result = apart(check_of_conclusion, name, (document, given), limits)
     return not_checked(name, str(document["verdict"]), result) if isinstance(result, Failure) else result
 
 
 def places_on_apart(curve: AtlasCertificate, orbits: Sequence[Certificate], limits: CheckLimits) -> list[Placed]:
     """As `places_on`; what is not brought to an end is not shown."""
     name = str(curve.document["id"])
-    result = apart(_places, name, (curve, orbits), limits)
+    result = apart(places_on, name, (curve, orbits), limits)
     if isinstance(result, Failure):
         words = f"not shown to lie on {shown(name)}: {result.message}"
         return [Placed(entry.with_place(None), f"{shown(entry.id)}: {words}") for entry in orbits]
-    return list(result)
+    return result
 
 
-def recheck_places_apart(
+def place_apart(
     curve: AtlasCertificate | None,
     examined: Recheck | None,
-    certificates: Sequence[Certificate],
-    checks: Mapping[str, Recheck],
+    certificate: Certificate,
+    check: Recheck,
     limits: CheckLimits,
-) -> dict[str, Recheck]:
-    """As `recheck_places`, each certificate by itself; what is not brought to an end cannot be checked."""
-    found = dict(checks)
-    for entry in certificates:
-        check = checks.get(entry.id)
-        if check is None or not check.stands_without_place or "place" not in entry.to_json():
-            continue
-        result = apart(_place, entry.id, (curve, examined, entry, check), limits)
-        if isinstance(result, Failure):
-            obstacle = not_checked(entry.id, entry.verdict, result).obstacle
-            result = replace(check, obstacle=f"its place: {obstacle}", level=min(check.level, Level.FORM))
-        found[entry.id] = result
-    return found
-
-
-def _conclusion(argument: tuple[Mapping[str, Any], Sequence[Certificate]], report: Report) -> Recheck:
-    return check_of_conclusion(*argument)
-
-
-def _places(argument: tuple[AtlasCertificate, Sequence[Certificate]], report: Report) -> list[Placed]:
-    return places_on(*argument)
-
-
-def _place(argument: tuple[AtlasCertificate | None, Recheck | None, Certificate, Recheck], report: Report) -> Recheck:
-    curve, examined, entry, check = argument
-    return recheck_places(curve, examined, [entry], {entry.id: check})[entry.id]
+) -> Recheck:
+    """As `recheck_place`; what is not brought to an end cannot be checked."""
+    if not check.stands_without_place or "place" not in certificate.to_json():
+        return check
+    result = apart(recheck_place, certificate.id, (curve, examined, certificate, check), limits)
+    if isinstance(result, Failure):
+        obstacle = not_checked(certificate.id, certificate.verdict, result).obstacle
+        return replace(check, obstacle=f"its place: {obstacle}", level=min(check.level, Level.FORM))
+    return result
 
 
 def places_checked(
@@ -171,5 +153,4 @@ def places_checked(
     is_curve = curve is not None and kind_of(curve.atlas).holds_points
     checked = examined(curve.document, (), integrate, workplace) if curve is not None and is_curve else None
     for entry in certificates:
-        found = recheck_places_apart(curve, checked, [entry], {entry.id: checks[entry.id]}, workplace.row_checks)
-        yield found[entry.id]
+        yield place_apart(curve, checked, entry, checks[entry.id], workplace.row_checks)

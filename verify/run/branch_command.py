@@ -14,7 +14,7 @@ from orbitproof.verify.atlas import SCHEMA
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, read_certificates
-from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, whole_number
+from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, Workplace, interrupted, whole_number
 from orbitproof.verify.run.branch_checks import examined, is_about_surface
 from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
 from orbitproof.verify.run.branch_tasks import LARGEST_ORDER, MOST_SPLITS, RunLimits
@@ -26,7 +26,6 @@ from orbitproof.verify.run.branches import (
     started,
 )
 from orbitproof.verify.run.row_tables import recheck_table
-from orbitproof.verify.run.workplace import Workplace
 
 _EXAMPLES = """\
 examples:
@@ -91,31 +90,27 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
     limits = limits_of(atlas, options.complete, options.max_splits, options.timeout, **given)
     bifurcations = _chosen_bifurcations(options.bifurcations, options.only, kind_of(atlas).holds_points)
     run = started(atlas, limits, options.output, options.fresh)
-    interrupted = False
     try:
         prove_pieces(run, workplace, work)
     except KeyboardInterrupt:
-        interrupted = True
+        print(piece_table(run), flush=True)
+        return _ended(options, run)
     except InputError:
         if run.results:
             print(piece_table(run), flush=True)
         raise
     print(piece_table(run), flush=True)
-    if interrupted:
-        return _interrupted(options, run)
     try:
         certificate = conclude_run(run, bifurcations, workplace)
     except KeyboardInterrupt:
-        return _interrupted(options, run)
+        return _ended(options, run)
     print(f"\n{conclusion_text(certificate.document)}", flush=True)
     return 0 if certificate.is_proved and certificate.is_whole else 1
 
 
-def _interrupted(options: argparse.Namespace, run: AtlasRun) -> int:
-    done = len(run.atlas.pieces) - len(run.pending)
-    saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
-    print(f"interrupted: {done} of {len(run.atlas.pieces)} pieces finished{saved}", file=sys.stderr)
-    return INTERRUPTED
+def _ended(options: argparse.Namespace, run: AtlasRun) -> int:
+    total = len(run.atlas.pieces)
+    return interrupted(total - len(run.pending), total, "pieces finished", options.output)
 
 
 def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:

@@ -21,11 +21,10 @@ from orbitproof.verify.atlas.results import Result, Settings, condition_of
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text
-from orbitproof.verify.run import Answer, Display, Engine, Task, Work
+from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
 from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
 from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, result_of, task_of
 from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, full_interval, made_with, plan
-from orbitproof.verify.run.workplace import Workplace
 from orbitproof.verify.stability import StabilityResult, open_on
 
 _STEPS_AT_FIRST = 16

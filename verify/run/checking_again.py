@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 
 from orbitproof.verify.certificate.certificate import Certificate
 from orbitproof.verify.certificate.levels import Recheck
-from orbitproof.verify.run import Display
+from orbitproof.verify.run import Display, Workplace
 from orbitproof.verify.run.rows import rechecks
-from orbitproof.verify.run.workplace import Workplace
 
 if TYPE_CHECKING:
     from orbitproof.verify.atlas import AtlasCertificate

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import NoReturn
 
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.processes import GRACE_SECONDS
-from orbitproof.verify.run.checks import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits
+from orbitproof.verify.run.workplace import GIBIBYTE, INTEGRATION_SECONDS, CheckLimits
 
 
 class ArgumentParser(argparse.ArgumentParser):
@@ -55,6 +57,13 @@ class ArgumentParser(argparse.ArgumentParser):
         )
         self.memory_option("each check with --recheck")
         self.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def interrupted(done: int, total: int, things: str, output: Path | None = None) -> int:
+    """Say how far a run has come that was ended; the exit code for it. `output` is the file from which it goes on."""
+    saved = "" if output is None else f", saved in {output}; the same command goes on from there"
+    print(f"interrupted: {done} of {total} {things}{saved}", file=sys.stderr)
+    return INTERRUPTED
 
 
 def whole_number(first: int, last: int = 10**9 - 1) -> Callable[[str], int]:

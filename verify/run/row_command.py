@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from orbitproof.shared.formats import ORBIT, InputError, read_candidates, refused, select_ids
-from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
@@ -20,11 +19,10 @@ from orbitproof.verify.certificate import (
     Recheck,
     read_certificates,
 )
-from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, whole_number
+from orbitproof.verify.run import CHECK_SECONDS, ArgumentParser, Workplace, interrupted, whole_number
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.row_tables import recheck_table, verdict_table
 from orbitproof.verify.run.rows import RowRun
-from orbitproof.verify.run.workplace import Workplace
 
 if TYPE_CHECKING:
     from orbitproof.verify.atlas import AtlasCertificate
@@ -102,12 +100,12 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
     # With --only, --fresh means the selected rows; those of the others stay in the file.
     run = RowRun(everything, selected, limits, options.output, options.fresh, options.fresh and options.only is None)
-    interrupted = False
+    ended = False
     unsaved: InputError | None = None
     try:
         run.prove(workplace)
     except KeyboardInterrupt:
-        interrupted = True
+        ended = True
     except InputError as error:
         if not run.fresh:
             raise
@@ -124,10 +122,8 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
         run.save()
     if unsaved is not None:
         raise unsaved
-    if interrupted:
-        saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
-        print(f"interrupted: {len(run.done)} of {len(selected)} candidates finished{saved}", file=sys.stderr)
-        return INTERRUPTED
+    if ended:
+        return interrupted(len(run.done), len(selected), "candidates finished", options.output)
     return 0 if all(run.done[candidate.id].proved for candidate in selected) else 1
 
 
@@ -141,17 +137,16 @@ def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
     selected = [stored[name] for name in select_ids(stored, options.only, "certificate")]
     curve = _curve(options)
     done: dict[str, Recheck] = {}
-    interrupted = False
+    ended = False
     try:
         with closing(checked_again(selected, curve, options.integrate, workplace)) as found:
             for result in found:
                 done[result.id] = result
     except KeyboardInterrupt:
-        interrupted = True
+        ended = True
     print(recheck_table([entry.id for entry in selected], done), flush=True)
-    if interrupted:
-        print(f"interrupted: {len(done)} of {len(selected)} certificates checked", file=sys.stderr)
-        return INTERRUPTED
+    if ended:
+        return interrupted(len(done), len(selected), "certificates checked")
     failed = [result for result in done.values() if not result.stands]
     for result in failed:
         for finding in result.findings[:1]:

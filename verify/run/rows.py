@@ -31,8 +31,18 @@ from orbitproof.verify.certificate.levels import Recheck, not_checked, not_finis
 from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.oracle.precision import Limits, first_precision
-from orbitproof.verify.run import Answer, CheckLimits, Display, Engine, Failure, Processes, Progress, Report, Task
-from orbitproof.verify.run.workplace import Workplace
+from orbitproof.verify.run import (
+    Answer,
+    CheckLimits,
+    Display,
+    Engine,
+    Failure,
+    Processes,
+    Progress,
+    Report,
+    Task,
+    Workplace,
+)
 
 Finished = Callable[[Certificate], None]
 

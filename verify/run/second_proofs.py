@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -20,7 +19,6 @@ from typing import Any
 from flint import arb, arb_mat, fmpq
 
 from orbitproof.shared.formats import InputError, check_writable, read_document, refused, select_ids, write_text
-from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.processes import Answer, Failure, Report, Task
 from orbitproof.shared.systems import shown
@@ -31,12 +29,13 @@ from orbitproof.verify.run import (
     CheckLimits,
     Display,
     Processes,
+    Workplace,
     aligned,
     apart,
+    interrupted,
     positive_seconds,
     whole_number,
 )
-from orbitproof.verify.run.workplace import Workplace
 from orbitproof.verify.second_proof import (
     BadCertificate,
     CannotFollow,
@@ -243,17 +242,15 @@ class SecondProofs:
 def _run(options: argparse.Namespace) -> int:
     certificates = _selected(options)
     proofs = SecondProofs(certificates, options.output, options.fresh)
-    interrupted = False
+    ended = False
     try:
         proofs.prove(Workplace(options.jobs, None, options.row_timeout, options.memory, options.quiet))
     except KeyboardInterrupt:
-        interrupted = True
+        ended = True
     print("\n".join(_table(list(certificates), proofs.rows)), flush=True)
-    if interrupted:
-        saved = "" if options.output is None else f", saved in {options.output}; the same command goes on from there"
+    if ended:
         done = sum(name in proofs.rows for name in certificates)
-        print(f"interrupted: {done} of {len(certificates)} rows finished{saved}", file=sys.stderr)
-        return INTERRUPTED
+        return interrupted(done, len(certificates), "rows finished", options.output)
     return 0 if all(proofs.rows[name]["verdict"] == "agrees" for name in certificates) else 1
 
 
@@ -270,12 +267,12 @@ def _selected(options: argparse.Namespace) -> dict[str, Row]:
 
 def problem_of(certificates: Mapping[str, Row], limits: CheckLimits) -> str:
     """Which of these is not well formed, and why; empty if none is. Read in a process of its own."""
-    problem = apart(_first_problem, "statements", list(certificates.items()), limits)
+    problem = apart(_first_problem, "statements", (list(certificates.items()),), limits)
     # What reading does not survive is the failure of its own row.
-    return problem if isinstance(problem, str) else ""
+    return "" if isinstance(problem, Failure) else problem
 
 
-def _first_problem(certificates: Sequence[tuple[str, Row]], _: Report) -> str:
+def _first_problem(certificates: Sequence[tuple[str, Row]]) -> str:
     """Which certificate is not well formed, and why; empty if none is."""
     for name, entry in certificates:
         try:
