@@ -1,3 +1,4 @@
+from . import enclose as enclose
 from .atlas.certificate import AtlasCertificate as AtlasCertificate
 from .atlas.listed import ListedInterval as ListedInterval
 from .atlas.listed import ListedPoint as ListedPoint

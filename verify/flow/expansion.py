@@ -11,6 +11,7 @@ from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow.field_along import FieldAlong
 
 _STEP_BITS = 12
+_LEAST_STEP = 1e-8
 
 
 class Expansion(Protocol):
@@ -46,3 +47,20 @@ def dyadic_below(size: float) -> Fraction:
     """A dyadic number just below `size` with few bits."""
     exponent = floor(log2(size)) - _STEP_BITS
     return Fraction(floor(size / 2.0**exponent)) * Fraction(2) ** exponent
+
+
+def planned_step(size: float, share: float, time: float) -> Fraction:
+    """A dyadic part of a step that suits the format. Raises `IntegrationFailure` where that is too small.
+
+    Args:
+        share: about which part.
+        time: at which this is, for the message.
+    """
+    if size < _LEAST_STEP:
+        raise IntegrationFailure(
+            "singularity",
+            f"at time {time:.9g} the Taylor expansions allow only a step of {size:.1e}",
+            "the orbit comes too close to a singularity of the vector field, or grows without bound: give another "
+            "centre",
+        )
+    return dyadic_below(size * share)

@@ -1,6 +1,6 @@
 """The Poincare map and its derivatives on a box: section, crossings, returns (sections 5, 6, 14)."""
 
-from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates
+from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, coordinates_of
 from orbitproof.verify.poincare.crossing import InTime
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
@@ -16,10 +16,13 @@ from orbitproof.verify.poincare.iterates import (
     default_order,
     enclose_first_integral,
     enclose_iterates,
+    grade_bits,
 )
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import (
+    MOST_STEPS,
     REGULARISED,
+    Orbits,
     Returns,
     at_start,
     first_integral,

@@ -44,12 +44,14 @@ class Coordinates:
     steps: int = 0
 
 
+def coordinates_of(name: str, field: Program, size: int, section: int) -> Coordinates:
+    """The equations of a vector field whose first `size` inputs are the state; the section is {x_section = 0}."""
+    return Coordinates(name, field, prepare(field), build_section_program(field, size, section), section)
+
+
 def physical(system: ReversibleSystem) -> Coordinates:
     """The system's own coordinates."""
-    program, section = system.program, system.section_index
-    return Coordinates(
-        PHYSICAL, program, prepare(program), build_section_program(program, len(system.state), section), section
-    )
+    return coordinates_of(PHYSICAL, system.program, len(system.state), system.section_index)
 
 
 @cache

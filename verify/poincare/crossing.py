@@ -81,18 +81,22 @@ class Arrival:
 class CrossingCounter:
     """Number of proven crossings after the start.
 
-    The caller guarantees that y = 0 exactly at the start for the whole box, as on Fix(R). With a wide variable
-    the orbits that are counted are those of a part of its interval.
+    The caller guarantees that at the start, for the whole box, y = 0 exactly, as on Fix(R), or that y has the sign
+    `side`: then time 0 alone is the first of the intervals (section 23.3). With a wide variable the orbits that are
+    counted are those of a part of its interval.
+
+    Attributes:
+        side: the sign of y after the last crossing so far, at first after the start; 0 before that is known.
     """
 
-    def __init__(self, wide: arb | None = None) -> None:
+    def __init__(self, wide: arb | None = None, side: int = 0) -> None:
         self.wide = wide
         self.crossings = 0
-        self.clear_time: arb | None = None
+        self.clear_time: arb | None = arb(0) if side else None
         self.previous_clear_time: arb | None = None
         self.velocity_sign = 0
-        self._side = 0
-        self._start = True
+        self.side = side
+        self._start = side == 0
 
     def cover(self, position: Series, velocity: Series, time: arb, step: arb) -> None:
         """Cover one step: y over theta in [0, 1], y' there, from `time` on over `step` > 0.
@@ -119,7 +123,7 @@ class CrossingCounter:
 
     def _moves(self, sign: int) -> None:
         if self._start:
-            self._side, self._start = sign, False
+            self.side, self._start = sign, False
         if self.velocity_sign not in (0, sign):
             raise may_touch("the velocity of the section coordinate changes sign next to the section")
         self.velocity_sign = sign
@@ -129,7 +133,7 @@ class CrossingCounter:
             raise IntegrationFailure(
                 "crossing count", "the orbit does not start on the section", "give a centre on Fix(R)"
             )
-        if sign != self._side:
+        if sign != self.side:
             if self.velocity_sign != sign:
                 raise IntegrationFailure(
                     "crossing count",
@@ -137,16 +141,16 @@ class CrossingCounter:
                     "this is an error of the integrator; please report it",
                 )
             self.crossings += 1
-            self._side = sign
+            self.side = sign
             self.previous_clear_time = self.clear_time
         self.velocity_sign = 0
         self.clear_time = until
 
     def arrival(self, number: int) -> Arrival | None:
         """What is known about crossing `number` if the box is close to it; `None` if too little is (section 5.2)."""
-        if self.crossings == number - 1 and self.velocity_sign in (0, -self._side) and self.clear_time is not None:
+        if self.crossings == number - 1 and self.velocity_sign in (0, -self.side) and self.clear_time is not None:
             return Arrival(self.clear_time)
-        if self.crossings == number and self.velocity_sign in (0, self._side) and self.previous_clear_time is not None:
+        if self.crossings == number and self.velocity_sign in (0, self.side) and self.previous_clear_time is not None:
             return Arrival(self.previous_clear_time, behind=self.velocity_sign == 0)
         return None
 
@@ -166,6 +170,11 @@ class InTime:
         """Enclosure of the values at the points of a ball, by the mean value theorem."""
         middle = interval.mid()
         return self.polynomial(middle) + self.derivative(interval) * (interval - middle) + self.deviation
+
+    def at_start(self) -> int:
+        """1 or -1 if the function has that sign at 0 for certain, else 0."""
+        with ctx.workprec(_BITS):
+            return self.sign(arb(0), arb(0))
 
     def sign(self, left: arb, right: arb) -> int:
         """1 or -1 if the function has that sign on [left, right] for certain, else 0."""

@@ -164,7 +164,7 @@ def box_of(candidate: Candidate, bits: int, order: int) -> Box:
     system, variables = candidate.system, len(candidate.radii)
     scales = tuple(radius / BOX_RATIO for radius in candidate.radii)
     grading = grading_for(candidate.kind, candidate.k, variables)
-    further, loss = _grade_bits(grading, scales, bits)
+    further, loss = grade_bits(grading, scales, bits)
     arithmetic = Arithmetic(grading, bits, further, order, loss)
     point = {name: arithmetic.constant(value) for name, value in candidate.parameters.items()}
     for name, middle, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True):
@@ -305,7 +305,7 @@ def check_size(grading: Grading, scales: Sequence[Fraction]) -> None:
         )
 
 
-def _grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tuple[int, int]:
+def grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tuple[int, int]:
     """Further fractional bits per grade, and the significant bits that a coefficient loses per grade.
 
     Scaled initial values of a variable of weight w are about 2^-(w s); with s - d further bits per

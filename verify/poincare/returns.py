@@ -1,7 +1,7 @@
 """Successive returns to the section of a set of orbits (sections 3 to 5 and 14).
 
-`Returns` follows the orbits of elements of the algebra, given as initial values on Fix(R), from one crossing of
-the section to the next, with the proof that it is that crossing.
+`Orbits` follows the orbits of elements of the algebra from one crossing of the section to the next, with the proof that
+it is that crossing; `Returns` those that start on Fix(R).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from orbitproof.shared.systems import Program, Regularisation, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, evaluate, prepare
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
-from orbitproof.verify.flow import FlowStep, advance, dyadic_below, rough
+from orbitproof.verify.flow import FlowStep, advance, planned_step, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, range_of, stays_positive
 from orbitproof.verify.poincare.oracle import Oracle
@@ -28,14 +28,13 @@ from orbitproof.verify.poincare.section import onto_section
 AUTO: Final = "auto"
 REGULARISED: Final = "regularised"
 
-_LEAST_STEP = 1e-8
 _LEAST_SHARE = 1 / 8
 MOST_STEPS = 400
 """From one crossing to the next."""
 
 
-class Returns:
-    """The orbits of a set of points of Fix(R), and their crossings of the section so far.
+class Orbits:
+    """The orbits of a set of points, and their crossings of the section so far.
 
     Attributes:
         state: the orbits now, in the coordinates that are integrated.
@@ -51,65 +50,34 @@ class Returns:
 
     def __init__(
         self,
-        system: ReversibleSystem,
+        coordinates: Coordinates,
         arithmetic: Arithmetic,
-        point: Mapping[str, Series],
+        state: Sequence[Series],
+        constants: Sequence[Series],
         oracle: Oracle,
-        coordinates: str = AUTO,
-        level: Series | None = None,
+        side: int = 0,
     ) -> None:
-        """Start from points of Fix(R).
+        """Start on the section exactly, or on one side of it.
 
         Args:
-            point: by name, as in `initial_values`.
             oracle: finds approximations; nothing is believed of it.
-            coordinates: "physical", "regularised" or "auto".
-            level: the first integral of the points, if it is known already.
+            side: the sign of the section coordinate at all points; 0 on the section.
         """
-        self.system = system
-        self.arithmetic = arithmetic
-        self.oracle = oracle
-        initial = initial_values(system, arithmetic, point)
-        initial, self.parameters = initial[: len(system.state)], initial[len(system.state) :]
-        level = first_integral(system, arithmetic, point) if level is None else level
-        self.coordinates = self._choose(coordinates, initial, level)
-        self.state, self.constants = self._enter(initial, level)
-        self.counters = [CrossingCounter()]
-        self.program, self.fixed = self.coordinates.program, self.constants
+        self.coordinates, self.arithmetic, self.oracle = coordinates, arithmetic, oracle
+        self.state, self.constants = list(state), list(constants)
+        self.counters = [CrossingCounter(side=side)]
+        self.program, self.fixed = coordinates.program, self.constants
         self.time = arb(0)
         self.steps = 0
         self.crossings = 0
         self.share = 1.0
-        self.at_section = True
+        self.at_section = side == 0
         self.image, self.delay = list(self.state), arithmetic.constant(Fraction(0))
         self.step_taken: tuple[FlowStep, arb, Fraction] | None = None
 
-    def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
-        bits = self.arithmetic.bits
-        if wanted == PHYSICAL or level is None:
-            return physical(self.system)
-        state, parameters, (value,) = (
-            rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
-        )
-        own, other = physical(self.system), regularised(self.system, state, parameters)
-        if other is None or wanted == REGULARISED:
-            return other or own
-        steps = self.oracle.regularised_steps(own, other, state, parameters, value, self.arithmetic)
-        return replace(other, steps=steps) if steps else own
-
-    def _enter(self, initial: list[Series], level: Series | None) -> tuple[list[Series], list[Series]]:
-        """The initial state in the coordinates that are integrated, and the constants of motion."""
-        embedding = self.coordinates.embedding
-        if embedding is None or level is None:
-            return initial, self.parameters
-        return at_start(embedding, (*initial, *self.parameters)), [*self.parameters, level]
-
     def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
         """The system's own state."""
-        regularisation = self.coordinates.regularisation
-        if regularisation is None:
-            return image
-        return at_start(regularisation.projection_program, (*image, *self.parameters))
+        return image
 
     def next_crossing(self, progress: Callable[[int], None] | None = None) -> tuple[Sequence[Series], arb]:
         """The system's own state at the next crossing, and its time, with the proof that it is that crossing.
@@ -138,7 +106,7 @@ class Returns:
         section = self.coordinates.section
         expansion = self.oracle.expand(self.program, self.arithmetic, self.state, self.fixed)
         while True:
-            step = expansion.shortened(self._planned(expansion.step_size))
+            step = expansion.shortened(planned_step(expansion.step_size, self.share, self._clock()))
             root = expansion.crossing(section, step, self.at_section)
             step = step if root is None else step * root
             try:
@@ -157,16 +125,6 @@ class Returns:
         self.steps += 1
         self.at_section = root is not None
         return self.at_section
-
-    def _planned(self, size: float) -> Fraction:
-        if size < _LEAST_STEP:
-            raise IntegrationFailure(
-                "singularity",
-                f"at time {self._clock():.9g} the Taylor expansions allow only a step of {size:.1e}",
-                "the orbit comes too close to a singularity of the vector field, or grows without bound: give another "
-                "centre",
-            )
-        return dyadic_below(size * self.share)
 
     def crossing(self, number: int) -> tuple[Sequence[Series], arb]:
         """The system's own state at crossing `number`, and its time, with the proof that it is that crossing."""
@@ -223,6 +181,61 @@ class Returns:
         if regularisation is None:
             return float(self.time)
         return rough([int(self.state[regularisation.time_index].coefs[0][0])], self.arithmetic.bits)[0]
+
+
+class Returns(Orbits):
+    """The orbits of a set of points of Fix(R), and their crossings of the section so far: see `Orbits`."""
+
+    def __init__(
+        self,
+        system: ReversibleSystem,
+        arithmetic: Arithmetic,
+        point: Mapping[str, Series],
+        oracle: Oracle,
+        coordinates: str = AUTO,
+        level: Series | None = None,
+    ) -> None:
+        """Start from points of Fix(R).
+
+        Args:
+            point: by name, as in `initial_values`.
+            oracle: finds approximations; nothing is believed of it.
+            coordinates: "physical", "regularised" or "auto".
+            level: the first integral of the points, if it is known already.
+        """
+        self.system, self.arithmetic, self.oracle = system, arithmetic, oracle
+        initial = initial_values(system, arithmetic, point)
+        initial, self.parameters = initial[: len(system.state)], initial[len(system.state) :]
+        level = first_integral(system, arithmetic, point) if level is None else level
+        self.coordinates = self._choose(coordinates, initial, level)
+        super().__init__(self.coordinates, arithmetic, *self._enter(initial, level), oracle)
+
+    def _choose(self, wanted: str, initial: Sequence[Series], level: Series | None) -> Coordinates:
+        bits = self.arithmetic.bits
+        if wanted == PHYSICAL or level is None:
+            return physical(self.system)
+        state, parameters, (value,) = (
+            rough([int(x.coefs[0][0]) for x in values], bits) for values in (initial, self.parameters, [level])
+        )
+        own, other = physical(self.system), regularised(self.system, state, parameters)
+        if other is None or wanted == REGULARISED:
+            return other or own
+        steps = self.oracle.regularised_steps(own, other, state, parameters, value, self.arithmetic)
+        return replace(other, steps=steps) if steps else own
+
+    def _enter(self, initial: list[Series], level: Series | None) -> tuple[list[Series], list[Series]]:
+        """The initial state in the coordinates that are integrated, and the constants of motion."""
+        embedding = self.coordinates.embedding
+        if embedding is None or level is None:
+            return initial, self.parameters
+        return at_start(embedding, (*initial, *self.parameters)), [*self.parameters, level]
+
+    def _leave(self, image: Sequence[Series]) -> Sequence[Series]:
+        """The system's own state."""
+        regularisation = self.coordinates.regularisation
+        if regularisation is None:
+            return image
+        return at_start(regularisation.projection_program, (*image, *self.parameters))
 
 
 def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapping[str, Series]) -> list[Series]:

@@ -1,0 +1,197 @@
+"""The parts of maps of any system: sets, coordinates of affine sections, numbers of crossings, combinations, zeros."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from fractions import Fraction
+
+import pytest
+from flint import arb, ctx
+from support.flow_checks import contains, random_fraction, series_at
+
+from orbitproof.shared import define_system
+from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, indices_up_to
+from orbitproof.verify.maps import AffineSection, Format, StartingSet, combination, enclose_flow, enclose_zeros
+from orbitproof.verify.maps.image import image_of
+from orbitproof.verify.maps.poincare_map import number_of
+from orbitproof.verify.oracle import ORACLE
+
+SYSTEM = define_system(
+    {"name": "any", "state": "x y z", "parameters": "a", "field": {"x": "y/z", "y": "a*x - z", "z": "x*y**2 + 1"}}
+)
+
+
+@pytest.fixture(autouse=True)
+def _bits() -> Iterator[None]:
+    with ctx.workprec(200):
+        yield
+
+
+def random_set(source: random.Random, variables: int, size: int = 3, parameters: int = 1) -> StartingSet:
+    """Numbers with few bits."""
+    centre = tuple(random_fraction(source, 2) for _ in range(size + parameters))
+    frame = tuple(tuple(random_fraction(source) for _ in range(variables)) for _ in centre)
+    return StartingSet(size, centre, frame, tuple(Fraction(source.randint(1, 99), 100) for _ in range(variables)))
+
+
+def random_section(source: random.Random, size: int = 3) -> AffineSection:
+    """Some coefficients are 0."""
+    normal = [source.choice((0, 1)) * random_fraction(source) for _ in range(size)]
+    normal[source.randrange(size)] = random_fraction(source) + 2
+    return AffineSection(tuple(map(Fraction, normal)), random_fraction(source))
+
+
+def test_elements_are_the_points_of_the_set() -> None:
+    source = random.Random(1)
+    for variables in (0, 1, 2, 3):
+        start = random_set(source, variables)
+        arithmetic = start.arithmetic(Format(100, 2))
+        elements = [x for group in start.elements(arithmetic) for x in group]
+        for _ in range(20):
+            xi = [random_fraction(source) for _ in range(variables)]
+            p = [x * scale for x, scale in zip(xi, start.scales, strict=True)]
+            for element, middle, row in zip(elements, start.centre, start.frame, strict=True):
+                value = middle + sum((a * x for a, x in zip(row, p, strict=True)), Fraction(0))
+                assert contains(series_at(element, Fraction(0), xi), value)
+                assert series_at(element, Fraction(0), xi).rad() < 1e-25
+        assert all(scale == 4 * radius for scale, radius in zip(start.scales, start.radii, strict=True))
+
+
+def test_coordinates_of_a_section_follow_the_same_orbits() -> None:
+    source = random.Random(2)
+    for _ in range(40):
+        section = random_section(source)
+        coordinates = section.coordinates(SYSTEM.program)
+        k = section.pivot
+        assert abs(section.normal[k]) == max(map(abs, section.normal))
+        state = [random_fraction(source) + 2 for _ in range(3)]
+        y = sum((a * x for a, x in zip(section.normal, state, strict=True)), Fraction(0)) - section.offset
+        moved = [*state[:k], y, *state[k + 1 :]]
+        parameter = random_fraction(source)
+        slopes = SYSTEM.program.evaluate([*state, parameter], Fraction, lambda base, power: base ** int(power))
+        along = sum((a * slope for a, slope in zip(section.normal, slopes, strict=True)), Fraction(0))
+        expected = [*slopes[:k], along, *slopes[k + 1 :]]
+        found = coordinates.field.evaluate([*moved, parameter], Fraction, lambda base, power: base ** int(power))
+        assert found == expected
+        assert coordinates.section == k
+        arithmetic = StartingSet(3, (), (), ()).arithmetic(Format(100, 1))
+        own = section.own_state([arithmetic.constant(value) for value in moved])
+        assert all(contains(series_at(x, Fraction(0), ()), value) for x, value in zip(own, state, strict=True))
+
+
+def test_a_set_lies_on_a_section_exactly_or_not_at_all() -> None:
+    source = random.Random(3)
+    for _ in range(40):
+        section, start = random_section(source), random_set(source, 2)
+        k = section.pivot
+        assert not section.holds(start)
+
+        def on(row: list[Fraction], value: Fraction, section: AffineSection = section, k: int = k) -> Fraction:
+            others = sum(
+                (a * x for i, (a, x) in enumerate(zip(section.normal, row, strict=True)) if i != k), Fraction(0)
+            )
+            return (value - others) / section.normal[k]
+
+        centre, columns = list(start.centre), [[row[j] for row in start.frame] for j in range(2)]
+        centre[k] = on(centre[:3], section.offset)
+        for column in columns:
+            column[k] = on(column[:3], Fraction(0))
+        frame = tuple(zip(*columns, strict=True))
+        there = StartingSet(3, tuple(centre), frame, start.radii)
+        assert section.holds(there)
+        arithmetic = there.arithmetic(Format(64, 2))
+        element = section.section_coordinate(there, arithmetic)
+        assert not any(element.norm()[:-1][i] > 1e-200 for i in range(3))
+        beside = StartingSet(3, (*centre[:k], centre[k] + Fraction(1, 2**300), *centre[k + 1 :]), frame, start.radii)
+        assert not section.holds(beside)
+        tilted = [list(row) for row in frame]
+        tilted[k][1] += Fraction(1, 2**300)
+        assert not section.holds(StartingSet(3, tuple(centre), tuple(map(tuple, tilted)), start.radii))
+
+
+def test_numbers_of_crossings_in_a_direction() -> None:
+    for side in (-1, 1):
+        directions = [-side * (-1) ** i for i in range(12)]
+        for direction in (-1, 1):
+            places = [i + 1 for i, each in enumerate(directions) if each == direction]
+            assert [number_of(n, direction, side) for n in range(1, 7)] == places
+        assert [number_of(n, 0, side) for n in range(1, 7)] == [1, 2, 3, 4, 5, 6]
+
+
+def polynomial_table(coefficients: dict[tuple[int, ...], Fraction], radii: tuple[Fraction, ...]) -> DerivativeTable:
+    """The derivatives of a polynomial of degree 1 in two variables."""
+    zero, units = (0, 0), ((1, 0), (0, 1))
+    at = {index: arb(0) for index in indices_up_to(2, 3)}
+    for index, value in coefficients.items():
+        at[index] = arb(value.numerator) / value.denominator
+    box = dict(at)
+    for unit, radius in zip(units, radii, strict=True):
+        box[zero] = box[zero] + at[unit] * arb(0, float(radius))
+    return DerivativeTable(box, at)
+
+
+def test_a_combination_has_the_derivatives_of_the_sum() -> None:
+    source = random.Random(4)
+    for _ in range(20):
+        start = random_set(source, 2)
+        pair = [
+            {(0, 0): random_fraction(source), (1, 0): random_fraction(source), (0, 1): random_fraction(source)}
+            for _ in "ab"
+        ]
+        factors, own, constant = (
+            [random_fraction(source) for _ in "ab"],
+            [random_fraction(source) for _ in "ab"],
+            random_fraction(source),
+        )
+        table = combination(start, [polynomial_table(each, start.radii) for each in pair], factors, own, constant)
+        for _ in range(20):
+            p = [random_fraction(source, radius) for radius in start.radii]
+            value = constant + sum((a * x for a, x in zip(own, p, strict=True)), Fraction(0))
+            for factor, each in zip(factors, pair, strict=True):
+                value += factor * (each[0, 0] + each[1, 0] * p[0] + each[0, 1] * p[1])
+            assert contains(table.box[0, 0], value, Fraction(1, 10**12))
+        middle = constant + sum((f * each[0, 0] for f, each in zip(factors, pair, strict=True)), Fraction(0))
+        assert contains(table.centre[0, 0], middle, Fraction(1, 10**12))
+        for j, unit in enumerate(((1, 0), (0, 1))):
+            slope = own[j] + sum((f * each[unit] for f, each in zip(factors, pair, strict=True)), Fraction(0))
+            assert contains(table.box[unit], slope, Fraction(1, 10**12))
+            assert contains(table.centre[unit], slope, Fraction(1, 10**12))
+
+
+def test_zeros_are_proved_in_the_set_only() -> None:
+    radii = (Fraction(1), Fraction(1))
+    first = polynomial_table({(0, 0): Fraction(1, 2), (1, 0): Fraction(1)}, radii)
+    second = polynomial_table({(0, 0): Fraction(-1, 4), (1, 0): Fraction(1, 3), (0, 1): Fraction(1)}, radii)
+    zeros = enclose_zeros([first, second], radii)
+    assert contains(zeros.at[0], Fraction(-1, 2), Fraction(1, 10**12))
+    assert contains(zeros.at[1], Fraction(5, 12), Fraction(1, 10**12))
+    graph = enclose_zeros([second], radii)
+    assert contains(graph.graph.over([arb(1) / 2])[1], Fraction(1, 12), Fraction(1, 10**12))
+    outside = polynomial_table({(0, 0): Fraction(3, 2), (1, 0): Fraction(1)}, radii)
+    beyond = polynomial_table({(0, 0): Fraction(1), (1, 0): Fraction(1)}, radii)
+    flat = polynomial_table({(0, 0): Fraction(0)}, radii)
+    for functions, words in (
+        ([outside, second], "no zero"),
+        ([beyond, second], "may lie outside"),
+        ([first, flat], "singular"),
+        ([], "singular"),
+    ):
+        with pytest.raises(IntegrationFailure, match=words):
+            enclose_zeros(functions, radii)
+
+
+def test_what_has_no_bound_is_not_enclosed() -> None:
+    start = random_set(random.Random(5), 2)
+    arithmetic = start.arithmetic(Format(64, 1))
+    state, _ = start.elements(arithmetic)
+    endless = [float("inf"), 0.0, 0.0]
+    with pytest.raises(IntegrationFailure, match="finite"):
+        image_of(start, [state[0].with_errors(endless)], arithmetic.constant(Fraction(1)), 1)
+    tiny = StartingSet(3, start.centre, start.frame, (Fraction(1, 10**300), Fraction(1)))
+    with pytest.raises(IntegrationFailure, match="floats"):
+        tiny.arithmetic(Format(64, 2))
+    far = define_system({"name": "far", "state": "x y", "field": {"x": "y", "y": "-x"}})
+    point = StartingSet(2, (Fraction(1), Fraction(0)), ((), ()), ())
+    with pytest.raises(IntegrationFailure, match=r"not reached|tube"):
+        enclose_flow(far.program, point, Fraction(10**9), Format(64, 1), ORACLE)
