@@ -1,6 +1,8 @@
-"""Words that go with numbers."""
+"""Words that go with numbers, and lines of a list."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 
 def counted(number: int, thing: str) -> str:
@@ -12,3 +14,9 @@ def counted(number: int, thing: str) -> str:
     if number == 1:
         return f"1 {thing}"
     return f"{number} {thing[:-1]}ies" if thing.endswith("y") else f"{number} {thing}s"
+
+
+def itemised(head: str, items: Iterable[str]) -> list[str]:
+    """The head, and each item on a line of its own; nothing where there are no items."""
+    lines = [f"- {item}" for item in items]
+    return [head, *lines] if lines else []

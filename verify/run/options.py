@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn
 
@@ -79,21 +80,16 @@ def whole_number(first: int, last: int = 10**9 - 1) -> Callable[[str], int]:
 
 def positive_seconds(text: str) -> float:
     """The type of an option: a time."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 < value < 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
-    return value
+    return _positive(text, 1e9, "seconds")
 
 
 def gibibytes(text: str) -> int:
     """The type of an option: memory in GiB, as bytes."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 < value < 1e6:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of GiB")
-    return max(1, int(value * GIBIBYTE))
+    return max(1, int(_positive(text, 1e6, "GiB") * GIBIBYTE))
+
+
+def _positive(text: str, limit: float, unit: str) -> float:
+    with suppress(ValueError):
+        if 0 < float(text) < limit:
+            return float(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of {unit}")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
+from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.distances import Ranges, Where
 from orbitproof.verify.evidence import decimal_interval, exact_interval_text, exact_text, interval_text
@@ -96,10 +97,8 @@ def statement(
     if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
         lines.append(_A)
     if found.has_few_parameters:
-        collisions = [point for point in found.points if not point.k]
-        if collisions:
-            lines.append(f"{where} two stability parameters are equal at exactly these points:")
-            lines += [f"- {_point(atlas, point)}" for point in collisions]
+        collisions = [_point(atlas, point) for point in found.points if not point.k]
+        lines += itemised(f"{where} two stability parameters are equal at exactly these points:", collisions)
         lines += _extrema(atlas, found)
         lines += _stability(atlas, stable, unknown)
     else:
@@ -107,9 +106,7 @@ def statement(
             f"Nothing is said of where two of the {found.parameters} stability parameters are equal, of their extrema, "
             "and of linear stability."
         )
-    if found.gaps:
-        lines.append("Not covered, so that nothing is said of it:")
-        lines += [f"- {_gap(gap)}" for gap in found.gaps]
+    lines += itemised("Not covered, so that nothing is said of it:", map(_gap, found.gaps))
     if _half(atlas):
         lines.append(
             f"The mirror image of this half under {atlas.claim.symmetry} has the mirror images of these points and "
@@ -136,21 +133,19 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
         lines.append(f"- {_point(atlas, point, _ACROSS)}{known}")
     if any(point.kind in _BIRTHS for point in found.points):
         lines.append(_BIRTH)
-    if across.stable:
-        lines.append(
-            f"Between the following points, themselves not included{_ends(across.stable)}, variations out of the plane "
-            "are linearly stable (these multipliers are on the unit circle, not 1 or -1), "
-            f"{_rest(atlas, across.unknown)}:"
-        )
-        lines += [f"- {_interval(atlas, entry, _ACROSS)}" for entry in across.stable]
-    elif not across.unknown:
+    stable, unknown = (
+        [_interval(atlas, entry, _ACROSS) for entry in entries] for entries in (across.stable, across.unknown)
+    )
+    lines += itemised(
+        f"Between the following points, themselves not included{_ends(across.stable)}, variations out of the plane "
+        "are linearly stable (these multipliers are on the unit circle, not 1 or -1), "
+        f"{_rest(atlas, across.unknown)}:",
+        stable,
+    )
+    if not (stable or unknown):
         lines.append(f"For no orbit of {_part(atlas)} they are linearly stable.")
-    if across.unknown:
-        lines.append("It is not decided whether they are linearly stable at and between these places:")
-        lines += [f"- {_interval(atlas, entry, _ACROSS)}" for entry in across.unknown]
-    if found.gaps:
-        lines.append("Not covered, out of the plane:")
-        lines += [f"- {_gap(gap)}" for gap in found.gaps]
+    lines += itemised("It is not decided whether they are linearly stable at and between these places:", unknown)
+    lines += itemised("Not covered, out of the plane:", map(_gap, found.gaps))
     return "\n".join(lines)
 
 
@@ -186,22 +181,19 @@ def _is_end(bound: Bound) -> bool:
 
 def _extrema(atlas: Atlas, found: CompleteList) -> list[str]:
     """The extrema of the stability parameters; symmetric points are extrema by their symmetry."""
-    inside = [entry for entry in found.extrema if entry.in_band]
-    beside = [entry for entry in found.extrema if not entry.in_band]
+    inside, beside = (
+        [_extremum(atlas, entry) for entry in found.extrema if entry.in_band is in_band] for in_band in (True, False)
+    )
     but = ", but for the places named below" if found.gaps or found.open_extrema or beside else ""
     band = f"with a value between -{exact_text(BAND)} and {exact_text(BAND)}"
+    lines = itemised(
+        f"Apart from symmetric points a stability parameter is stationary {band} exactly here{but}:", inside
+    )
     if not inside:
         lines = [f"Apart from symmetric points no stability parameter is stationary {band}{but}."]
-    else:
-        lines = [f"Apart from symmetric points a stability parameter is stationary {band} exactly here{but}:"]
-    lines += [f"- {_extremum(atlas, entry)}" for entry in inside]
-    if beside:
-        lines.append("One is stationary here, and it is not decided whether its value is between these or beyond:")
-        lines += [f"- {_extremum(atlas, entry)}" for entry in beside]
-    if found.open_extrema:
-        lines.append("Whether one is stationary there is not decided:")
-        lines += [f"- {_gap(gap)}" for gap in found.open_extrema]
-    return lines
+    undecided = "One is stationary here, and it is not decided whether its value is between these or beyond:"
+    lines += itemised(undecided, beside)
+    return lines + itemised("Whether one is stationary there is not decided:", map(_gap, found.open_extrema))
 
 
 def _extremum(atlas: Atlas, entry: Extremum) -> str:
@@ -211,19 +203,17 @@ def _extremum(atlas: Atlas, entry: Extremum) -> str:
 
 
 def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]) -> list[str]:
-    lines = []
-    if stable:
-        lines.append(
-            f"The orbits between the following points, themselves not included{_ends(stable)}, are linearly stable "
-            f"(these multipliers are on the unit circle, distinct and not 1 or -1), {_rest(atlas, unknown)}:"
-        )
-        lines += [f"- {_interval(atlas, entry)}" for entry in stable]
-    elif not unknown:
-        lines.append(f"No orbit of {_part(atlas)} is linearly stable with distinct multipliers.")
-    if unknown:
-        lines.append("It is not decided whether the orbits are linearly stable at and between these places:")
-        lines += [f"- {_interval(atlas, entry)}" for entry in unknown]
-    return lines
+    if not (stable or unknown):
+        return [f"No orbit of {_part(atlas)} is linearly stable with distinct multipliers."]
+    between = (
+        f"The orbits between the following points, themselves not included{_ends(stable)}, are linearly stable "
+        f"(these multipliers are on the unit circle, distinct and not 1 or -1), {_rest(atlas, unknown)}:"
+    )
+    undecided = "It is not decided whether the orbits are linearly stable at and between these places:"
+    return [
+        *itemised(between, (_interval(atlas, entry) for entry in stable)),
+        *itemised(undecided, (_interval(atlas, entry) for entry in unknown)),
+    ]
 
 
 def _held(atlas: Atlas) -> str:

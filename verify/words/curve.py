@@ -8,6 +8,7 @@ from flint import arb
 
 from orbitproof.shared.formats import ORBIT, Atlas
 from orbitproof.shared.systems import ReversibleSystem, shown
+from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, signs_on
 from orbitproof.verify.curve import Bifurcation, CurveTheorem, Ends, ProvedCurve, point_name
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
@@ -39,20 +40,18 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
 
 def bifurcations_in_words(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
     """Which of the certified bifurcations and orbits lie on the curve, and which are not shown to."""
-    lines = []
-    on = [entry for entry in bifurcations if entry.place is not None and entry.kind != ORBIT]
-    orbits = [entry for entry in bifurcations if entry.place is not None and entry.kind == ORBIT]
+    placed = [entry for entry in bifurcations if entry.place is not None]
+    on, orbits = ([entry for entry in placed if (entry.kind == ORBIT) is orbit] for orbit in (False, True))
     off = [entry for entry in bifurcations if entry.place is None and not entry.is_foreign]
     foreign = sum(entry.is_foreign for entry in bifurcations)
-    if on:
-        lines.append("Of the certified bifurcations these lie on it:")
-        lines += [f"- {_bifurcation(atlas, entry)}" for entry in on]
-    if orbits:
-        lines.append("Of the certified orbits these lie on it:")
-        lines += [f"- {_bifurcation(atlas, entry)}" for entry in orbits]
-    if off:
-        lines.append("Of these it is not shown that they lie on it:")
-        lines += [f"- {shown(entry.id)} (k = {entry.k}): {entry.reason}" for entry in off]
+    lines = [
+        *itemised("Of the certified bifurcations these lie on it:", (_bifurcation(atlas, entry) for entry in on)),
+        *itemised("Of the certified orbits these lie on it:", (_bifurcation(atlas, entry) for entry in orbits)),
+        *itemised(
+            "Of these it is not shown that they lie on it:",
+            (f"{shown(entry.id)} (k = {entry.k}): {entry.reason}" for entry in off),
+        ),
+    ]
     if foreign:
         were = "certificate is" if foreign == 1 else "certificates are"
         lines.append(
