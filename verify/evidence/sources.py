@@ -14,7 +14,7 @@ import flint
 ON_WHICH_NOTHING_RESTS = (
     *("verify/oracle", "verify/words", "verify/run", "verify/second_proof", "verify/alone"),
     *("verify/scripting.py", "verify/__main__.py", "verify/__init__.py"),
-    *("shared/processes.py", "shared/interrupts.py", "shared/extras.py"),
+    *("shared/processes.py", "shared/interrupts.py", "shared/extras.py", "shared/arguments.py", "shared/wording.py"),
 )
 """What finds, words and moves what is proved, and proves nothing: a change there makes no proof another one."""
 
