@@ -461,6 +461,23 @@ def test_stability_is_not_decided_across_a_gap(subject: Any) -> None:
     assert [(entry.begin.lower, entry.end.upper) for entry in unknown] == [(Fraction(-1, 8), Fraction(1, 8))]
 
 
+@pytest.mark.parametrize("closed", [False, True])
+def test_stable_orbits_on_both_sides_of_the_cut_of_a_loop_are_one_interval(closed: bool) -> None:
+    _, _, chain = proved("line")
+    flat = bounded(0)
+    parts = [replace(s, characteristic=(bounded(0),), level=flat) for s in segments("line")]
+    gap = Gap(1, "p001", Fraction(-1, 8), Fraction(1, 8), Matter.EVERYTHING, "")
+    stable, unknown = stable_intervals(chain, CompleteList(4, 1, (), (gap,), tuple(parts)), closed)
+    assert len(unknown) == 1
+    ends = [(entry.begin.what, entry.end.what) for entry in stable]
+    if closed:
+        assert ends == [((Matter.EVERYTHING,), (Matter.EVERYTHING,))]
+        (entry,) = stable
+        assert (entry.begin.upper, entry.end.lower) == (Fraction(1, 8), Fraction(-1, 8))
+    else:
+        assert len(ends) == 2
+
+
 @pytest.mark.parametrize(("trace", "product", "stable"), [(0, Fraction(-1, 4), True), (3, Fraction(35, 16), False)])
 def test_two_parameters_beyond_one_are_not_stable(trace: Any, product: Any, stable: bool) -> None:
     _, _, chain = proved("line")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from fractions import Fraction
 from math import ceil, cos, pi
 from pathlib import Path
@@ -99,6 +99,26 @@ def test_extrema_within_wide_bounds_or_at_collisions_are_undecided() -> None:
     same = shift * shift - 1
     found, undecided = extrema_on(two_parameters(same, same), 0)
     assert all(not tau.contains(arb(-0.125)) for tau, _ in found)
+    assert any(low <= Fraction(-1, 8) <= high for low, high in undecided)
+
+
+class Close(Segment):
+    """A segment on which the two parameters are not shown to differ."""
+
+    @property
+    def discriminant(self) -> BoundedFunction:
+        return BoundedFunction(arb_poly([1]), arb(2))
+
+
+def test_an_extremum_at_which_the_parameters_are_not_shown_to_differ_is_undecided() -> None:
+    shift = arb_poly([arb(1) / 8, 1])
+    segment = two_parameters(shift * shift - 1, arb_poly([40, 1]), 1e-12)
+    ((place, _),), undecided = extrema_on(segment, 0)
+    assert place.contains(arb(-0.125))
+    assert undecided == []
+    close = Close(**{field.name: getattr(segment, field.name) for field in fields(segment)})
+    found, undecided = extrema_on(close, 0)
+    assert found == []
     assert any(low <= Fraction(-1, 8) <= high for low, high in undecided)
 
 
