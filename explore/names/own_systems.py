@@ -41,7 +41,7 @@ def given_parameters(
 
     Raises `InputError`.
     """
-    texts = assignments("--parameter", assignments or ())
+    texts = values_by_name("--parameter", assignments or ())
     known = [name for name in system.fixed_parameters if name in texts]
     if mass is not None and len(known) == len(texts):
         if system.fixed_parameters != ("mu",) or "mu" in texts:
@@ -101,7 +101,7 @@ def place_of(system: ReversibleSystem, option: str, words: Sequence[str], *, com
     """Centre coordinates by name from words like ``y=0.2``; all of them if `complete`. Raises `InputError`."""
     names = system.centre_coordinates
     result: dict[str, float] = {}
-    for name, text in assignments(option, words).items():
+    for name, text in values_by_name(option, words).items():
         if name not in names:
             raise InputError(f"{option} {name}: no coordinate of {system.name} on Fix(R); give {', '.join(names)}")
         result[name] = finite_number(f"{option} {name}", text)
@@ -123,7 +123,7 @@ def finite_number(option: str, text: str) -> float:
     return float(value)
 
 
-def assignments(option: str, words: Sequence[str]) -> dict[str, str]:
+def values_by_name(option: str, words: Sequence[str]) -> dict[str, str]:
     """Texts by name from words like ``y=0.2``. Raises `InputError`."""
     result: dict[str, str] = {}
     for word in words:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from orbitproof.explore.names.exact_numbers import exact_number
-from orbitproof.explore.names.own_systems import assignments
+from orbitproof.explore.names.own_systems import values_by_name
 from orbitproof.shared.formats import InputError, load_system
 from orbitproof.shared.systems import SYSTEMS, FormulaError, System, evaluate_formula
 
@@ -27,7 +27,7 @@ def own_system(text: str) -> System:
 
 def given_values(option: str, words: Sequence[str], names: Sequence[str]) -> dict[str, Fraction]:
     """A number for each of the names, in their order, from words like ``x=0.2``. Raises `InputError`."""
-    texts = assignments(option, words)
+    texts = values_by_name(option, words)
     for name in texts:
         if name not in names:
             known = ", ".join(names) or "none"

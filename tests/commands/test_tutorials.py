@@ -52,6 +52,7 @@ def test_every_block_of_a_tutorial_runs_and_prints_what_it_shows(
 NOTEBOOKS = {
     "certificates": ["stands INTEGRATION", "DOES NOT STAND", "**Theorem 1**"],
     "from-a-guess-in-python": ["11.6", "k = 2 tupling, proved, below, C = 3.0216193266007"],
+    "periodic-orbit-of-lorenz": ["period [1.5586522107161747", "there is no zero in the set", "multiplier [4.7129472"],
     "own-system-in-python": ["not reversible under R", "k = 3 touch-and-go, proved, both, c = 0.27634323081200157"],
 }
 

@@ -12,7 +12,7 @@ from importlib.resources.abc import Traversable
 import flint
 
 ON_WHICH_NOTHING_RESTS = (
-    *("verify/oracle", "verify/words", "verify/run", "verify/second_proof", "verify/alone"),
+    *("verify/oracle", "verify/words", "verify/run", "verify/second_proof", "verify/alone", "verify/enclose"),
     *("verify/scripting.py", "verify/__main__.py", "verify/__init__.py"),
     *("shared/processes.py", "shared/interrupts.py", "shared/extras.py", "shared/arguments.py", "shared/wording.py"),
 )

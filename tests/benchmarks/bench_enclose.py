@@ -1,0 +1,143 @@
+"""Time, widths and digits of validated maps, beside integrators that compute and prove nothing.
+
+python tests/benchmarks/bench_enclose.py
+
+One half period of a CR3BP halo orbit, and one return of Lorenz's system, both from a point; then their Poincare maps
+with derivatives up to order 3 on a box. scipy (DOP853, relative tolerance 1e-13) and, where they can be imported,
+heyoka in double precision and with as many bits as the enclosure. Digits are those in which a number agrees with the
+enclosure of a run with more bits.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from flint import arb
+from scipy.integrate import solve_ivp
+
+from orbitproof.shared import CR3BP, EARTH_MOON, System, define_system
+from orbitproof.verify import enclose
+from orbitproof.verify.enclose import Box, Enclosure, Section
+
+LORENZ = define_system({
+    "name": "lorenz", "state": "x y z", "parameters": "sigma rho beta",
+    "field": {"x": "sigma*(y - x)", "y": "x*(rho - z) - y", "z": "x*y - beta*z"},
+})  # fmt: skip
+HALO = {"x": "0.843193964637", "y": 0, "z": "0.165", "vx": 0, "vy": "0.263718532564", "vz": 0, "mu": EARTH_MOON}
+WING = {"x": "-13.763610682134", "y": "-19.578751942452", "z": 27, "sigma": 10, "rho": 28, "beta": "8/3"}
+CASES: Sequence[tuple[str, System, Mapping[str, Any], Section, int, Sequence[str], int]] = (
+    ("halo orbit, half a period", CR3BP, HALO, enclose.section("y"), -1, ("x", "z", "vy"), 1),
+    ("Lorenz, one return of orbit AB", LORENZ, WING, enclose.section("z", 27), 1, ("x", "y"), 2),
+)
+BITS = (128, 176, 256)
+RADIUS = "1e-12"
+REPEATS = 5
+
+
+def timed(call: Callable[[], Any]) -> tuple[Any, float]:
+    """A result, and the least of some times."""
+    times = []
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        result = call()
+        times.append(time.perf_counter() - begin)
+    return result, min(times)
+
+
+def digits(value: float | arb, exact: arb) -> str:
+    """Decimal digits in which a number, or a ball with its radius, agrees with an enclosure."""
+    error = abs(arb(value) - exact).upper() / abs(exact)
+    return f"{float(-error.log().mid() / arb(10).log().mid()):.1f}" if error > 0 else "all"
+
+
+def mapped(system: System, box: Box, section: Section, direction: int, crossings: int, **options: Any) -> Enclosure:
+    """The Poincare map of a case."""
+    found = enclose.poincare_map(system, box, section, direction=direction, crossings=crossings, **options)
+    if not isinstance(found, Enclosure):
+        raise SystemExit(str(found))
+    return found
+
+
+def by_scipy(
+    system: System, centre: Mapping[str, Any], section: Section, direction: int, crossings: int
+) -> list[float]:
+    """The state at the crossing, in float64."""
+    values = {name: float(value) for name, value in enclose.box(centre).centre.items()}
+    parameters = [values[name] for name in system.parameters]
+    normal = np.array([float(section.normal.get(name, 0)) for name in system.state])
+
+    def field(_time: float, state: Any) -> Any:
+        return system.vector_field(list(state), parameters)
+
+    def event(_time: float, state: Any) -> float:
+        return float(normal @ state) - float(section.value)
+
+    event.direction, event.terminal = direction, crossings + (crossings > 1)  # type: ignore[attr-defined]
+    start = [values[name] for name in system.state]
+    done = solve_ivp(field, (0, 20), start, "DOP853", events=event, rtol=1e-13, atol=1e-15)
+    return [float(x) for x in done.y_events[0][-1]]
+
+
+def by_heyoka(system: System, centre: Mapping[str, Any], until: arb, bits: int) -> tuple[list[Any], float]:
+    """The state at a time, and the seconds of the integration alone; `bits` 53 for doubles."""
+    import heyoka as hy
+
+    exact = enclose.box(centre).centre
+    number: Callable[[Any], Any] = float if bits == 53 else lambda value: hy.real(str(value), bits)
+    kind = float if bits == 53 else hy.real
+    variables = hy.make_vars(*system.state)
+    constants = [number(exact[name].numerator) / number(exact[name].denominator) for name in system.parameters]
+    equations = list(zip(variables, system.vector_field(list(variables), constants), strict=True))
+    start = [number(exact[name].numerator) / number(exact[name].denominator) for name in system.state]
+    more = {} if bits == 53 else {"prec": bits}
+    integrator = hy.taylor_adaptive(equations, np.array(start), fp_type=kind, **more)
+    end = number(until.mid().str(80, radius=False))
+    begin = time.perf_counter()
+    integrator.propagate_until(end)
+    return list(integrator.state), time.perf_counter() - begin
+
+
+def compare(
+    name: str, system: System, centre: Any, section: Section, direction: int, free: Any, crossings: int
+) -> None:
+    """Print the rows of a case."""
+    print(f"\n{name}\n{'':34}{'seconds':>10}{'digits':>9}{'width of the widest ball':>28}")
+    point = enclose.box(centre)
+    best = mapped(system, point, section, direction, crossings, precision=512)
+    watched = [each for each in system.state if abs(best.centre.value[each]) > 1e-3]
+
+    def row(label: str, seconds: float, values: Mapping[str, Any], width: str = "") -> None:
+        worst = min((digits(values[each], best.centre.value[each]) for each in watched), key=float)
+        print(f"{label:34}{seconds:10.3f}{worst:>9}{width:>28}", flush=True)
+
+    for bits in BITS:
+        found, seconds = timed(lambda bits=bits: mapped(system, point, section, direction, crossings, precision=bits))
+        widest = max(ball.rad() for ball in found.value.values())
+        row(f"from a point, {bits} bits", seconds, found.centre.value, f"{float(2 * widest):.1e}")
+    box = enclose.box(centre, radii=dict.fromkeys(free, RADIUS))
+    for order in (1, 2, 3):
+        found, seconds = timed(
+            lambda order=order: mapped(system, box, section, direction, crossings, derivatives=order, precision=176)
+        )
+        slopes = max(ball.rad() for row_of in found.jacobian.values() for ball in row_of)
+        width = f"{float(2 * slopes):.1e} (DP)"
+        row(f"box {RADIUS}, derivatives to order {order}", seconds, found.centre.value, width)
+    state, seconds = timed(lambda: by_scipy(system, centre, section, direction, crossings))
+    row("scipy DOP853", seconds, dict(zip(system.state, state, strict=True)))
+    try:
+        import heyoka  # noqa: F401
+    except ImportError:
+        print("heyoka cannot be imported")
+        return
+    for bits in (53, 176):
+        state, seconds = by_heyoka(system, centre, best.centre.time, bits)
+        text = [arb(str(value)) for value in state]
+        row(f"heyoka, {bits} bits, no section", seconds, dict(zip(system.state, text, strict=True)))
+
+
+if __name__ == "__main__":
+    for case in CASES:
+        compare(*case)
