@@ -19,7 +19,7 @@ from orbitproof.shared.formats import Candidate, candidate_from_json, validate_d
 from orbitproof.shared.systems import SYSTEMS, shown
 from orbitproof.verify.bifurcation import check_exactly, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
-from orbitproof.verify.certificate.certify import broken_off, for_origin
+from orbitproof.verify.certificate.certifying import broken_off, for_origin
 from orbitproof.verify.certificate.kinds import (
     Found,
     Results,
