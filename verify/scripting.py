@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 
-from orbitproof.shared.formats import Atlas, Candidate, InputError
+from orbitproof.shared.formats import Atlas, BoxClaim, Candidate, InputError, PeriodicOrbit
 from orbitproof.verify.atlas import AtlasCertificate, Placed, kind_of, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
 from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
@@ -19,7 +19,7 @@ from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, proble
 
 
 def certify(
-    claims: Candidate | Iterable[Candidate],
+    claims: BoxClaim | Iterable[BoxClaim],
     *,
     jobs: int = 1,
     digits: int = Limits.digits,
@@ -71,9 +71,9 @@ def certify(
     >>> proof.reason.condition
     'family'
     """
-    candidates = [claims] if isinstance(claims, Candidate) else list(claims)
+    candidates = [claims] if isinstance(claims, (Candidate, PeriodicOrbit)) else list(claims)
     for claim in candidates:
-        if not isinstance(claim, Candidate):
+        if not isinstance(claim, (Candidate, PeriodicOrbit)):
             raise TypeError(
                 f"claims: {type(claim).__name__} is no Candidate; explore.refine and read_candidates give some"
             )
@@ -248,7 +248,7 @@ def write(path: str | Path, certificates: Sequence[Certificate]) -> None:
 
 
 def _ids(
-    entries: Sequence[Candidate | Certificate | AtlasCertificate],
+    entries: Sequence[BoxClaim | Certificate | AtlasCertificate],
     where: str,
     remedy: str = "give each certificate once",
 ) -> list[str]:

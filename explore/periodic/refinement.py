@@ -30,7 +30,7 @@ from orbitproof.shared.systems import System
 _FIRST_BITS = 90
 _GUARD_BITS = 24
 _MARGIN_DIGITS = 6
-_BOX_SHARE, _BOX_DIGITS = 0.5, 5
+_BOX_SHARE, _BOX_DIGITS = 0.7, 5
 """The half-widths of the box have this part of the digits of the centre, and so many more: over a narrower box the
 derivatives are known to fewer digits, over a wider one they vary more."""
 _MOST_NEWTON_STEPS = 24

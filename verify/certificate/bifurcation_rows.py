@@ -56,6 +56,10 @@ class BifurcationRows:
         least = first_precision(candidate, digits)
         return least if candidate.k == 1 else first_precision(candidate, digits, steps_of_centre(candidate, least))
 
+    def check_exactly(self, checklist: Checklist, candidate: Candidate) -> None:
+        """As in `RowKind`."""
+        bifurcation.check_exactly(checklist, candidate)
+
     def enclose(self, candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> Enclosures:
         """As in `RowKind`."""
         decide = partial(bifurcation.check_half_returns, counsel=counsel)

@@ -17,18 +17,28 @@ from typing import Any, Literal, Protocol
 from flint import arb
 
 from orbitproof.shared.formats import (
+    PERIODIC,
     ArgumentError,
+    BoxClaim,
     Candidate,
     InputError,
-    candidate_from_json,
+    PeriodicOrbit,
     candidate_to_json,
+    claim_from_json,
     read_document,
     validate_document,
     write_text,
 )
-from orbitproof.verify.bifurcation import level_form
-from orbitproof.verify.certificate.kinds import Found, Results, kind_named, kind_of, tables_to_json, theorem_of
-from orbitproof.verify.certificate.stated_system import system_names
+from orbitproof.verify.certificate.kinds import (
+    Found,
+    Results,
+    kind_named,
+    kind_of,
+    level_form,
+    tables_to_json,
+    theorem_of,
+)
+from orbitproof.verify.certificate.stated_system import system_names, without_symmetry
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import (
@@ -42,6 +52,7 @@ from orbitproof.verify.evidence import (
     software,
 )
 from orbitproof.verify.orbit import OrbitResults
+from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.words import in_full, theorem_in_words
 
 _SHOWN_DIGITS = 34
@@ -91,7 +102,8 @@ class Certificate:
             starts, by name; empty if not proved.
         side: "above", "below" or "both": parameter values at which the new orbits exist; `None` if not proved, or for
             an orbit.
-        orbit: what is proved of an orbit; `None` for a bifurcation, or if nothing is proved.
+        orbit: what is proved of a symmetric orbit; `None` for other claims, or if nothing is proved.
+        periodic: the same of a periodic orbit without symmetry.
         normal_form: enclosures of the coefficients of the bifurcation function, by name; empty if not proved.
         hypotheses: those that were looked at, in order, with their enclosures; their statements are the maker's words.
         reason: why it is not proved, in words of the run that made it; `None` if it is.
@@ -114,6 +126,7 @@ class Certificate:
     computation: Computation = field(compare=False)
     software: Mapping[str, str] = field(compare=False)
     orbit: OrbitResults | None = field(compare=False)
+    periodic: PeriodicResults | None = field(compare=False)
     _text: str
 
     @classmethod
@@ -143,9 +156,9 @@ class Certificate:
         return json.dumps(self.to_json()["statement"])
 
     @property
-    def candidate(self) -> Candidate:
+    def candidate(self) -> BoxClaim:
         """What was claimed. Raises `InputError` if that is no well-formed claim about a system known here."""
-        return candidate_from_json(self.statement["candidate"], f"certificate {self.id!r}: statement.candidate")
+        return claim_from_json(self.statement["candidate"], f"certificate {self.id!r}: statement.candidate")
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object, with the tables of enclosures and the digest: what a certificates file holds."""
@@ -204,7 +217,8 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
     place = "statement.candidate"
     try:
         candidate = entry["statement"]["candidate"]
-        kind, k = str(candidate["kind"]), int(candidate["k"])
+        kind = str(candidate["kind"])
+        k = 1 if kind == PERIODIC else int(candidate["k"])
         place = "hypotheses"
         hypotheses = tuple(
             Hypothesis(item["name"], item["statement"], item["section"], item["holds"], _balls(item["enclosures"]))
@@ -236,7 +250,7 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-_NOTHING = {"parameter_name": None, "parameter": None, "side": None, "orbit": None}
+_NOTHING = {"parameter_name": None, "parameter": None, "side": None, "orbit": None, "periodic": None}
 """What a certificate says of what is not proved."""
 
 
@@ -244,12 +258,14 @@ def _balls(entries: Mapping[str, Mapping[str, str]]) -> Mapping[str, arb]:
     return MappingProxyType({name: ball_from_json(entry) for name, entry in entries.items()})
 
 
-def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, Any]:
+def statement(candidate: BoxClaim, form: Candidate | None = None) -> dict[str, Any]:
     """The claim in full: the candidate without provenance, and the system that it is about.
 
     `form` is the candidate rewritten with the level of the first integral as parameter, if its box and
     coordinates are those that the hypotheses are about.
     """
+    if isinstance(candidate, PeriodicOrbit):
+        return without_symmetry(candidate)
     system, kind = candidate.system, kind_of(candidate)
     integral = system.first_integral_program
     claim: dict[str, Any] = {
@@ -273,7 +289,7 @@ def statement(candidate: Candidate, form: Candidate | None = None) -> dict[str, 
 
 
 def make_certificate(
-    candidate: Candidate,
+    candidate: BoxClaim,
     outcome: Outcome[Results],
     computation: Mapping[str, Any],
     enclosures: Found | None = None,
@@ -307,7 +323,7 @@ def digest(entry: Mapping[str, Any]) -> str:
     return f"sha256:{hashlib.sha256(text.encode()).hexdigest()}"
 
 
-def is_proof_of(certificate: Certificate, candidate: Candidate) -> bool:
+def is_proof_of(certificate: Certificate, candidate: BoxClaim) -> bool:
     """Whether a stored certificate proves exactly this candidate, by exactly this software."""
     entry = certificate.to_json()
     form = level_form(candidate) if "level_form" in entry["statement"] else None
@@ -316,7 +332,7 @@ def is_proof_of(certificate: Certificate, candidate: Candidate) -> bool:
         return False
     words = {
         "theorem": theorem_in_words(theorem),
-        "in_full": in_full(candidate, theorem, certificate.orbit or certificate),
+        "in_full": in_full(candidate, theorem, certificate.periodic or certificate.orbit or certificate),
     }
     return (
         entry.get("digest") == digest(entry)

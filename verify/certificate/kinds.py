@@ -8,39 +8,54 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.claims import Candidate
+from orbitproof.shared.claims import BoxClaim, Candidate
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.bifurcation_rows import BIFURCATIONS
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.orbit_rows import ORBITS
+from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
 from orbitproof.verify.certificate.row_kind import Progress, RowKind, all_numbers
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults
+from orbitproof.verify.periodic import PeriodicEnclosures, PeriodicResults
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
-Found = Enclosures | OrbitEnclosures
-Results = BifurcationResults | OrbitResults
+Found = Enclosures | OrbitEnclosures | PeriodicEnclosures
+Results = BifurcationResults | OrbitResults | PeriodicResults
 
-KINDS: Mapping[str, RowKind[Any, Any]] = {name: kind for kind in (BIFURCATIONS, ORBITS) for name in kind.names}
+_ALL: tuple[RowKind[Any, Any, Any], ...] = (BIFURCATIONS, ORBITS, PERIODIC_ORBITS)
+
+KINDS: Mapping[str, RowKind[Any, Any, Any]] = {name: kind for kind in _ALL for name in kind.names}
 """By the kinds of claims as candidates say them."""
 
 
-def kind_named(name: str) -> RowKind[Any, Any]:
+def kind_named(name: str) -> RowKind[Any, Any, Any]:
     """The kind of claims with a name; a file may say one that is none, until it is checked: as if of a bifurcation."""
     return KINDS.get(name, BIFURCATIONS)
 
 
-def kind_of(candidate: Candidate) -> RowKind[Any, Any]:
+def kind_of(candidate: BoxClaim) -> RowKind[Any, Any, Any]:
     """The kind of a claim."""
     return KINDS[candidate.kind]
 
 
-def theorem_of(candidate: Candidate, form: Candidate | None = None) -> Theorem | Reason:
+def theorem_of(candidate: BoxClaim, form: Candidate | None = None) -> Theorem | Reason:
     """The theorem that a candidate claims, or why none applies; `form` is its level form, if that is checked."""
     return kind_of(candidate).theorem_of(candidate, form)
 
 
-def enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None = None) -> Found:
+def level_form(candidate: BoxClaim) -> Candidate | None:
+    """The same claim with the level of the first integral as parameter, if there is one."""
+    form: Candidate | None = kind_of(candidate).level_form(candidate)
+    return form
+
+
+def check_exactly(checklist: Checklist, candidate: BoxClaim) -> None:
+    """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
+    kind_of(candidate).check_exactly(checklist, candidate)
+
+
+def enclose(candidate: BoxClaim, settings: IntegratorSettings, progress: Progress | None = None) -> Found:
     """What its proof is evaluated from. Raises `IntegrationFailure` if something could not be enclosed, or another
     `NotEstablishedError` if the claim is seen to be false on the way.
     """
@@ -48,7 +63,7 @@ def enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progre
     return found
 
 
-def prove(candidate: Candidate, checklist: Checklist, found: Found | None) -> Outcome[Results]:
+def prove(candidate: BoxClaim, checklist: Checklist, found: Found | None) -> Outcome[Results]:
     """Check the claim, given what was enclosed, if anything; enclosures of another kind of claim are none."""
     kind = kind_of(candidate)
     outcome: Outcome[Results] = kind.prove(candidate, checklist, found if isinstance(found, kind.enclosures) else None)
@@ -63,7 +78,7 @@ def tables_to_json(found: Found) -> dict[str, Any] | None:
         return None
 
 
-def tables_from_json(entry: Mapping[str, Any], candidate: Candidate, computation: Mapping[str, Any]) -> Found:
+def tables_from_json(entry: Mapping[str, Any], candidate: BoxClaim, computation: Mapping[str, Any]) -> Found:
     """The same enclosures, those of a claim. Raises `ValueError` that names what cannot be read."""
     kind = kind_of(candidate)
     if set(entry) != kind.keys:
@@ -74,7 +89,7 @@ def tables_from_json(entry: Mapping[str, Any], candidate: Candidate, computation
     return found
 
 
-def _kind_of_enclosures(found: Found) -> RowKind[Any, Any]:
+def _kind_of_enclosures(found: Found) -> RowKind[Any, Any, Any]:
     return next(kind for kind in KINDS.values() if isinstance(found, kind.enclosures))
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.claims import ORBIT, Candidate
+from orbitproof.verify.bifurcation import check_exactly
 from orbitproof.verify.certificate.levels import Finding, confirmed
 from orbitproof.verify.certificate.row_kind import Progress, of_iterates
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
@@ -54,6 +55,10 @@ class OrbitRows:
     def first_precision(self, candidate: Candidate, digits: int) -> int:
         """As in `RowKind`."""
         return first_precision(candidate, digits)
+
+    def check_exactly(self, checklist: Checklist, candidate: Candidate) -> None:
+        """As in `RowKind`."""
+        check_exactly(checklist, candidate)
 
     def enclose(self, candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> OrbitEnclosures:
         """As in `RowKind`."""
@@ -139,15 +144,7 @@ class OrbitRows:
 
     def unconfirmed(self, stored: Mapping[str, Any], found: OrbitResults, place: str) -> Iterator[Finding]:
         """As in `RowKind`."""
-        old, new = dict(_leaves(stored, "")), dict(_leaves(to_json(found), ""))
-        if old.keys() != new.keys():
-            yield Finding(place, "other results are found: " + ", ".join(sorted(old.keys() ^ new.keys())))
-            return
-        for name, value in old.items():
-            if isinstance(value, arb) and isinstance(new[name], arb):
-                yield from confirmed(value, new[name], f"{place}, {name}")
-            elif value != new[name]:
-                yield Finding(f"{place}, {name}", f"stored is {value!r}, found {new[name]!r}")
+        yield from unconfirmed_results(stored, found, place)
 
     def said(self, k: int, kind: str) -> str:
         """As in `RowKind`."""
@@ -161,6 +158,19 @@ class OrbitRows:
             "side": results.get("side"),
             "orbit": from_json(OrbitResults, results, f"{source}: field results"),
         }
+
+
+def unconfirmed_results(stored: Mapping[str, Any], found: object, place: str) -> Iterator[Finding]:
+    """What a certificate says of results, and what a new proof, which found others, does not confirm."""
+    old, new = dict(_leaves(stored, "")), dict(_leaves(to_json(found), ""))
+    if old.keys() != new.keys():
+        yield Finding(place, "other results are found: " + ", ".join(sorted(old.keys() ^ new.keys())))
+        return
+    for name, value in old.items():
+        if isinstance(value, arb) and isinstance(new[name], arb):
+            yield from confirmed(value, new[name], f"{place}, {name}")
+        elif value != new[name]:
+            yield Finding(f"{place}, {name}", f"stored is {value!r}, found {new[name]!r}")
 
 
 def _leaves(value: Any, name: str) -> Iterator[tuple[str, Any]]:

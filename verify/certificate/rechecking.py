@@ -15,16 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from orbitproof.shared.formats import Candidate, candidate_from_json, validate_document
+from orbitproof.shared.formats import BoxClaim, Candidate, claim_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS, shown
-from orbitproof.verify.bifurcation import check_exactly, level_form
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
-from orbitproof.verify.certificate.certifying import broken_off, for_origin
+from orbitproof.verify.certificate.certify import broken_off, for_origin
 from orbitproof.verify.certificate.kinds import (
     Found,
     Results,
+    check_exactly,
     contradictions,
     enclose,
+    level_form,
     prove,
     tables_from_json,
     theorem_of,
@@ -115,12 +116,12 @@ class _Stated:
         enclosures: the tables, if there are any.
     """
 
-    candidate: Candidate
+    candidate: BoxClaim
     form: Candidate | None
     enclosures: Found | None
 
     @property
-    def claim(self) -> Candidate:
+    def claim(self) -> BoxClaim:
         """What the hypotheses are about."""
         return self.form or self.candidate
 
@@ -132,12 +133,12 @@ def _read(certificate: Entry) -> _Stated:
     document = {"format": "orbitproof-candidates", "version": 1, "candidates": [entry]}
     validate_document(document, "candidates", "statement.candidate")
     systems = systems_with(SYSTEMS, statement, entry)
-    candidate = candidate_from_json(dict(entry), "statement.candidate", systems)
+    candidate = claim_from_json(dict(entry), "statement.candidate", systems)
     form = level_form(candidate) if "level_form" in statement else None
     return _Stated(candidate, form, _stored_enclosures(certificate, candidate))
 
 
-def _stored_enclosures(certificate: Entry, candidate: Candidate) -> Found | None:
+def _stored_enclosures(certificate: Entry, candidate: BoxClaim) -> Found | None:
     entry, computation = certificate.get("enclosures"), certificate["computation"]
     if entry is None:
         return None
@@ -210,7 +211,7 @@ UNKNOWN = "not known here; checked as the file's own program describes it, its n
 """What is said of a system that this installation does not know."""
 
 
-def _conclude(candidate: Candidate, precision: int, enclosures: Found | None) -> Outcome[Results]:
+def _conclude(candidate: BoxClaim, precision: int, enclosures: Found | None) -> Outcome[Results]:
     """What follows from `enclosures`; without them, from what needs none."""
     checklist = Checklist()
     with guarded(precision):

@@ -7,18 +7,18 @@ from typing import Any, Protocol, TypeVar
 
 from flint import arb
 
-from orbitproof.shared.claims import Candidate
 from orbitproof.verify.certificate.levels import Finding
 from orbitproof.verify.certificate.tables import derivative_name
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Reason, Theorem
 from orbitproof.verify.poincare import IntegratorSettings
 
+Claim = TypeVar("Claim")
 Found = TypeVar("Found")
 Results = TypeVar("Results")
 Progress = Callable[[float], None]
 
 
-class RowKind(Protocol[Found, Results]):
+class RowKind(Protocol[Claim, Found, Results]):
     """One kind of claim; `kinds.KINDS` has them all.
 
     Attributes:
@@ -35,19 +35,22 @@ class RowKind(Protocol[Found, Results]):
     keys: Set[str]
     with_distance: bool
 
-    def theorem_of(self, candidate: Candidate, form: Candidate | None) -> Theorem | Reason:
+    def theorem_of(self, candidate: Claim, form: Claim | None) -> Theorem | Reason:
         """The theorem that a candidate claims, or why none applies; `form` is its level form, if that is checked."""
 
-    def level_form(self, candidate: Candidate) -> Candidate | None:
+    def level_form(self, candidate: Claim) -> Claim | None:
         """The same claim with the level of the first integral as parameter, if there is one."""
 
-    def first_precision(self, candidate: Candidate, digits: int) -> int:
+    def first_precision(self, candidate: Claim, digits: int) -> int:
         """Bits to begin with, for so many digits."""
 
-    def enclose(self, candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> Found:
+    def check_exactly(self, checklist: Checklist, candidate: Claim) -> None:
+        """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
+
+    def enclose(self, candidate: Claim, settings: IntegratorSettings, progress: Progress | None) -> Found:
         """What its proof is evaluated from. Raises `NotEstablishedError` if there is none, or the claim is false."""
 
-    def prove(self, candidate: Candidate, checklist: Checklist, found: Found | None) -> Outcome[Results]:
+    def prove(self, candidate: Claim, checklist: Checklist, found: Found | None) -> Outcome[Results]:
         """Check the claim, given what was enclosed, if anything."""
 
     def to_json(self, found: Found) -> dict[str, Any]:
@@ -72,7 +75,7 @@ class RowKind(Protocol[Found, Results]):
         """What a `Certificate` says of stored results. Raises `InputError`, `KeyError` or `ValueError`."""
 
 
-def all_numbers(kind: RowKind[Found, Results], found: Found) -> dict[str, arb]:
+def all_numbers(kind: RowKind[Any, Found, Results], found: Found) -> dict[str, arb]:
     """Every number of what was enclosed, by name."""
     derivatives = {
         f"{derivative_name(index)} of {name}, {part}": ball

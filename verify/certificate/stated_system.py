@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from orbitproof.shared.formats import PERIODIC, PeriodicOrbit, candidate_to_json
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem, is_title, program_from_text, program_function
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
@@ -28,6 +29,21 @@ def system_names(system: ReversibleSystem, with_distance: bool = False) -> dict[
     return {**names, **{key: name for key, name in optional.items() if name is not None}}
 
 
+def without_symmetry(claim: PeriodicOrbit) -> dict[str, Any]:
+    """The statement of a claim that uses no symmetry: the claim, and the system that it is about."""
+    system = claim.system
+    integral = None if claim.level is None else system.first_integral_program
+    names = {"system": system.title}
+    if integral is not None and system.first_integral_name is not None:
+        names["first_integral"] = system.first_integral_name
+    return {
+        "candidate": candidate_to_json(claim, provenance=False),
+        "vector_field": system.program.text(),
+        "first_integral": None if integral is None else integral.text(),
+        "names": names,
+    }
+
+
 def systems_with(
     known: Mapping[str, ReversibleSystem], statement: Mapping[str, Any], claim: Mapping[str, Any]
 ) -> Mapping[str, ReversibleSystem]:
@@ -42,6 +58,10 @@ def systems_with(
         ValueError: if what it says cannot be a reversible system.
     """
     name = claim["system"]
+    if claim.get("kind") == PERIODIC and isinstance(name, str) and name not in known:
+        raise CannotBeCheckedError(
+            f"the system {name!r} is not known here: a claim without symmetry describes it in full"
+        )
     # A description says what the programs say; that both agree is seen when the statement is made again.
     if not isinstance(name, str):
         return known

@@ -49,6 +49,25 @@ def is_first_integral(field: Program, integral: Program) -> bool:
     return ring.vanishes(value.rate)
 
 
+@cache
+def is_free_of_divergence(field: Program, size: int) -> bool:
+    """Whether the divergence of f, in its first `size` inputs, is shown to vanish identically; as `is_first_integral`.
+
+    False also where polynomials are too large.
+    """
+    ring = _Ring(field, field)
+    unit, zero = ring.polynomials.constant(1), ring.polynomials.constant(0)
+    divergence = zero
+    try:
+        for place in range(size):
+            inputs = [_AlongFlow(ring, x.value, unit if i == place else zero) for i, x in enumerate(ring.inputs)]
+            rates = [output.rate for output in field.evaluate(inputs, ring.constant, _AlongFlow.power)]
+            divergence = ring.sum(divergence, rates[place])
+    except _NotShownError:
+        return False
+    return ring.vanishes(divergence)
+
+
 def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Fraction] | None:
     """The derivative of a function of one value in the input `name`, as a coefficient for each tuple of exponents.
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from orbitproof.shared.formats import Atlas, Candidate
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, System
 
 _KINDS = ("coordinate", "parameter", "symmetry")
 _SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|s|[pPR]_[0-9]+)(_({'|'.join(_KINDS)}))*")
@@ -21,9 +21,10 @@ _SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|s|[pPR]_[0-9]+)(_({'|'.join
 Value = TypeVar("Value")
 
 
-def names_in_words(system: ReversibleSystem) -> dict[str, str]:
+def names_in_words(system: System) -> dict[str, str]:
     """How those names of a system are written that would be symbols of a theorem."""
-    groups = (system.state, system.parameters, system.symmetries)
+    symmetries = system.symmetries if isinstance(system, ReversibleSystem) else ()
+    groups = (system.state, system.parameters, symmetries)
     return {
         name: f"{name}_{kind}"
         for kind, names in zip(_KINDS, groups, strict=True)
@@ -32,7 +33,7 @@ def names_in_words(system: ReversibleSystem) -> dict[str, str]:
     }
 
 
-def keyed_in_words(system: ReversibleSystem, values: Mapping[str, Value]) -> dict[str, Value]:
+def keyed_in_words(system: System, values: Mapping[str, Value]) -> dict[str, Value]:
     """Values by names of a system, by those names as they are written."""
     names = names_in_words(system)
     return {names.get(name, name): value for name, value in values.items()}

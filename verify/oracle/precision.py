@@ -11,7 +11,7 @@ from math import ceil, floor, isfinite
 
 from flint import arb
 
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicOrbit
 from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
 from orbitproof.verify.evidence import (
     IntegrationFailure,
@@ -28,9 +28,10 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.oracle.approximations import ORACLE
 from orbitproof.verify.orbit import OrbitResults
+from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.poincare import Returns, box_of, default_order
 
-Verdict = Outcome[BifurcationResults | OrbitResults]
+Verdict = Outcome[BifurcationResults | OrbitResults | PeriodicResults]
 
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
@@ -82,7 +83,7 @@ class Limits:
             raise ValueError(f"level: {self.level!r} is none of {', '.join(LEVELS)}")
 
 
-def first_precision(candidate: Candidate, digits: int, steps: int = 0) -> int:
+def first_precision(candidate: BoxClaim, digits: int, steps: int = 0) -> int:
     """Bits to begin with, if a half return takes so many `steps` in regularised coordinates (0: in the system's own).
 
     The error of G_1 has to stay well below R_0 G_01 for C3, and below the wanted digits of the
@@ -98,6 +99,16 @@ def first_precision(candidate: Candidate, digits: int, steps: int = 0) -> int:
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
+def periodic_precision(claim: PeriodicOrbit, digits: int) -> int:
+    """Bits to begin with for a periodic orbit without symmetry.
+
+    Derivatives are known to the error of the image divided by the half-widths of the box.
+    """
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.radii)
+    wanted = widths + ceil(digits * _BITS_PER_DIGIT) + _RESERVE + 2 * _RESERVE_PER_RETURN * claim.crossings
+    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
+
+
 def steps_of_centre(candidate: Candidate, precision: int) -> int:
     """About as many steps as the centre takes to its first return, 0 in the system's own coordinates."""
     try:
@@ -108,7 +119,7 @@ def steps_of_centre(candidate: Candidate, precision: int) -> int:
         return 0
 
 
-def accuracy_bits(candidate: Candidate, digits: int) -> tuple[int, int]:
+def accuracy_bits(candidate: BoxClaim, digits: int) -> tuple[int, int]:
     """Bits that the errors of the last return and of its derivative should have.
 
     The first decide p_2^H, the second G_1, hence p_0 and the parameter. A guess that saves attempts.
@@ -122,10 +133,12 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
     return max(0, denominator.bit_length() - numerator.bit_length())
 
 
-def least_known(found: BifurcationResults | OrbitResults) -> arb:
+def least_known(found: BifurcationResults | OrbitResults | PeriodicResults) -> arb:
     """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
     if isinstance(found, BifurcationResults):
         return found.parameter
+    if isinstance(found, PeriodicResults):
+        return found.period
     complex_numbers = (*found.stability.parameters, *found.stability.multipliers)
     balls = [part for value in complex_numbers for part in (value.real, value.imag)]
     balls += [*found.point.values(), *found.other_point.values(), found.period]
@@ -135,7 +148,7 @@ def least_known(found: BifurcationResults | OrbitResults) -> arb:
 
 
 def more_precision(
-    candidate: Candidate, precision: int, outcome: Verdict, previous: Verdict | None, limits: Limits
+    candidate: BoxClaim, precision: int, outcome: Verdict, previous: Verdict | None, limits: Limits
 ) -> int | None:
     """Bits for the next attempt, at most the limit; `None` if there is no need or no hope."""
     if isinstance(outcome, Proved):
@@ -159,7 +172,7 @@ def more_precision(
     return min(precision + (max(32, precision // 4) if short is None else short * 6 // 5), limits.max_precision)
 
 
-def _bits_to_fit(candidate: Candidate, enclosures: Mapping[str, arb]) -> int | None:
+def _bits_to_fit(candidate: BoxClaim, enclosures: Mapping[str, arb]) -> int | None:
     """Bits by which the images of interval Newton operators are too wide for the box, and a few more."""
     images = {"p_0": 0, "p_0(P_1)": 0, "p_1": 1, "p_2": 2}
     ratios = [

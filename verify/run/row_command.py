@@ -9,7 +9,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from orbitproof.shared.formats import ORBIT, InputError, read_candidates, refused, select_ids
+from orbitproof.shared.formats import ORBIT, InputError, read_claims, refused, select_ids
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
@@ -94,7 +94,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if options.integrate:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     curve = _curve(options)
-    everything = read_candidates(options.file)
+    everything = read_claims(options.file)
     known = {candidate.id: candidate for candidate in everything}
     selected = [known[name] for name in select_ids(known, options.only, "candidate")]
     limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from orbitproof.shared.formats import Candidate, as_options
+from orbitproof.shared.formats import BoxClaim, as_options
 from orbitproof.shared.systems import shown
-from orbitproof.verify.certificate import MEANINGS, Certificate, Level, Recheck
+from orbitproof.verify.certificate.certificate import Certificate
+from orbitproof.verify.certificate.levels import MEANINGS, Level, Recheck
 from orbitproof.verify.evidence import certain_digits
 from orbitproof.verify.run import aligned
 
@@ -15,7 +16,7 @@ _HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
 
 
 def verdict_table(
-    candidates: Sequence[Candidate], certificates: Mapping[str, Certificate], kept: frozenset[str] = frozenset()
+    candidates: Sequence[BoxClaim], certificates: Mapping[str, Certificate], kept: frozenset[str] = frozenset()
 ) -> str:
     """The verdicts in the order of the candidates, as plain text; then why what is not proved is not.
 

@@ -12,29 +12,25 @@ from typing import Any
 
 from orbitproof.shared.formats import (
     ArgumentError,
-    Candidate,
+    BoxClaim,
     InputError,
-    candidate_from_json,
     candidate_to_json,
     check_writable,
+    claim_from_json,
 )
 from orbitproof.shared.processes import answers
-from orbitproof.verify.certificate import (
+from orbitproof.verify.certificate.certificate import (
     Certificate,
-    Recheck,
-    broken_off,
-    certify,
     is_proof_of,
-    not_checked,
-    not_proved,
     read_certificates,
-    recheck,
     repeated,
     write_certificates,
 )
-from orbitproof.verify.certificate.levels import not_finished
+from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
+from orbitproof.verify.certificate.levels import Recheck, not_checked, not_finished
+from orbitproof.verify.certificate.rechecking import recheck
 from orbitproof.verify.evidence import Reason
-from orbitproof.verify.oracle import Limits, first_precision
+from orbitproof.verify.oracle.precision import Limits, first_precision
 from orbitproof.verify.run import (
     Answer,
     CheckLimits,
@@ -54,7 +50,7 @@ _USUAL = CheckLimits()
 
 
 def certify_all(
-    candidates: Sequence[Candidate],
+    candidates: Sequence[BoxClaim],
     limits: Limits,
     jobs: int,
     progress: Progress,
@@ -87,7 +83,7 @@ def certify_all(
     engine.run(certify_task, source, progress, answered)
 
 
-def expected_work(candidate: Candidate, limits: Limits) -> float:
+def expected_work(candidate: BoxClaim, limits: Limits) -> float:
     """What a proof takes, in units that do not matter: one integration more for each crossing."""
     return float(candidate.crossings * candidate.k * first_precision(candidate, limits.digits) ** 2)
 
@@ -104,8 +100,8 @@ class RowRun:
 
     def __init__(
         self,
-        everything: Sequence[Candidate],
-        selected: Sequence[Candidate],
+        everything: Sequence[BoxClaim],
+        selected: Sequence[BoxClaim],
         limits: Limits,
         output: Path | None = None,
         again: bool = False,
@@ -158,7 +154,7 @@ class RowRun:
             write_certificates(self._output, [self.certificates[n] for n in names if n in self.certificates])
 
 
-def _earlier(path: Path, candidates: Sequence[Candidate]) -> dict[str, Certificate]:
+def _earlier(path: Path, candidates: Sequence[BoxClaim]) -> dict[str, Certificate]:
     """The certificates of an earlier run. Nothing that belongs to other candidates is overwritten."""
     try:
         result = read_certificates(path)
@@ -179,7 +175,7 @@ def _earlier(path: Path, candidates: Sequence[Candidate]) -> dict[str, Certifica
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
     """What one process does: the certificate, or why there is none."""
     try:
-        candidate = candidate_from_json(argument["candidate"], "candidate")
+        candidate = claim_from_json(argument["candidate"], "candidate")
         return {"certificate": certify(candidate, Limits(**argument["limits"]), report).to_json()}
     except Exception as error:
         return {"reason": asdict(broken_off("verification", error))}
@@ -192,7 +188,7 @@ _REMEDIES = {
 }
 
 
-def _certificate(candidate: Candidate, answer: Answer) -> Certificate:
+def _certificate(candidate: BoxClaim, answer: Answer) -> Certificate:
     if isinstance(answer.result, Failure):
         reason = Reason(answer.result.kind, answer.result.message, _REMEDIES[answer.result.kind])
         return not_proved(candidate, reason, answer.seconds)

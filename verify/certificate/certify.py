@@ -12,16 +12,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from orbitproof.shared.formats import Candidate, InputError
+from orbitproof.shared.formats import BoxClaim, Candidate, InputError
 from orbitproof.verify.bifurcation import (
+    BifurcationResults,
     BifurcationTheorem,
-    check_exactly,
     check_own_box,
-    level_form,
     level_spread,
 )
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
-from orbitproof.verify.certificate.kinds import Found, enclose, kind_of, prove, theorem_of
+from orbitproof.verify.certificate.kinds import Found, check_exactly, enclose, kind_of, level_form, prove, theorem_of
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -39,7 +38,7 @@ from orbitproof.verify.oracle.precision import (
 )
 from orbitproof.verify.poincare import IntegratorSettings
 
-Integrator = Callable[[Candidate, IntegratorSettings, Callable[[float], None] | None], Found]
+Integrator = Callable[[BoxClaim, IntegratorSettings, Callable[[float], None] | None], Found]
 Progress = Callable[[float, str], None]
 
 _MORE = "give `max_precision` more"
@@ -71,7 +70,7 @@ class _Attempt:
 
 
 def certify(
-    candidate: Candidate,
+    candidate: BoxClaim,
     limits: Limits | None = None,
     progress: Progress | None = None,
     integrate: Integrator = enclose,
@@ -89,7 +88,7 @@ def certify(
         return not_proved(candidate, broken_off("verification", error), time.monotonic() - start)
 
 
-def not_proved(candidate: Candidate, reason: Reason, seconds: float) -> Certificate:
+def not_proved(candidate: BoxClaim, reason: Reason, seconds: float) -> Certificate:
     """The certificate of a candidate of which nothing but a reason is known."""
     computation = {"precision": 0, "order": 0, "steps": 0, "attempts": 1, "seconds": round(seconds, 3)}
     return make_certificate(candidate, NotProved(reason), computation)
@@ -110,7 +109,7 @@ def broken_off(stage: str, error: Exception) -> Reason:
 
 
 def _certify(
-    candidate: Candidate, limits: Limits, start: float, progress: Progress | None, integrate: Integrator
+    candidate: BoxClaim, limits: Limits, start: float, progress: Progress | None, integrate: Integrator
 ) -> Certificate:
     tried: list[tuple[Candidate | None, _Attempt]] = []
     attempts = 0
@@ -142,10 +141,10 @@ def _another_form_may_do(reason: Reason) -> bool:
     return reason.condition in _AT_THE_PARAMETER and not (reason.excluded or on_the_edge)
 
 
-def _forms(candidate: Candidate, limits: Limits) -> list[Candidate | None]:
+def _forms(candidate: BoxClaim, limits: Limits) -> list[Candidate | None]:
     """What to try, in this order: level forms of the candidate, or `None` for the candidate as it is."""
-    form = None if limits.level == "coordinates" else kind_of(candidate).level_form(candidate)
-    if form is None:
+    form = None if limits.level == "coordinates" else level_form(candidate)
+    if form is None or not isinstance(candidate, Candidate):
         return [None]
     if limits.level == "integral":
         return [form]
@@ -156,7 +155,7 @@ def _forms(candidate: Candidate, limits: Limits) -> list[Candidate | None]:
 
 
 def _escalate(
-    origin: Candidate,
+    origin: BoxClaim,
     form: Candidate | None,
     limits: Limits,
     start: float,
@@ -230,7 +229,7 @@ def _at_the_limit(attempt: _Attempt, limits: Limits) -> _Attempt:
 
 
 def _attempt(
-    candidate: Candidate,
+    candidate: BoxClaim,
     precision: int,
     accuracy: tuple[int, int],
     report: Callable[[float], None],
@@ -263,12 +262,12 @@ def _attempt(
         return _Attempt(outcome, precision, found.order, found.steps, found)
 
 
-def for_origin(origin: Candidate, outcome: Verdict, precision: int) -> Verdict:
+def for_origin(origin: BoxClaim, outcome: Verdict, precision: int) -> Verdict:
     """The outcome for a candidate whose level form was checked: that it holds for its own box has to be shown too."""
     if isinstance(outcome, NotProved):
         return outcome
     form = level_form(origin)
-    if form is None:
+    if form is None or not (isinstance(origin, Candidate) and isinstance(outcome.results, BifurcationResults)):
         reason = Reason("level-box", "the candidate has no level form", "verify it with `level` coordinates")
         return NotProved(reason, outcome.hypotheses)
     checklist = Checklist()

@@ -1,0 +1,290 @@
+"""Periodic orbits without symmetry: closed forms and published orbits proved, false claims not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import pytest
+from flint import acb, arb, ctx
+from support import periodic_cases as cases
+
+from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, guarded
+from orbitproof.verify.oracle import ORACLE, Limits
+from orbitproof.verify.periodic import (
+    Linearised,
+    PeriodicEnclosures,
+    PeriodicResults,
+    check_periodic_exactly,
+    enclose_periodic,
+    multipliers_of,
+    prove_periodic,
+    stops_of,
+)
+from orbitproof.verify.poincare import IntegratorSettings
+
+BITS = 240
+
+
+@cache
+def _enclosed(key: str) -> PeriodicEnclosures:
+    return enclose_periodic(CLAIMS[key], IntegratorSettings(BITS), ORACLE)
+
+
+CLAIMS = {
+    "hopf": cases.hopf(),
+    "turning": cases.turning(Fraction(-1, 10)),
+    "oscillators": cases.oscillators(),
+    "AB": cases.lorenz("AB"),
+}
+
+
+def _outcome(claim: PeriodicOrbit, enclosures: PeriodicEnclosures | None) -> Outcome[PeriodicResults]:
+    checklist = Checklist()
+    with guarded(BITS):
+        try:
+            check_periodic_exactly(checklist, claim)
+        except NotEstablishedError as error:
+            return NotProved(error.reason, tuple(checklist.hypotheses))
+        return prove_periodic(claim, checklist, enclosures)
+
+
+def _proved(key: str) -> PeriodicResults:
+    outcome = _outcome(CLAIMS[key], _enclosed(key))
+    assert isinstance(outcome, Proved), outcome.reason
+    return outcome.results
+
+
+def _refused(claim: PeriodicOrbit, enclosures: PeriodicEnclosures | None) -> str:
+    outcome = _outcome(claim, enclosures)
+    assert isinstance(outcome, NotProved)
+    return outcome.reason.condition
+
+
+def _contains(ball: acb | arb, value: acb | arb) -> bool:
+    return bool(acb(ball).contains(acb(value).mid()))
+
+
+def test_a_limit_cycle_is_proved_with_its_period_and_multipliers() -> None:
+    found = _proved("hopf")
+    with ctx.workprec(500):
+        pi = arb.pi()
+        assert _contains(found.period, 2 * pi)
+        small, large = found.multipliers.values
+        assert _contains(small, (-4 * pi).exp())
+        assert _contains(large, (-pi / 2).exp())
+    assert found.period.rad() < 1e-20
+    counts = found.multipliers
+    assert (counts.inside, counts.on, counts.outside, counts.undecided, counts.trivial) == (2, 0, 0, 0, 1)
+    assert counts.is_attracting
+    assert found.level is None
+
+
+@pytest.mark.parametrize(("a", "outside"), [(Fraction(-1, 10), 0), (Fraction(1, 10), 2)])
+def test_a_complex_pair_is_enclosed_and_counted(a: Fraction, outside: int) -> None:
+    claim = cases.turning(a)
+    outcome = _outcome(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE))
+    assert isinstance(outcome, Proved)
+    found = outcome.results.multipliers
+    assert (found.inside, found.outside, found.undecided) == (3 - outside, outside, 0)
+    with ctx.workprec(500):
+        exact = (2 * arb.pi() * acb(arb(a.numerator) / a.denominator, arb(1) / 3)).exp()
+        assert any(_contains(value, exact) for value in found.values)
+        assert any(_contains(value, exact.conjugate()) for value in found.values)
+
+
+def test_on_a_level_two_multipliers_are_one_and_an_elliptic_pair_is_on_the_circle() -> None:
+    found = _proved("oscillators")
+    with ctx.workprec(500):
+        angle = 2 * arb.pi() * arb(2).sqrt()
+        assert _contains(found.period, 2 * arb.pi())
+        assert any(_contains(value, acb(0, angle).exp()) for value in found.multipliers.values)
+    counts = found.multipliers
+    assert (counts.inside, counts.on, counts.outside, counts.undecided, counts.trivial) == (0, 2, 0, 0, 2)
+    assert found.level == 4
+
+
+def test_published_orbits_of_lorenz_are_proved() -> None:
+    """Viswanath, The fractal property of the Lorenz attractor, Physica D 190 (2004), tables: AB and AAB."""
+    with ctx.workprec(300):
+        periods = {
+            "AB": arb("1.558652210716174727567870209212696070528480548997243935889521578319019875"),
+            "AAB": arb("2.3059072639398477494266319272"),
+        }
+        slack = {"AB": arb(0, 1e-60), "AAB": arb(0, 1e-27)}
+    found = _proved("AB")
+    assert found.period.overlaps(periods["AB"] + slack["AB"])
+    assert (found.multipliers.inside, found.multipliers.outside) == (1, 1)
+    assert not found.multipliers.is_attracting
+    certificate = certify(cases.lorenz("AAB"), Limits())
+    assert certificate.proved
+    assert certificate.periodic is not None
+    assert certificate.periodic.period.overlaps(periods["AAB"] + slack["AAB"])
+
+
+SLIVERS = [Fraction(3, 2**90), Fraction(-3, 2**90), Fraction(5, 2**91)]
+
+
+@pytest.mark.parametrize("by", SLIVERS)
+@pytest.mark.parametrize("place", [0, 1])
+def test_a_box_beside_the_orbit_is_refused(by: Fraction, place: int) -> None:
+    claim = cases.shifted(cases.hopf(), place, by)
+    outcome = _outcome(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE))
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "periodic"
+    assert outcome.reason.excluded
+
+
+def test_an_orbit_on_the_edge_of_the_box_is_not_proved() -> None:
+    claim = cases.shifted(cases.hopf(), 0, Fraction(1, 2**90))
+    assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) == "periodic"
+
+
+def test_a_box_without_an_orbit_of_lorenz_is_refused() -> None:
+    claim = cases.shifted(cases.lorenz("AB"), 0, Fraction(3, 10**20))
+    assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) == "periodic"
+
+
+@pytest.mark.parametrize(
+    ("changes", "condition"),
+    [
+        ({"direction": 1}, "direction"),
+        ({"offset": Fraction(28)}, "section"),
+        ({"normal": (Fraction(0),) * 3}, "section"),
+        ({"normal": (Fraction(1), Fraction(0), Fraction(1))}, "section"),
+        ({"frame": ((Fraction(1), Fraction(2)), (Fraction(1), Fraction(2)), (Fraction(0),) * 2)}, "section"),
+    ],
+)
+def test_what_is_wrong_with_the_section_is_seen_exactly(changes: dict[str, Any], condition: str) -> None:
+    assert _refused(cases.lorenz("AB", **changes), _enclosed("AB")) == condition
+
+
+@pytest.mark.parametrize("crossings", [1, 3])
+def test_another_number_of_crossings_is_refused(crossings: int) -> None:
+    claim = cases.lorenz("AB", crossings=crossings)
+    assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) == "periodic"
+
+
+@pytest.mark.parametrize("crossings", [2, 4, 6])
+def test_an_orbit_run_through_several_times_is_not_proved(crossings: int) -> None:
+    claim = cases.hopf(crossings=crossings)
+    expected = ("least-period",) if crossings == 2 else ("least-period", "periodic")
+    assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) in expected
+
+
+def test_the_orbit_of_another_parameter_is_refused() -> None:
+    claim = cases.lorenz("AB", parameters={"sigma": Fraction(10), "rho": Fraction("28.0001"), "beta": Fraction(8, 3)})
+    assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) == "periodic"
+
+
+def test_the_orbit_of_another_level_is_refused() -> None:
+    claim = replace(cases.oscillators(), level=Fraction(4) + Fraction(1, 2**30))
+    assert _refused(claim, _enclosed("oscillators")) == "periodic"
+
+
+def test_without_its_level_an_orbit_of_a_family_is_not_isolated() -> None:
+    assert _refused(replace(cases.oscillators(), level=None), _enclosed("oscillators")) == "periodic"
+
+
+def test_what_is_no_first_integral_is_refused() -> None:
+    wrong = replace(cases.OSCILLATORS, first_integral=lambda x, _: (x[0] * x[0] + 2 * x[1] * x[1],))
+    assert _refused(replace(cases.oscillators(), system=wrong), _enclosed("oscillators")) == "first-integral"
+
+
+def test_a_level_whose_derivative_vanishes_on_the_way_is_refused() -> None:
+    """With an image that differs by more than the radius, -p_0 may be as good as p_0."""
+    found = _enclosed("oscillators")
+    (last,) = found.returns
+    far = replace(last, image=(replace(last.image[0], centre=arb(-4, 1)), *last.image[1:]))
+    assert _refused(CLAIMS["oscillators"], replace(found, returns=(far,))) == "last-coordinate"
+
+
+def _changed(key: str, change: Any) -> PeriodicEnclosures:
+    found = _enclosed(key)
+    return replace(found, returns=change(found.returns))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda returns: returns[:-1],
+        lambda returns: returns[1:],
+        lambda returns: returns[::-1],
+        lambda returns: (*returns[:-1], replace(returns[-1], crossings=4)),
+        lambda returns: (*returns[:-1], replace(returns[-1], image=returns[-1].image[:1])),
+        lambda returns: (*returns[:-1], replace(returns[-1], image=(*returns[-1].image, returns[-1].image[0]))),
+        lambda returns: (*returns[:-1], replace(returns[-1], time=Linearised(arb(1), (arb(0),)))),
+        lambda returns: (*returns[:-1], replace(returns[-1], time=Linearised(arb("nan"), (arb(0), arb(0))))),
+        lambda returns: (*returns[:-1], replace(returns[-1], time=Linearised(arb(-1), (arb(0), arb(0))))),
+        lambda returns: (*returns[:-1], replace(returns[-1], image=(Linearised(arb(0), (arb("inf"), arb(0))),) * 2)),
+    ],
+)
+def test_what_is_missing_or_not_finite_proves_nothing(change: Any) -> None:
+    assert _refused(CLAIMS["AB"], _changed("AB", change)) == "return-map"
+
+
+def test_nothing_proves_nothing() -> None:
+    assert _refused(CLAIMS["AB"], None) == "return-map"
+
+
+def test_a_derivative_that_may_be_singular_proves_nothing() -> None:
+    def same(returns: Any) -> Any:
+        flat = Linearised(arb(0), (arb(1), arb(0))), Linearised(arb(0), (arb(0), arb(1)))
+        return (*returns[:-1], replace(returns[-1], image=flat))
+
+    assert _refused(CLAIMS["AB"], _changed("AB", same)) == "periodic"
+
+
+def test_an_earlier_return_that_may_be_the_point_proves_nothing() -> None:
+    def back(returns: Any) -> Any:
+        return (replace(returns[0], image=(Linearised(arb(0, 1), (arb(0), arb(0))),) * 2), *returns[1:])
+
+    assert _refused(CLAIMS["AB"], _changed("AB", back)) == "least-period"
+
+
+@pytest.mark.parametrize(
+    ("crossings", "stops"), [(1, (1,)), (2, (1, 2)), (5, (1, 5)), (6, (2, 3, 6)), (8, (4, 8)), (30, (6, 10, 15, 30))]
+)
+def test_earlier_returns_are_those_of_the_greatest_divisors(crossings: int, stops: tuple[int, ...]) -> None:
+    assert stops_of(crossings) == stops
+
+
+def _matrix(*rows: list[float]) -> list[list[arb]]:
+    return [[arb(value) for value in row] for row in rows]
+
+
+@pytest.mark.parametrize(
+    ("matrix", "volume", "counts"),
+    [
+        (_matrix([0.5, 0], [0, 2]), False, (1, 0, 1, 0)),
+        (_matrix([0.5, 0], [0, 2]), True, (1, 0, 1, 0)),
+        (_matrix([0, -1], [1, 0]), False, (0, 0, 0, 2)),
+        (_matrix([0, -1], [1, 0]), True, (0, 2, 0, 0)),
+        (_matrix([0.5, 0, 0], [0, 0, -1], [0, 1, 0]), True, (1, 0, 0, 2)),
+        (_matrix([1, 1], [0, 1]), True, (0, 0, 0, 2)),
+        (_matrix([0.5, 1], [0, 0.25]), False, (2, 0, 0, 0)),
+        (_matrix([-1.5]), False, (0, 0, 1, 0)),
+        (_matrix([0.5, 0], [0, 1]), False, (1, 0, 0, 1)),
+        (_matrix([0, -0.5, 0], [0.5, 0, 0], [0, 0, 3]), False, (2, 0, 1, 0)),
+        ([[arb(0, 3), arb(0)], [arb(0), arb(0.5)]], False, None),
+        ([[arb("nan"), arb(0)], [arb(0), arb(0.5)]], False, (0, 0, 0, 2)),
+    ],
+)
+def test_multipliers_are_counted(matrix: list[list[arb]], volume: bool, counts: tuple[int, ...] | None) -> None:
+    found = multipliers_of(matrix, 1, volume)
+    assert found.inside + found.on + found.outside + found.undecided == len(matrix)
+    if counts is None:
+        assert found.undecided >= 1
+    else:
+        assert (found.inside, found.on, found.outside, found.undecided) == counts
+
+
+def test_a_multiplier_known_to_be_real_has_no_imaginary_part() -> None:
+    found = multipliers_of(_matrix([0.5, 0.25, 0], [0.25, 2, 0.5], [0, 0.5, 4]), 1, False)
+    assert all(value.imag.is_zero() for value in found.values)
+    found = multipliers_of(_matrix([0, -1], [1, 0]), 1, True)
+    assert not any(value.imag.is_zero() for value in found.values)

@@ -1,0 +1,136 @@
+"""The box of a claim in its section, and functions of the state on it (sections 24.1 and 24.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from flint import arb
+
+from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.systems import Program
+from orbitproof.verify.claim import inverse, is_first_integral
+from orbitproof.verify.evidence import Checklist, dot, enclose, is_positive, power, symmetric, total
+
+
+@dataclass(frozen=True)
+class SectionCoordinates:
+    """The coordinates p of points of a section: centre + frame p for p, and p for centre + frame p.
+
+    Attributes:
+        pivot: a coordinate that follows from the others on the section.
+        rows: shape (N - 1, N - 1), exact; p is this matrix times the other coordinates, those of the centre taken off.
+    """
+
+    pivot: int
+    rows: tuple[tuple[Fraction, ...], ...]
+
+    def of(self, differences: Sequence[arb]) -> list[arb]:
+        """p for x - centre, all N coordinates, of a point on the section; the same for derivatives of x."""
+        others = [value for i, value in enumerate(differences) if i != self.pivot]
+        return [dot([enclose(value) for value in row], others) for row in self.rows]
+
+
+def section_coordinates(claim: PeriodicOrbit) -> SectionCoordinates | None:
+    """p as a function of the state; `None` where the columns of the frame do not span the section."""
+    pivot = max(range(len(claim.normal)), key=lambda i: abs(claim.normal[i]))
+    rows = inverse([row for i, row in enumerate(claim.frame) if i != pivot])
+    return None if rows is None else SectionCoordinates(pivot, tuple(map(tuple, rows)))
+
+
+def check_coordinates(checklist: Checklist, claim: PeriodicOrbit) -> None:
+    """The box lies in the section, and p are coordinates of it, exactly (section 24.1)."""
+    statement = "the normal is not 0, the centre lies on the section, and the columns of the frame span it"
+    remedy = "put the centre and the frame onto the section"
+    with checklist.hypothesis("section", "24.1", statement, remedy) as evidence:
+        evidence.require(any(claim.normal), "the normal is 0")
+        evidence.require(_product(claim.normal, claim.centre) == claim.offset, "the centre is not on the section")
+        columns = list(zip(*claim.frame, strict=True))
+        along = all(_product(claim.normal, column) == 0 for column in columns)
+        evidence.require(along, "a column of the frame does not lie along the section")
+        if any(claim.normal):
+            evidence.require(section_coordinates(claim) is not None, "the columns of the frame are not independent")
+
+
+def _product(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:
+    return sum((a * b for a, b in zip(left, right, strict=True)), Fraction(0))
+
+
+def check_integral(checklist: Checklist, claim: PeriodicOrbit) -> None:
+    """H is a first integral, by the identity grad H . f = 0 (section 1.4)."""
+    statement = "grad H . f = 0 identically, H the first integral whose level is claimed (1.4)"
+    with checklist.hypothesis("first-integral", "24.1", statement, "correct the description of the system") as evidence:
+        integral = claim.system.first_integral_program
+        evidence.require(integral is not None, "the system has no first integral")
+        if integral is not None:
+            shown = is_first_integral(claim.system.program, integral)
+            evidence.require(shown, "H was not shown to be constant along orbits")
+
+
+def check_transversal(checklist: Checklist, claim: PeriodicOrbit) -> None:
+    """On the whole box the flow crosses the section in the direction of the claim (section 24.1)."""
+    word = "positive" if claim.direction > 0 else "negative"
+    statement, remedy = f"normal . f is {word} on the box", "claim the other direction, or give smaller radii"
+    with checklist.hypothesis("direction", "24.1", statement, remedy) as evidence:
+        velocity = values_on(claim.system.program, claim, state_on_box(claim))
+        across = evidence.record("normal . f", dot([enclose(value) for value in claim.normal], velocity))
+        excluded = is_positive(-claim.direction * across)
+        evidence.require(is_positive(claim.direction * across), "it may have the other sign", excluded=excluded)
+
+
+def state_on_box(claim: PeriodicOrbit, sides: Sequence[arb] | None = None) -> list[arb]:
+    """Enclosures of the state at the points of the box with p in `sides`, by default the whole box."""
+    where = [symmetric(radius) for radius in claim.radii] if sides is None else list(sides)
+    return [
+        enclose(origin) + dot([enclose(value) for value in row], where)
+        for origin, row in zip(claim.centre, claim.frame, strict=True)
+    ]
+
+
+def values_on(program: Program, claim: PeriodicOrbit, state: Sequence[arb]) -> list[arb]:
+    """Enclosures of functions of state and parameters at all points of balls."""
+    return program.evaluate([*state, *map(enclose, claim.values)], enclose, power)
+
+
+def gradient_on(program: Program, claim: PeriodicOrbit, state: Sequence[arb]) -> list[arb]:
+    """Enclosures of the derivatives of a function of one value in the coordinates p, at all points of balls."""
+    columns = list(zip(*claim.frame, strict=True))
+    size = len(columns)
+    arguments = [_Linear(ball, tuple(enclose(column[i]) for column in columns)) for i, ball in enumerate(state)] + [
+        _Linear(enclose(value), (arb(0),) * size) for value in claim.values
+    ]
+    (value,) = program.evaluate(arguments, lambda number: _Linear(enclose(number), (arb(0),) * size), _Linear.power)
+    return list(value.slopes)
+
+
+@dataclass(frozen=True)
+class _Linear:
+    """Values of a function at all points of a set, and of its derivatives."""
+
+    value: arb
+    slopes: tuple[arb, ...]
+
+    def __add__(self, other: _Linear) -> _Linear:
+        return _Linear(self.value + other.value, tuple(map(_plus, self.slopes, other.slopes)))
+
+    def __sub__(self, other: _Linear) -> _Linear:
+        return self + _Linear(-other.value, tuple(-slope for slope in other.slopes))
+
+    def __mul__(self, other: _Linear) -> _Linear:
+        slopes = (total((a * other.value, self.value * b)) for a, b in zip(self.slopes, other.slopes, strict=True))
+        return _Linear(self.value * other.value, tuple(slopes))
+
+    def __truediv__(self, other: _Linear) -> _Linear:
+        return self * other.power(Fraction(-1))
+
+    def power(self, exponent: Fraction) -> _Linear:
+        """By d(u^a) = a u^(a - 1) du."""
+        if exponent == 0:
+            return _Linear(arb(1), (arb(0),) * len(self.slopes))
+        factor = enclose(exponent) * power(self.value, exponent - 1)
+        return _Linear(power(self.value, exponent), tuple(factor * slope for slope in self.slopes))
+
+
+def _plus(left: arb, right: arb) -> arb:
+    return left + right

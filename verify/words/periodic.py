@@ -1,0 +1,146 @@
+"""The theorem about a periodic orbit without symmetry in words, and what was found of the orbit (section 24.6)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+
+from flint import acb, arb
+
+from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.systems import Program
+from orbitproof.verify.claim import keyed_in_words, names_in_words
+from orbitproof.verify.evidence import certain_digits, decimal_interval, dot, enclose, exact_text, located, symmetric
+from orbitproof.verify.periodic import Multipliers, PeriodicResults, PeriodicTheorem
+from orbitproof.verify.words.formulas import equations
+
+_DIGITS = 40
+_TAKEN = ("c", "f", "h", "i", "j", "m", "s", "u")
+"""Letters of theorems, which no formula has for a part of it."""
+
+
+def periodic_in_words(theorem: PeriodicTheorem) -> str:
+    """The theorem, in short."""
+    claim = theorem.claim
+    system, m = claim.system, claim.crossings
+    fixed = ", ".join(keyed_in_words(system, claim.parameters))
+    where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
+    level = ""
+    if claim.level is not None:
+        level = f" and {_integral(claim)} = {exact_text(claim.level)}"
+    times = "exactly once" if m == 1 else f"in exactly {m} points"
+    return (
+        f"In the box, which lies in the section, there is exactly one point that comes back to itself at crossing "
+        f"number {m} of the section in the direction of the candidate{level}, under the flow of the {where}. Its orbit "
+        f"is periodic, and within its least period it crosses the section in that direction {times}. At the point the "
+        "derivative of these equations is regular: the orbit is "
+        f"{'isolated on its level' if claim.level is not None else 'isolated'}, and persists with the parameters. The "
+        "results enclose what they name for this orbit. That the box contains no point of other periodic orbits, with "
+        "another number of crossings, is not said."
+    )
+
+
+def periodic_in_full(claim: PeriodicOrbit, theorem: str, found: PeriodicResults) -> Iterator[str]:
+    """System, section, box, theorem and what was found, in lines."""
+    system, names = claim.system, names_in_words(claim.system)
+    state = [names.get(name, name) for name in system.state]
+    yield f"The {system.title}:"
+    left = [f"{name}'" for name in state]
+    yield from (f"  {line}" for line in equations(_in_words(claim, system.program), left, _TAKEN))
+    for name, value in keyed_in_words(system, claim.parameters).items():
+        yield f"  {name} = {exact_text(value)}"
+    if names:
+        called = ", ".join(f"{new} is called {name}" for name, new in names.items())
+        yield f"In the description of the system {called}, which has another meaning here."
+    if claim.level is not None and system.first_integral_program is not None:
+        yield f"A first integral, the {_integral(claim)}:"
+        program = _in_words(claim, system.first_integral_program)
+        yield from (f"  {line}" for line in equations(program, ["H"], _TAKEN))
+    word = "grows" if claim.direction > 0 else "falls"
+    yield (
+        f"The section is the set of all points with {_linear(claim.normal, state)} = {exact_text(claim.offset)}; it is "
+        f"crossed in the direction of the candidate where the left side {word} in time."
+    )
+    yield from _box(claim, state)
+    yield "Theorem."
+    yield theorem
+    yield from periodic_found(claim, found)
+
+
+def periodic_found(claim: PeriodicOrbit, found: PeriodicResults) -> Iterator[str]:
+    """What was found, in lines."""
+    place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(claim.system, found.point).items())
+    yield f"The point of the orbit in the box has {place}."
+    yield f"The least period lies in {decimal_interval(found.period, _DIGITS)}."
+    yield from _multipliers(found.multipliers)
+
+
+def _multipliers(found: Multipliers) -> Iterator[str]:
+    if found.trivial == 1:
+        yield "One multiplier is 1, that of the direction of the flow."
+    else:
+        yield (
+            "The multiplier 1 occurs at least twice, as for every orbit on a level of a first integral: once for the "
+            "direction of the flow, once for the levels."
+        )
+    if not found.values:
+        yield "The other multipliers are not enclosed."
+        return
+    yield f"The other multipliers, with multiplicity, lie in: {'; '.join(map(_complex, found.values))}."
+    counts = [(found.inside, "inside"), (found.on, "on"), (found.outside, "outside")]
+    yield "Of them " + ", ".join(f"{count} {_lie(count)} {where}" for count, where in counts) + " the unit circle."
+    if found.undecided:
+        yield f"Where {found.undecided} of them {_lie(found.undecided)} is not decided."
+    if found.is_attracting:
+        yield "The orbit is asymptotically stable, with asymptotic phase."
+    elif found.outside:
+        yield "The orbit is unstable."
+
+
+def _lie(count: int) -> str:
+    return "lies" if count == 1 else "lie"
+
+
+def _complex(value: acb) -> str:
+    if value.imag.is_zero():
+        return decimal_interval(value.real, _DIGITS)
+    return f"{decimal_interval(value.real, _DIGITS)} + i {decimal_interval(value.imag, _DIGITS)}"
+
+
+def _integral(claim: PeriodicOrbit) -> str:
+    name = claim.system.first_integral_name
+    return "first integral H" if name is None or name == "first integral" else f"{name} H"
+
+
+def _in_words(claim: PeriodicOrbit, program: Program) -> Program:
+    """A function of state and parameters with their names as they are written."""
+    names = names_in_words(claim.system)
+    steps = [step if step.name is None else replace(step, name=names.get(step.name, step.name))
+             for step in program.instructions]  # fmt: skip
+    return replace(program, inputs=tuple(names.get(name, name) for name in program.inputs), instructions=tuple(steps))
+
+
+def _box(claim: PeriodicOrbit, state: list[str]) -> Iterator[str]:
+    radii = ", ".join(exact_text(radius) for radius in claim.radii)
+    yield (
+        f"The box, in the coordinates ({', '.join(state)}): all points centre + frame p with |p_i| <= R_i, i = 0, .., "
+        f"{len(claim.radii) - 1}, where centre, frame and radii R are exactly those of candidate in this statement; "
+        f"(R_i) = ({radii})."
+    )
+    sides = [symmetric(radius) for radius in claim.radii]
+    for name, middle, row in zip(state, claim.centre, claim.frame, strict=True):
+        centre = "0" if middle == 0 else certain_digits(enclose(middle), _DIGITS)
+        values: arb = enclose(middle) + dot([enclose(value) for value in row], sides)
+        lies = f"on the box {name} lies in {decimal_interval(values, _DIGITS)}" if any(row) else "the same on the box"
+        yield f"  {name}: its centre is {centre}, {lies}."
+
+
+def _linear(factors: tuple[Fraction, ...], names: list[str]) -> str:
+    terms: list[str] = []
+    for factor, name in zip(factors, names, strict=True):
+        if factor:
+            size = "" if abs(factor) == 1 else f"{exact_text(abs(factor))} "
+            sign = "-" if factor < 0 else "+" if terms else ""
+            terms.append(f"{sign}{' ' if terms else ''}{size}{name}")
+    return " ".join(terms)
