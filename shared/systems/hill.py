@@ -34,14 +34,7 @@ def hill_field(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]
     c = u * t_2 * (1 + t + t_2) / (1 + t)
     pull = larger_mass * (t_2 * t) + near
     rest = 1 - pull
-    return (
-        v_xi,
-        v_eta,
-        v_zeta,
-        2 * v_eta + rest * xi + larger_mass * c,
-        rest * eta - 2 * v_xi,
-        -(pull * zeta),
-    )
+    return (v_xi, v_eta, v_zeta, 2 * v_eta + rest * xi + larger_mass * c, rest * eta - 2 * v_xi, -(pull * zeta))
 
 
 def hill_integral(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:

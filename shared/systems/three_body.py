@@ -18,14 +18,7 @@ def _circular_restricted_three_body(state: Sequence[Any], parameters: Sequence[A
     pull_larger = (1 - mu) * (larger * larger + off_axis) ** -1.5
     pull_smaller = mu * (smaller * smaller + off_axis) ** -1.5
     pull = pull_larger + pull_smaller
-    return (
-        vx,
-        vy,
-        vz,
-        x + 2 * vy - pull_larger * larger - pull_smaller * smaller,
-        y - 2 * vx - pull * y,
-        -(pull * z),
-    )
+    return (vx, vy, vz, x + 2 * vy - pull_larger * larger - pull_smaller * smaller, y - 2 * vx - pull * y, -(pull * z))
 
 
 def _jacobi_constant(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:

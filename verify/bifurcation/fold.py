@@ -10,12 +10,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from orbitproof.verify.bifurcation.conditions import (
-    Problem,
-    narrowed_zero,
-    require_inside,
-    require_nonzero,
-)
+from orbitproof.verify.bifurcation.conditions import Problem, narrowed_zero, require_inside, require_nonzero
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_level_slope, side_of
 from orbitproof.verify.evidence import Checklist, DerivativeTable, MultiIndex, meet
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet, compose

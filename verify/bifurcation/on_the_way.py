@@ -8,13 +8,7 @@ from dataclasses import replace
 from flint import arb, arb_mat
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.bifurcation.conditions import (
-    EXCLUDED,
-    REMEDY,
-    Problem,
-    check_family,
-    check_no_other_orbit,
-)
+from orbitproof.verify.bifurcation.conditions import EXCLUDED, REMEDY, Problem, check_family, check_no_other_orbit
 from orbitproof.verify.bifurcation.counsel import Counsel, Failure, advised, silent
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, Reason, enclose, symmetric
 from orbitproof.verify.newton import BoxFunction, is_regular

@@ -80,8 +80,7 @@ def check_adapted_frames(checklist: Checklist, candidate: Candidate) -> None:
             "the centre is not fixed by S",
         )
         evidence.require(
-            is_adapted(candidate.frame, p_signs, 1),
-            "a column of frame is neither even nor odd as it should be",
+            is_adapted(candidate.frame, p_signs, 1), "a column of frame is neither even nor odd as it should be"
         )
         evidence.require(
             is_adapted(tuple(zip(*candidate.kernel_frame, strict=True)), q_signs, 0),

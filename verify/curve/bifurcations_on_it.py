@@ -14,14 +14,7 @@ from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.gluing import Chain, Stretch
 from orbitproof.verify.curve.lyapunov_family import PLANAR, certified_system, in_units_of_orbit, point_name
 from orbitproof.verify.curve.tube import lower_end, upper_end
-from orbitproof.verify.evidence import (
-    EmptyIntersectionError,
-    all_finite,
-    enclose,
-    excludes_zero,
-    is_below,
-    symmetric,
-)
+from orbitproof.verify.evidence import EmptyIntersectionError, all_finite, enclose, excludes_zero, is_below, symmetric
 
 Point = Mapping[str, arb]
 Partner = Callable[[ReversibleSystem, Mapping[str, Fraction], Point, int], Point | None]

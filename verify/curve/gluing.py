@@ -10,15 +10,7 @@ from flint import arb
 
 from orbitproof.verify.curve.proved_intervals import Run
 from orbitproof.verify.curve.tube import Tube, lower_end, upper_end
-from orbitproof.verify.evidence import (
-    Evidence,
-    all_finite,
-    enclose,
-    exact_interval_text,
-    is_below,
-    is_positive,
-    show,
-)
+from orbitproof.verify.evidence import Evidence, all_finite, enclose, exact_interval_text, is_below, is_positive, show
 
 _TRIALS = 32
 """Places along a piece where the next one is looked for, from its end backwards."""

@@ -150,11 +150,7 @@ def about_pieces(reason: Reason) -> Reason:
 
 
 def attempt(
-    piece: str,
-    interval: Interval,
-    theorem: Theorem,
-    computation: Account,
-    check: Callable[[Checklist], Known],
+    piece: str, interval: Interval, theorem: Theorem, computation: Account, check: Callable[[Checklist], Known]
 ) -> PieceResult[Known]:
     """What comes of `check`, which goes through the hypotheses and completes `computation`."""
     checklist = Checklist()

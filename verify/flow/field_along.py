@@ -24,11 +24,7 @@ class FieldAlong:
     """
 
     def __init__(
-        self,
-        program: PreparedProgram,
-        arithmetic: Arithmetic,
-        state: Sequence[Series],
-        parameters: Sequence[Series],
+        self, program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
     ) -> None:
         self.program, self.arithmetic = program, arithmetic
         self.state, self.parameters = tuple(state), tuple(parameters)

@@ -9,14 +9,7 @@ from fractions import Fraction
 import numpy as np
 from flint import fmpz
 
-from orbitproof.verify.algebra import (
-    Arithmetic,
-    GradedNorm,
-    PreparedProgram,
-    Series,
-    fraction_above,
-    inflate,
-)
+from orbitproof.verify.algebra import Arithmetic, GradedNorm, PreparedProgram, Series, fraction_above, inflate
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow.expansion import Expansion
 from orbitproof.verify.flow.field_along import FieldAlong

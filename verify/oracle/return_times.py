@@ -26,11 +26,7 @@ _CENTRE = Grading((), 0)
 
 
 def relative_return_times(
-    program: PreparedProgram,
-    arithmetic: Arithmetic,
-    section: int,
-    state: Sequence[Series],
-    constants: Sequence[Series],
+    program: PreparedProgram, arithmetic: Arithmetic, section: int, state: Sequence[Series], constants: Sequence[Series]
 ) -> list[Fraction] | None:
     """See `poincare.Oracle.return_times`."""
     if not isinstance(arithmetic, WideArithmetic):

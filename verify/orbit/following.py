@@ -78,10 +78,7 @@ class OrbitEnclosures:
 
 
 def enclose_orbit(
-    candidate: Candidate,
-    settings: IntegratorSettings,
-    oracle: Oracle,
-    progress: Callable[[float], None] | None = None,
+    candidate: Candidate, settings: IntegratorSettings, oracle: Oracle, progress: Callable[[float], None] | None = None
 ) -> OrbitEnclosures:
     """Follow the box of a candidate to the other point on Fix(R) and on to the first one again.
 
@@ -97,12 +94,7 @@ def enclose_orbit(
 
 class _HalfOrbits:
     def __init__(
-        self,
-        candidate: Candidate,
-        box: Box,
-        coordinates: str,
-        oracle: Oracle,
-        progress: Callable[[float], None] | None,
+        self, candidate: Candidate, box: Box, coordinates: str, oracle: Oracle, progress: Callable[[float], None] | None
     ) -> None:
         self.candidate = candidate
         self.system = candidate.system

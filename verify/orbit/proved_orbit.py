@@ -294,10 +294,7 @@ def _check_distance(
             evidence.require(kind in (1, -1), "the kind of an extremum is not known")
             evidence.require(is_positive(value), "the square of a distance may vanish", needs_precision=True)
         kinds = [kind for _, _, kind in extrema]
-        evidence.require(
-            all(left == -right for left, right in pairwise(kinds)),
-            "minima and maxima do not alternate",
-        )
+        evidence.require(all(left == -right for left, right in pairwise(kinds)), "minima and maxima do not alternate")
         for approach in distance.between:
             inner = is_positive(approach.time) and is_below(approach.time, half_period)
             evidence.require(inner, "the time of an extremum is not inside the half period")

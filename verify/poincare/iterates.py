@@ -16,11 +16,7 @@ from flint import arb
 from orbitproof.shared.formats import ORBIT, Candidate
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import level_program, quadratic_coefficient
-from orbitproof.verify.evidence import (
-    DerivativeTable,
-    IntegrationFailure,
-    guarded,
-)
+from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, guarded
 from orbitproof.verify.flow import LEAST_ERROR
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.derivatives import derivative_table

@@ -15,11 +15,7 @@ class Oracle(Protocol):
     """Finds approximations; who asks checks what it gets, or nothing rests on it. `verify.oracle` has one."""
 
     def expand(
-        self,
-        program: PreparedProgram,
-        arithmetic: Arithmetic,
-        state: Sequence[Series],
-        parameters: Sequence[Series],
+        self, program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
     ) -> Expansion:
         """The solutions of x' = f(x, parameters) from a state, expanded in time."""
 

@@ -39,11 +39,7 @@ def resonant_value(k: int, j: int) -> arb:
 
 
 def complete_list(
-    atlas: Atlas,
-    chain: Chain,
-    results: Sequence[StabilityResult],
-    order: int,
-    bifurcations: Sequence[Bifurcation] = (),
+    atlas: Atlas, chain: Chain, results: Sequence[StabilityResult], order: int, bifurcations: Sequence[Bifurcation] = ()
 ) -> CompleteList:
     """All zeros of det(c - Sigma) on the curve for c = cos(2 pi j/k), k <= order, and of the discriminant.
 
