@@ -35,7 +35,7 @@ from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.systems import shown
 from orbitproof.shared.wording import counted
 from orbitproof.verify.certificate import MEANINGS, Level
-from orbitproof.verify.evidence import Reason, software
+from orbitproof.verify.evidence import Reason, as_said, software
 
 TITLE = "Bifurcations and families of symmetric periodic orbits: theorems and their certificates"
 
@@ -119,7 +119,7 @@ def _not_proved(entries: Sequence[Checked]) -> list[Section]:
         return []
     items: list[Runs] = []
     for entry in entries:
-        items.append((f"{shown(entry.name)}: {Reason(**entry.document['reason']).as_said}",))
+        items.append((f"{shown(entry.name)}: {as_said(Reason(**entry.document['reason']))}",))
     words = (
         "These certificates claim nothing. That something is not proved does not mean that it is false. What the runs "
         "said is quoted; nothing checks it."

@@ -24,7 +24,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
 from orbitproof.verify.certificate import read_certificates
-from orbitproof.verify.evidence import Reason, ball_from_json, bounds, enclose, power
+from orbitproof.verify.evidence import Reason, as_said, ball_from_json, bounds, enclose, power
 
 _NUMBERED = re.compile(r"-(k[0-9]+|fold)-[0-9]+(-second)?\Z")
 _LARGEST_EXPONENT = 150_000
@@ -131,7 +131,7 @@ def _row(certificate: Mapping[str, Any], where: str) -> tuple[CertifiedRow, Cand
         kind=claim.kind,
         k=claim.k,
         proved=certificate["verdict"] == "proved",
-        reason=Reason(**reason).as_said if reason else "",
+        reason=as_said(Reason(**reason)) if reason else "",
         parameter_name=name,
         parameter=parameter,
         point=point,

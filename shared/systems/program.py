@@ -8,7 +8,8 @@ from which a verifier can build Taylor recurrences, enclosures or derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import operator
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal
@@ -17,6 +18,10 @@ LARGEST_EXPONENT = 100
 """Of a power, its numerator and its denominator: a power is evaluated as that many products."""
 
 Operation = Literal["input", "constant", "add", "sub", "mul", "div", "pow"]
+SYMBOLS: Mapping[Operation, str] = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
+_ARITHMETIC: Mapping[Operation, Callable[[Any, Any], Any]] = {
+    "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": operator.truediv,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -60,42 +65,29 @@ class Program:
         to_value = constant if constant is not None else float
         to_power = power if power is not None else (lambda base, exponent: base ** float(exponent))
         values: list[Any] = []
-        for index, step in enumerate(self.instructions):
-            left: Any = values[step.operands[0]] if step.operands else None
-            right: Any = values[step.operands[1]] if len(step.operands) > 1 else None
-            match step.operation:
-                case "input":
-                    values.append(arguments[index])
-                case "constant":
-                    assert step.value is not None
-                    values.append(to_value(step.value))
-                case "add":
-                    values.append(left + right)
-                case "sub":
-                    values.append(left - right)
-                case "mul":
-                    values.append(left * right)
-                case "div":
-                    values.append(left / right)
-                case "pow":
-                    assert step.value is not None
-                    values.append(to_power(left, step.value))
+        for step in self.instructions:
+            operands = [values[index] for index in step.operands]
+            if step.operation == "input":
+                values.append(arguments[len(values)])
+            elif step.operation in _ARITHMETIC:
+                values.append(_ARITHMETIC[step.operation](*operands))
+            else:
+                assert step.value is not None
+                values.append(to_power(operands[0], step.value) if operands else to_value(step.value))
         return [values[index] for index in self.outputs]
 
     def text(self) -> str:
         """The program in words, one instruction a line: the statement that a certificate carries."""
-        symbols = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
         lines = []
         for index, step in enumerate(self.instructions):
-            if step.operation == "input":
-                lines.append(f"v{index} = {step.name}")
-            elif step.operation == "constant":
-                lines.append(f"v{index} = {step.value}")
+            operands = [f"v{operand}" for operand in step.operands]
+            if step.operation in SYMBOLS:
+                value = f" {SYMBOLS[step.operation]} ".join(operands)
             elif step.operation == "pow":
-                lines.append(f"v{index} = v{step.operands[0]} ** ({step.value})")
+                value = f"{operands[0]} ** ({step.value})"
             else:
-                left, right = step.operands
-                lines.append(f"v{index} = v{left} {symbols[step.operation]} v{right}")
+                value = str(step.name if step.operation == "input" else step.value)
+            lines.append(f"v{index} = {value}")
         lines.append("return " + ", ".join(f"v{index}" for index in self.outputs))
         return "\n".join(lines)
 
@@ -143,6 +135,19 @@ def exact_constant(value: object) -> Fraction:
     raise TypeError(f"constant {value!r} is not exact: write an int, a half-integer or a Fraction")
 
 
+def _both_ways(operation: Operation) -> tuple[Callable[[Variable, object], Variable], ...]:
+    """An operation of a variable with another operand, and of an operand with a variable."""
+
+    def emit(recorder: _Recorder, left: object, right: object) -> Variable:
+        a, b = recorder.lift(left), recorder.lift(right)
+        return recorder.emit(Instruction(operation, (a.index, b.index)))
+
+    return (
+        lambda self, other: emit(self.recorder, self, other),
+        lambda self, other: emit(self.recorder, other, self),
+    )
+
+
 class Variable:
     """A value of a program under recording."""
 
@@ -152,36 +157,13 @@ class Variable:
         self.recorder = recorder
         self.index = index
 
-    def _binary(self, operation: Operation, left: object, right: object) -> Variable:
-        a, b = self.recorder.lift(left), self.recorder.lift(right)
-        return self.recorder.emit(Instruction(operation, (a.index, b.index)))
-
-    def __add__(self, other: object) -> Variable:
-        return self._binary("add", self, other)
-
-    def __radd__(self, other: object) -> Variable:
-        return self._binary("add", other, self)
-
-    def __sub__(self, other: object) -> Variable:
-        return self._binary("sub", self, other)
-
-    def __rsub__(self, other: object) -> Variable:
-        return self._binary("sub", other, self)
-
-    def __mul__(self, other: object) -> Variable:
-        return self._binary("mul", self, other)
-
-    def __rmul__(self, other: object) -> Variable:
-        return self._binary("mul", other, self)
-
-    def __truediv__(self, other: object) -> Variable:
-        return self._binary("div", self, other)
-
-    def __rtruediv__(self, other: object) -> Variable:
-        return self._binary("div", other, self)
+    __add__, __radd__ = _both_ways("add")
+    __sub__, __rsub__ = _both_ways("sub")
+    __mul__, __rmul__ = _both_ways("mul")
+    __truediv__, __rtruediv__ = _both_ways("div")
 
     def __neg__(self) -> Variable:
-        return self._binary("mul", -1, self)
+        return -1 * self
 
     def __pos__(self) -> Variable:
         return self
@@ -199,10 +181,7 @@ def record(function: Callable[..., Sequence[Any]], *groups: Sequence[str]) -> Pr
     """
     names = tuple(name for group in groups for name in group)
     recorder = _Recorder(names)
-    arguments: list[list[Variable]] = []
-    start = 0
-    for group in groups:
-        arguments.append(recorder.variables[start : start + len(group)])
-        start += len(group)
+    variables = iter(recorder.variables)
+    arguments = [[next(variables) for _ in group] for group in groups]
     outputs = [recorder.lift(value).index for value in function(*arguments)]
     return Program(names, tuple(recorder.instructions), tuple(outputs))

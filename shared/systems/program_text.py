@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from orbitproof.shared.systems.program import Instruction, Operation, Program, allowed_exponent
+from orbitproof.shared.systems.program import SYMBOLS, Instruction, Program, allowed_exponent
 
 _MOST_LINES = 10_000
 """Of a program that is read."""
@@ -43,7 +43,7 @@ _LINE = re.compile(
     r")",
     re.ASCII,
 )
-_OPERATIONS: dict[str, Operation] = {"+": "add", "-": "sub", "*": "mul", "/": "div"}
+_OPERATIONS = {symbol: operation for operation, symbol in SYMBOLS.items()}
 
 
 def _instruction(index: int, line: str) -> Instruction:

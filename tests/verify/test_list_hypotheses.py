@@ -21,7 +21,7 @@ from support.stored import value_of, values
 from orbitproof.shared import parse_exact
 from orbitproof.shared.systems import ReversibleSystem, record
 from orbitproof.verify.atlas import make_atlas_certificate
-from orbitproof.verify.evidence import NotEstablishedError, Reason, ball_from_json
+from orbitproof.verify.evidence import NotEstablishedError, Reason, ball_from_json, reason_to_json
 from orbitproof.verify.stability import open_on
 from orbitproof.verify.stability.level import Level, gradient
 
@@ -125,7 +125,7 @@ def test_a_list_whose_hypothesis_is_not_shown_is_not_proved(monkeypatch: Any) ->
     monkeypatch.setattr(Level, "hypotheses", property(refuse))
     conclusion = listed(results(), 5)
     assert conclusion["verdict"] == "not proved"
-    assert conclusion["reason"] == reason.to_json()
+    assert conclusion["reason"] == reason_to_json(reason)
     assert conclusion["statement"] == ""
     assert conclusion["complete"]["order"] == 5
     assert checked(make_atlas_certificate(atlas(), values(results()), conclusion)).stands

@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import mul
 
 from flint import arb, fmpz, fmpz_poly
 
@@ -280,8 +281,13 @@ class Series:
 
     def scaled(self, factor: Fraction) -> Series:
         """The product with an exact constant."""
-        arithmetic = self.arithmetic
-        coefs, lost = scale_coefficients(arithmetic, self.coefs, factor)
+        arithmetic, denominator, lost = self.arithmetic, fmpz(factor.denominator), self.arithmetic.zero_errors()
+        coefs = [p * fmpz(factor.numerator) for p in self.coefs]
+        if denominator > 1:
+            coefs = [p // denominator for p in coefs]
+            for polynomial, grade in zip(self.coefs, arithmetic.grading.grades, strict=True):
+                if polynomial.length():
+                    lost[grade] += arithmetic.rounding[grade]
         size = fraction_above(abs(factor))
         return Series(arithmetic, coefs, [inflate(size * e + loss) for e, loss in zip(self.errors, lost, strict=True)])
 
@@ -321,23 +327,6 @@ def product_errors(left: Series, right: Series, lost: Sequence[float]) -> Graded
     return [inflate(value) for value in result]
 
 
-def scale_coefficients(
-    arithmetic: Arithmetic, coefs: Sequence[fmpz_poly], factor: Fraction
-) -> tuple[list[fmpz_poly], GradedNorm]:
-    """Known part times an exact constant, and bounds for the rounding by grade."""
-    lost = arithmetic.zero_errors()
-    numerator, denominator = fmpz(factor.numerator), fmpz(factor.denominator)
-    if factor.denominator == 1:
-        return [p * numerator for p in coefs], lost
-    result = []
-    for polynomial, grade in zip(coefs, arithmetic.grading.grades, strict=True):
-        if polynomial.length():
-            lost[grade] += arithmetic.rounding[grade]
-            polynomial = (polynomial * numerator) // denominator
-        result.append(polynomial)
-    return result, lost
-
-
 def correct_power(approximate: Series, base: Series, exponent: Fraction) -> Series | None:
     """Turn an approximation of ``base ** exponent``, exponent < 0, into an enclosure.
 
@@ -350,13 +339,7 @@ def correct_power(approximate: Series, base: Series, exponent: Fraction) -> Seri
         return None
     shared = min(p, q)
     mixed = approximate * base
-    value = mixed
-    for _ in range(shared - 1):
-        value = value * mixed
-    for _ in range(p - shared):
-        value = value * base
-    for _ in range(q - shared):
-        value = value * approximate
+    value = reduce(mul, [*[mixed] * (shared - 1), *[base] * (p - shared), *[approximate] * (q - shared)], mixed)
     defect = list(value.coefs)
     defect[0] = defect[0] - fmpz_poly([base.arithmetic.one])
     series = geometric(Series(base.arithmetic, defect, value.errors).norm())

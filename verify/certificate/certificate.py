@@ -46,6 +46,7 @@ from orbitproof.verify.evidence import (
     Outcome,
     Proved,
     Reason,
+    as_said,
     ball_from_json,
     certain_digits,
     outcome_to_json,
@@ -179,7 +180,7 @@ class Certificate:
     def __str__(self) -> str:
         claim = self._claim
         if self.reason is not None:
-            return f"{claim}, not proved, {self.reason.as_said}"
+            return f"{claim}, not proved, {as_said(self.reason)}"
         return ", ".join(part for part in (claim, "proved", self.side, self._shown_parameter()) if part)
 
     def __repr__(self) -> str:
@@ -192,7 +193,7 @@ class Certificate:
         """The table that a notebook shows."""
         rows = [("claim", self._claim), ("verdict", self.verdict)]
         if self.reason is not None:
-            rows += [("reason", self.reason.as_said)]
+            rows += [("reason", as_said(self.reason))]
         if self.parameter is not None:
             rows += [] if self.side is None else [("new orbits", self.side)]
             rows += [("parameter", self._shown_parameter())]

@@ -8,7 +8,7 @@ from typing import Any
 from flint import acb, arb
 
 from orbitproof.shared.codec import from_json, register, to_json
-from orbitproof.verify.evidence import Reason, ball_from_json, ball_to_json
+from orbitproof.verify.evidence import Reason, ball_from_json, ball_to_json, reason_to_json
 
 __all__ = ["from_json", "to_json"]
 
@@ -25,6 +25,6 @@ def _reason_from_json(entry: Mapping[str, str]) -> Reason:
     return Reason(entry.get("condition", ""), entry["message"], entry.get("remedy", ""))
 
 
-register(Reason, Reason.to_json, _reason_from_json, {"$ref": "#/$defs/reason"})
+register(Reason, reason_to_json, _reason_from_json, {"$ref": "#/$defs/reason"})
 register(arb, ball_to_json, ball_from_json, {"$ref": "#/$defs/ball"})
 register(acb, _complex_to_json, _complex_from_json, {"$ref": "#/$defs/complex_ball"})

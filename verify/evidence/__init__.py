@@ -52,10 +52,17 @@ from orbitproof.verify.evidence.outcome import (
     Proved,
     Reason,
     Theorem,
-    one_line,
     show,
 )
-from orbitproof.verify.evidence.outcome_as_json import hypothesis_to_json, outcome_to_json, quoted, quoted_name
+from orbitproof.verify.evidence.outcome_as_json import (
+    as_said,
+    hypothesis_to_json,
+    one_line,
+    outcome_to_json,
+    quoted,
+    quoted_name,
+    reason_to_json,
+)
 from orbitproof.verify.evidence.precision import GUARD_BITS, guarded
 from orbitproof.verify.evidence.sources import ON_WHICH_NOTHING_RESTS, installed, software
 from orbitproof.verify.evidence.stops import STOPS

@@ -17,14 +17,6 @@ from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
 from orbitproof.verify.evidence.decimals import decimal_interval
 
 
-def one_line(text: str) -> str:
-    """A text on one line, of bounded length, without characters that are not printed as themselves."""
-    return "".join(each if each.isprintable() else "?" for each in " ".join(text.split())[:_LONGEST_LINE])
-
-
-_LONGEST_LINE = 4000
-
-
 @dataclass(frozen=True)
 class Hypothesis:
     """One hypothesis of a theorem and what was found.
@@ -78,16 +70,6 @@ class Reason:
     excluded: bool = False
     reached: float | None = None
     enclosures: Mapping[str, arb] = field(default_factory=dict, compare=False)
-
-    @property
-    def as_said(self) -> str:
-        """As a certificate tells it: words of the run that made it are a quotation, which nothing checks."""
-        remedy = f", and to try: {one_line(self.remedy)!r}" if self.remedy else ""
-        return f"{self.condition}; the run said: {one_line(self.message)!r}{remedy}"
-
-    def to_json(self) -> dict[str, str]:
-        """The JSON object: one line each, whatever an exception had to say."""
-        return {"condition": self.condition, "message": one_line(self.message), "remedy": one_line(self.remedy)}
 
 
 @dataclass(frozen=True)
