@@ -172,6 +172,11 @@ class Candidate:
         return LEADING_POWERS[self.kind]
 
     @property
+    def uses_level(self) -> bool:
+        """Whether a coordinate of its points follows from the level of the first integral."""
+        return self.level_sign is not None or self.system.fixed_level is not None
+
+    @property
     def is_family_of_maps(self) -> bool:
         """Whether the first coordinate is the bifurcation parameter: a family parameter or the level of H."""
         return self.system.family_parameter is not None or self.level_sign is not None

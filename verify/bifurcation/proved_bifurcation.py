@@ -93,7 +93,7 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
     k, hamiltonian = candidate.k, not candidate.is_family_of_maps
     prefix = "H" if hamiltonian else ""
     names = ["symmetries", "frames"]
-    names += ["level"] if candidate.level_sign is not None or candidate.system.fixed_level is not None else []
+    names += ["level"] if candidate.uses_level else []
     names += ["adapted-frames"] if candidate.kind == "symmetry_breaking" else []
     names += ["poincare-map"]
     names += ["half-orbit"] if candidate.crossings > 1 else []
@@ -145,7 +145,7 @@ def prove(
 ) -> Outcome[BifurcationResults]:
     """Check the theorem that `candidate` claims, given enclosures of derivatives of P, .., P^k and H.
 
-    `checklist` already holds what was established before the integration (see `prepare`); the
+    `checklist` already holds what was established before the integration (see `check_exactly`); the
     current precision of Arb is used. Every failure is a `NotProved` that names the condition. The
     times of the crossings, if given, go into the certificate. `counsel` is asked about a claim that is
     not proved and not excluded.
@@ -153,39 +153,35 @@ def prove(
     theorem = theorem_of(candidate)
     if isinstance(theorem, Reason):
         return NotProved(theorem, tuple(checklist.hypotheses))
+    problem: Problem | None = None
     try:
         problem = check_enclosures(checklist, candidate, iterates, first_integral, return_times)
+        return Proved(theorem, _check(candidate, checklist, problem), tuple(checklist.hypotheses))
     except NotEstablishedError as error:
-        return NotProved(error.reason, tuple(checklist.hypotheses))
-    try:
-        results = _check(candidate, checklist, problem)
-    except NotEstablishedError as error:
-        reason = error.reason
-        if reason.needs_precision and excludes_branches(candidate, problem):
-            matrix = f"D_(p_1, p_2) pi_q P^{candidate.k}"
-            why = f"every matrix in the interval hull of {matrix} over it is regular (section 8.2)"
-            message = f"{reason.message}; and {EXCLUDED}{why}"
-            reason = replace(reason, message=message, remedy=REMEDY, needs_precision=False, excluded=True)
-            return NotProved(reason, tuple(checklist.hypotheses))
-        hypotheses = tuple(checklist.hypotheses)
-        failure = Failure(candidate, problem, reason, hypotheses, lambda other: _check(candidate, Checklist(), other))
-        return NotProved(advised(failure, counsel), hypotheses)
+        reason = error.reason if problem is None else _why_not(candidate, checklist, problem, error.reason, counsel)
     except ArithmeticError as error:
         pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
-        reason = Reason(
-            pending,
-            f"{pending} could not be evaluated: {without_result(error)}",
-            "more precision",
-            needs_precision=True,
-        )
-        return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(theorem, results, tuple(checklist.hypotheses))
+        message = f"{pending} could not be evaluated: {without_result(error)}"
+        reason = Reason(pending, message, "more precision", needs_precision=True)
+    return NotProved(reason, tuple(checklist.hypotheses))
+
+
+def _why_not(candidate: Candidate, checklist: Checklist, problem: Problem, reason: Reason, counsel: Counsel) -> Reason:
+    """Why a claim is not proved: that it is refused for good, or the failure as a counsel tells it."""
+    if not reason.needs_precision or not excludes_branches(candidate, problem):
+        hypotheses = tuple(checklist.hypotheses)
+        failure = Failure(candidate, problem, reason, hypotheses, lambda other: _check(candidate, Checklist(), other))
+        return advised(failure, counsel)
+    matrix = f"D_(p_1, p_2) pi_q P^{candidate.k}"
+    why = f"every matrix in the interval hull of {matrix} over it is regular (section 8.2)"
+    message = f"{reason.message}; and {EXCLUDED}{why}"
+    return replace(reason, message=message, remedy=REMEDY, needs_precision=False, excluded=True)
 
 
 def prepare(candidate: Candidate, checklist: Checklist) -> None:
     """The exact hypotheses about coordinates, which need no integration."""
     check_frames(checklist, candidate)
-    if candidate.level_sign is not None or candidate.system.fixed_level is not None:
+    if candidate.uses_level:
         check_level(checklist, candidate)
     if candidate.kind == "symmetry_breaking":
         check_adapted_frames(checklist, candidate)

@@ -68,8 +68,7 @@ def check_adapted_frames(checklist: Checklist, candidate: Candidate) -> None:
             return
         signs = system.symmetries[candidate.symmetry]
         p_signs = signs_on(system, candidate.symmetry, candidate.coordinates)
-        on_level = candidate.level_sign is not None or system.fixed_level is not None
-        if on_level and system.level_coordinate is not None:
+        if candidate.uses_level and system.level_coordinate is not None:
             evidence.require(
                 signs[system.state.index(system.level_coordinate)] == 1,
                 f"S does not fix {system.level_coordinate}, the coordinate that follows from the first integral",
