@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from flint import arb
@@ -22,7 +22,6 @@ from orbitproof.verify.bifurcation.conditions import (
     excludes_branches,
     locate,
 )
-from orbitproof.verify.bifurcation.counsel import Counsel, Failure, advised, silent
 from orbitproof.verify.bifurcation.fold import check_fold
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
 from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
@@ -108,6 +107,10 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
     return tuple(names)
 
 
+Tell = Callable[[Problem, Reason], Reason]
+"""A failed condition in better words and with a better remedy; what failed is not for it to say."""
+
+
 def theorem_of(candidate: Candidate, form: Candidate | None = None) -> BifurcationTheorem | Reason:
     """The theorem that a candidate claims, or why none of those that can be checked applies.
 
@@ -141,13 +144,13 @@ def prove(
     iterates: Sequence[Sequence[DerivativeTable]],
     first_integral: DerivativeTable | None,
     return_times: Sequence[arb] = (),
-    counsel: Counsel = silent,
+    tell: Tell | None = None,
 ) -> Outcome[BifurcationResults]:
     """Check the theorem that `candidate` claims, given enclosures of derivatives of P, .., P^k and H.
 
     `checklist` already holds what was established before the integration (see `check_exactly`); the
     current precision of Arb is used. Every failure is a `NotProved` that names the condition. The
-    times of the crossings, if given, go into the certificate. `counsel` is asked about a claim that is
+    times of the crossings, if given, go into the certificate. `tell` is asked about a claim that is
     not proved and not excluded.
     """
     theorem = theorem_of(candidate)
@@ -156,9 +159,9 @@ def prove(
     problem: Problem | None = None
     try:
         problem = check_enclosures(checklist, candidate, iterates, first_integral, return_times)
-        return Proved(theorem, _check(candidate, checklist, problem), tuple(checklist.hypotheses))
+        return Proved(theorem, check(candidate, checklist, problem), tuple(checklist.hypotheses))
     except NotEstablishedError as error:
-        reason = error.reason if problem is None else _why_not(candidate, checklist, problem, error.reason, counsel)
+        reason = error.reason if problem is None else _why_not(candidate, problem, error.reason, tell)
     except ArithmeticError as error:
         pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
         message = f"{pending} could not be evaluated: {without_result(error)}"
@@ -166,12 +169,10 @@ def prove(
     return NotProved(reason, tuple(checklist.hypotheses))
 
 
-def _why_not(candidate: Candidate, checklist: Checklist, problem: Problem, reason: Reason, counsel: Counsel) -> Reason:
-    """Why a claim is not proved: that it is refused for good, or the failure as a counsel tells it."""
+def _why_not(candidate: Candidate, problem: Problem, reason: Reason, tell: Tell | None) -> Reason:
+    """Why a claim is not proved: that it is refused for good, or what failed, as it is told."""
     if not reason.needs_precision or not excludes_branches(candidate, problem):
-        hypotheses = tuple(checklist.hypotheses)
-        failure = Failure(candidate, problem, reason, hypotheses, lambda other: _check(candidate, Checklist(), other))
-        return advised(failure, counsel)
+        return reason if tell is None else reason.told(tell(problem, reason))
     matrix = f"D_(p_1, p_2) pi_q P^{candidate.k}"
     why = f"every matrix in the interval hull of {matrix} over it is regular (section 8.2)"
     message = f"{reason.message}; and {EXCLUDED}{why}"
@@ -193,7 +194,8 @@ def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
     prepare(candidate, checklist)
 
 
-def _check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
+def check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
+    """The conditions, one by one; raises `NotEstablishedError` for the first that is not shown."""
     k = candidate.k
     if candidate.kind == FOLD:
         return _results(candidate, problem, *check_fold(checklist, problem))
