@@ -39,7 +39,7 @@ from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Enclosures, IntegratorSettings, enclose_iterates
 from orbitproof.verify.poincare.coordinates import regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, stays_positive
-from orbitproof.verify.poincare.iterates import _Integration
+from orbitproof.verify.poincare.iterates import Integration
 from orbitproof.verify.poincare.section import onto_section
 
 MU = MASS_PARAMETERS["earth-moon"]
@@ -267,7 +267,7 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
         x, z, vy = (float(value) for value in candidate.centre)
         (jacobi,) = CR3BP.first_integral([x, 0.0, z, 0.0, vy, 0.0], [float(MU)])
         candidate = replace(candidate, centre=(Fraction(jacobi), *candidate.centre[:2]), radii=wide, level_sign=1)
-    integration = _Integration(candidate, IntegratorSettings(110, coordinates=REGULARISED), ORACLE, None)
+    integration = Integration(candidate, IntegratorSettings(110, coordinates=REGULARISED), ORACLE, None)
     entered = integration.returns
     assert entered.coordinates.name == KUSTAANHEIMO_STIEFEL.name
     assert CR3BP.first_integral_program is not None
@@ -285,7 +285,7 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
             arguments = [*(named.get(name, arb(0)) for name in CR3BP.state), ball(MU)]
             wanted = [*embedding.evaluate(arguments, ball, power), ball(MU)]
             wanted += CR3BP.first_integral_program.evaluate(arguments, ball, power)
-            xi = [x / scale for x, scale in zip(p, integration.scales, strict=True)]
+            xi = [x / scale for x, scale in zip(p, integration.box.scales, strict=True)]
             for series, value in zip((*entered.state, *entered.constants), wanted, strict=True):
                 assert series_at(series, Fraction(0), xi).overlaps(value)
                 assert value.rad() < 1e-60
@@ -293,7 +293,7 @@ def test_initial_values_and_the_jacobi_constant_are_enclosed_over_the_box(level:
 
 def test_each_step_starts_from_the_whole_enclosure(monkeypatch: pytest.MonkeyPatch) -> None:
     """The state and the constants of motion go into every step with their errors."""
-    integration = _Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), ORACLE, None)
+    integration = Integration(known("em1"), IntegratorSettings(110, coordinates=REGULARISED), ORACLE, None)
     running = integration.returns
     steps: list[Fraction] = []
 

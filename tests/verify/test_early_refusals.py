@@ -19,7 +19,7 @@ from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.evidence import NotProved, Proved, guarded
 from orbitproof.verify.newton import BoxFunction
 from orbitproof.verify.oracle import ORACLE, Limits, Verdict, accuracy_bits, first_precision
-from orbitproof.verify.poincare import HalfReturns, IntegratorSettings, Returns, enclose_iterates
+from orbitproof.verify.poincare import EarlyEnd, HalfReturns, IntegratorSettings, Returns, enclose_iterates
 
 DIGITS = 30
 LIMITS = Limits(max_precision=512)
@@ -117,7 +117,8 @@ def test_two_half_returns_give_the_derivatives_of_all(name: str) -> None:
     bits = first_precision(claim, DIGITS)
     with guarded(bits):
         settings = IntegratorSettings(bits, accuracy=(0, 0))
-        found = enclose_iterates(claim, settings, ORACLE, None, lambda _claim, returns: half_returns.append(returns))
+        watch = EarlyEnd(settings.accuracy, lambda _claim, returns: half_returns.append(returns))
+        found = enclose_iterates(claim, settings, ORACLE, None, watch)
         assert [len(returns.kernels) for returns in half_returns] == list(range(1, claim.k))
         problem = _problem(claim, half_returns[1])
         for i, tables in enumerate(found.iterates, start=1):

@@ -25,6 +25,7 @@ from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import (
     REGULARISED,
+    EarlyEnd,
     HalfOrbits,
     HalfReturns,
     IntegratorSettings,
@@ -92,7 +93,8 @@ def test_half_returns_are_told_apart_from_the_crossings_between_them() -> None:
     """With two crossings in a half return, those of numbers 2 and 4 are half returns, and 1 is before the first."""
     seen: list[HalfReturns] = []
     settings = IntegratorSettings(60, 16, accuracy=(0, 0))
-    found = enclose_iterates(box(3, 2), settings, ORACLE, decide=lambda _, half_returns: seen.append(half_returns))
+    watch = EarlyEnd(settings.accuracy, lambda _, half_returns: seen.append(half_returns))
+    found = enclose_iterates(box(3, 2), settings, ORACLE, watch=watch)
     rows = found.iterates
     assert [half.before for half in seen] == [rows[:1]] * 2
     assert [half.kernels for half in seen] == [(rows[1],), (rows[1], rows[3])]

@@ -24,7 +24,7 @@ from orbitproof.verify.certificate.tables import (
 from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Reason, ball_from_json
 from orbitproof.verify.oracle import ORACLE, counsel
 from orbitproof.verify.oracle.precision import first_precision, steps_of_centre
-from orbitproof.verify.poincare import PHYSICAL, Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import PHYSICAL, EarlyEnd, Enclosures, IntegratorSettings, enclose_iterates
 
 _WORDS = {
     "symmetry_breaking": "symmetry breaking",
@@ -63,7 +63,7 @@ class BifurcationRows:
     def enclose(self, candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> Enclosures:
         """As in `RowKind`."""
         decide = partial(bifurcation.check_half_returns, counsel=counsel)
-        return enclose_iterates(candidate, settings, ORACLE, progress, decide)
+        return enclose_iterates(candidate, settings, ORACLE, progress, EarlyEnd(settings.accuracy, decide))
 
     def prove(
         self, candidate: Candidate, checklist: Checklist, found: Enclosures | None

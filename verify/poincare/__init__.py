@@ -3,13 +3,13 @@
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, coordinates_of
 from orbitproof.verify.poincare.crossing import InTime
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
+from orbitproof.verify.poincare.early_end import EarlyEnd, HalfReturns
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
 from orbitproof.verify.poincare.half_orbits import HalfOrbits
 from orbitproof.verify.poincare.iterates import (
     BOX_RATIO,
     Box,
     Enclosures,
-    HalfReturns,
     IntegratorSettings,
     box_of,
     check_size,

@@ -6,10 +6,11 @@ and returns, for each, enclosures of the derivatives up to order 3 of the coordi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor, log2, log10
+from math import floor, log2, log10
+from typing import Protocol
 
 from flint import arb
 
@@ -34,7 +35,8 @@ from orbitproof.verify.poincare.returns import (
 BOX_RATIO = Fraction(1, 4)
 """The box is this fraction of the polydisc on which the orbits are enclosed (section 6)."""
 
-_LOSS_DIVISOR = 6
+LOSS_DIVISOR = 6
+"""A coefficient may lose this part of its bits per grade, and no more."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +48,7 @@ class IntegratorSettings:
         order: degree of the time expansions; `None` chooses it from the precision.
         coordinates: "physical", "regularised" (where the system has such coordinates), or "auto" for
             those in which the orbit takes less time.
-        accuracy: bits that the errors of the last crossing and of its derivative should have; if the
-            first returns show that they will not, the integration is given up early. `None` goes on
-            in any case.
+        accuracy: bits that the errors of the last crossing and of its derivative should have, for `EarlyEnd`.
     """
 
     precision: int
@@ -88,23 +88,14 @@ class Enclosures:
     coordinates: str = PHYSICAL
 
 
-@dataclass(frozen=True)
-class HalfReturns:
-    """What is known of a candidate's box after some half returns, P the map of one.
+class Watch(Protocol):
+    """Looks on while orbits are followed. What it raises passes through; whatever it does, nothing is proved by it."""
 
-    Attributes:
-        before: derivatives of the kernel coordinates at the crossings before the end of the first one.
-        kernels: those of the components of pi_q P, pi_q P^2, ..
-        image: after two of them, those of the candidate's coordinates at P^2, by name; a parameter is not among them.
-    """
+    def after_step(self, integration: Integration) -> None:
+        """After every step."""
 
-    before: tuple[tuple[DerivativeTable, ...], ...]
-    kernels: tuple[tuple[DerivativeTable, ...], ...]
-    image: Mapping[str, DerivativeTable]
-
-
-Decide = Callable[[Candidate, HalfReturns], None]
-"""Looks at half returns; raises `NotEstablishedError` if there is no point in going on."""
+    def after_return(self, integration: Integration) -> None:
+        """After every crossing but the last."""
 
 
 def grading_for(kind: str, k: int, dimension: int) -> Grading:
@@ -126,16 +117,15 @@ def enclose_iterates(
     settings: IntegratorSettings,
     oracle: Oracle,
     progress: Callable[[float], None] | None = None,
-    decide: Decide | None = None,
+    watch: Watch | None = None,
 ) -> Enclosures:
     """Enclose P, P^2, .., P^(m k) and their derivatives on the candidate's box.
 
-    `progress` is called after every step with a rough fraction of the work done, `decide` after every half
-    return but the last if the integration may be given up early; what they raise passes through.
-    Raises `IntegrationFailure` if something could not be enclosed.
+    `progress` is called after every step with a rough fraction of the work done, `watch` looks on; what they raise
+    passes through. Raises `IntegrationFailure` if something could not be enclosed.
     """
     with guarded(settings.precision):
-        return _Integration(candidate, settings, oracle, progress, decide).run()
+        return Integration(candidate, settings, oracle, progress, watch).run()
 
 
 def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTable | None:
@@ -180,107 +170,71 @@ def box_of(candidate: Candidate, bits: int, order: int) -> Box:
     return Box(arithmetic, scales, point, level)
 
 
-class _Integration:
+class Integration:
+    """The orbits of a candidate's box, followed from crossing to crossing.
+
+    Attributes:
+        returns: the orbits now.
+        crossings: how many are to be found.
+        state: the system's own state at the last of those that were.
+        iterates, return_times: of all of those, as in `Enclosures`.
+    """
+
     def __init__(
         self,
         candidate: Candidate,
         settings: IntegratorSettings,
         oracle: Oracle,
-        progress: Callable[[float], None] | None,
-        decide: Decide | None = None,
+        progress: Callable[[float], None] | None = None,
+        watch: Watch | None = None,
     ) -> None:
         order = settings.order if settings.order is not None else default_order(settings.precision)
-        box = box_of(candidate, settings.precision, order)
-        check_size(box.arithmetic.grading, box.scales)
-        self.candidate = candidate
-        self.crossings = candidate.crossings * candidate.k
-        self.progress = progress
-        self.scales = box.scales
-        self.arithmetic = box.arithmetic
-        self.first_integral = None
-        if box.level is not None and not candidate.is_family_of_maps:
-            self.first_integral = derivative_table(box.level, box.scales, BOX_RATIO)
+        self.candidate, self.progress, self.watch = candidate, progress, watch
+        self.box = box_of(candidate, settings.precision, order)
+        check_size(self.box.arithmetic.grading, self.box.scales)
+        box, self.crossings = self.box, candidate.crossings * candidate.k
         self.returns = Returns(candidate.system, box.arithmetic, box.point, oracle, settings.coordinates, box.level)
-        self.accuracy = settings.accuracy
-        self.decide = decide if settings.accuracy is not None else None
-        self.first_error_bits = (0.0, 0.0)
+        self.state: Sequence[Series] = ()
+        self.iterates: list[tuple[DerivativeTable, ...]] = []
         self.return_times: list[arb] = []
 
     def run(self) -> Enclosures:
-        iterates: list[tuple[DerivativeTable, ...]] = []
+        """Follow them to the last crossing."""
+        box, candidate = self.box, self.candidate
         for number in range(1, self.crossings + 1):
-            state = self._crossing()
-            iterates.append(self._tables(kernel_components(self.candidate.system, self.candidate.kernel_frame, state)))
-            if number < self.crossings:
-                self._decide(number, iterates, state)
-                self._check_accuracy(number)
+            self.state, time = self.returns.next_crossing(self._after_step)
+            self.return_times.append(time)
+            self._tell(number)
+            self.iterates.append(self.tables(kernel_components(candidate.system, candidate.kernel_frame, self.state)))
+            if number < self.crossings and self.watch is not None:
+                self.watch.after_return(self)
+        level = None if candidate.is_family_of_maps else box.level
         return Enclosures(
-            tuple(iterates),
-            self.first_integral,
+            tuple(self.iterates),
+            None if level is None else self.tables([level])[0],
             tuple(self.return_times),
-            self.arithmetic.degree,
-            self.arithmetic.bits,
+            box.arithmetic.degree,
+            box.arithmetic.bits,
             self.returns.steps,
             self.returns.coordinates.name,
         )
 
-    def _after_step(self, steps: int) -> None:
-        if steps == 1:
-            self.first_error_bits = self._error_bits()
+    def tables(self, elements: Sequence[Series]) -> tuple[DerivativeTable, ...]:
+        """Their derivatives on the box."""
+        return tuple(derivative_table(element, self.box.scales, BOX_RATIO) for element in elements)
+
+    def _after_step(self, _steps: int) -> None:
+        if self.watch is not None:
+            self.watch.after_step(self)
+        self._tell(len(self.return_times) + 0.5)
+
+    def _tell(self, crossings: float) -> None:
         if self.progress is not None:
-            self.progress((len(self.return_times) + 0.5) / self.crossings)
-
-    def _crossing(self) -> Sequence[Series]:
-        """The state at the next crossing."""
-        state, time = self.returns.next_crossing(self._after_step)
-        self.return_times.append(time)
-        if self.progress is not None:
-            self.progress(len(self.return_times) / self.crossings)
-        return state
-
-    def _tables(self, elements: Sequence[Series]) -> tuple[DerivativeTable, ...]:
-        return tuple(derivative_table(element, self.scales, BOX_RATIO) for element in elements)
-
-    def _decide(self, number: int, iterates: Sequence[tuple[DerivativeTable, ...]], state: Sequence[Series]) -> None:
-        half, coordinates = self.candidate.crossings, self.candidate.system.state
-        if self.decide is None or number % half:
-            return
-        names = [name for name in self.candidate.coordinates if name in coordinates] if number == 2 * half else []
-        image = dict(zip(names, self._tables([state[coordinates.index(name)] for name in names]), strict=True))
-        self.decide(self.candidate, HalfReturns(tuple(iterates[: half - 1]), tuple(iterates[half - 1 :: half]), image))
-
-    def _error_bits(self) -> tuple[float, float]:
-        """Bits of the worst error of the state and of its derivative in the variable of weight 1."""
-        linear = min(
-            _log2(scale)
-            for scale, weight in zip(self.scales, self.arithmetic.grading.weights, strict=True)
-            if weight == 1
-        )
-        value = max(log2(x.errors[0]) for x in self.returns.state)
-        return -value, -max(value, max(log2(x.errors[1]) for x in self.returns.state) - linear)
-
-    def _check_accuracy(self, number: int) -> None:
-        """Give up if the errors, growing as they did so far, would exceed what the last crossing needs.
-
-        Errors differ between the two ends of a half return; after two returns they compare best.
-        """
-        last = self.crossings
-        if self.accuracy is None or number != min(2, last - 1):
-            return
-        missing = 0
-        for begin, now, wanted in zip(self.first_error_bits, self._error_bits(), self.accuracy, strict=True):
-            missing = max(missing, ceil(wanted - begin + (begin - now) * last / number))
-        if missing > 0:
-            raise IntegrationFailure(
-                "precision",
-                f"{self.arithmetic.bits} bits are too few: at the last crossing {missing} would be missing",
-                "give `max_precision` more",
-                needs_precision=True,
-                enough_precision=self.arithmetic.bits + 8 + missing * _LOSS_DIVISOR // (_LOSS_DIVISOR - 1),
-            )
+            self.progress(crossings / self.crossings)
 
 
-def _log2(value: Fraction) -> float:
+def log2_of(value: Fraction) -> float:
+    """log2(value), however small or large the value is."""
     return log2(value.numerator) - log2(value.denominator)
 
 
@@ -296,7 +250,7 @@ def check_size(grading: Grading, scales: Sequence[Fraction]) -> None:
         raise IntegrationFailure(
             "radii",
             f"errors are bounded by floats of at least 2^{round(log2(LEAST_ERROR))}, more than the derivatives that "
-            f"count add up to on a box with R_1 = 10^{_log2(scales[1] * BOX_RATIO) * log10(2):.0f}",
+            f"count add up to on a box with R_1 = 10^{log2_of(scales[1] * BOX_RATIO) * log10(2):.0f}",
             "give larger radii: no precision helps",
         )
 
@@ -307,8 +261,8 @@ def grade_bits(grading: Grading, scales: Sequence[Fraction], bits: int) -> tuple
     Scaled initial values of a variable of weight w are about 2^-(w s); with s - d further bits per
     grade, grade g keeps about bits - g d significant bits.
     """
-    logs = [-_log2(scale) / weight for scale, weight in zip(scales, grading.weights, strict=True)]
-    spare = bits // _LOSS_DIVISOR
+    logs = [-log2_of(scale) / weight for scale, weight in zip(scales, grading.weights, strict=True)]
+    spare = bits // LOSS_DIVISOR
     size = max(0, floor(max(logs)))
     loss = min(size, spare)
     return size - loss, loss
