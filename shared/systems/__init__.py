@@ -14,21 +14,10 @@ from orbitproof.shared.systems.hill import HILL
 from orbitproof.shared.systems.known import FALKNER_SKAN, MASS_PARAMETERS, SYSTEMS
 from orbitproof.shared.systems.level_in_floats import on_level
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
-from orbitproof.shared.systems.names import (
-    ID,
-    ID_IN_WORDS,
-    IDENTIFIER,
-    LINE,
-    PIECE,
-    PIECE_IN_WORDS,
-    SYSTEM,
-    TITLE,
-    fits,
-    is_title,
-    shown,
-)
+from orbitproof.shared.systems.names import ID, ID_IN_WORDS, IDENTIFIER, LINE, PIECE, PIECE_IN_WORDS, fits
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
 from orbitproof.shared.systems.system import DerivedParameter, FixedLevel, ParameterRange, ReversibleSystem, System
 from orbitproof.shared.systems.three_body import CR3BP, CR3BP_AXIAL, THREE_BODY
+from orbitproof.shared.systems.titles import SYSTEM, TITLE, is_title, shown

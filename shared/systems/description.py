@@ -17,10 +17,11 @@ from typing import Any
 
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
-from orbitproof.shared.systems.names import IDENTIFIER, LONGEST_TITLE, SYSTEM, fits, is_title
+from orbitproof.shared.systems.names import IDENTIFIER, fits
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
 from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
+from orbitproof.shared.systems.titles import LONGEST_TITLE, SYSTEM, is_title
 from orbitproof.shared.wording import counted
 
 _OPTIONAL = (

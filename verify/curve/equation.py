@@ -16,7 +16,7 @@ from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series, recentred, values_around
 from orbitproof.verify.evidence import enclose
-from orbitproof.verify.poincare import HalfOrbits, Oracle
+from orbitproof.verify.poincare import HalfOrbits, WideOracle
 
 BEYOND = Fraction(17, 16)
 TUBE = Fraction(1, 2)
@@ -79,7 +79,7 @@ class HalfReturn:
         start: Mapping[str, Series],
         widths: Sequence[Fraction],
         coordinates: str,
-        oracle: Oracle,
+        oracle: WideOracle,
         begun: Callable[[str], None] | None = None,
         progress: Callable[[int], None] | None = None,
         crossings: int = 1,

@@ -24,14 +24,14 @@ from orbitproof.verify.evidence import (
     is_positive,
     total,
 )
-from orbitproof.verify.poincare import HalfOrbits, Oracle, default_order
+from orbitproof.verify.poincare import HalfOrbits, WideOracle, default_order
 
 _LEAST_BITS = 96
 _SPARE_BITS = 16
 
 
 def enclose_other_point(
-    oracle: Oracle,
+    oracle: WideOracle,
     system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
     point: Mapping[str, arb],
@@ -62,7 +62,7 @@ def _half_return(
     given: Mapping[str, Fraction],
     point: Mapping[str, arb],
     arithmetic: Arithmetic,
-    oracle: Oracle,
+    oracle: WideOracle,
     crossings: int,
 ) -> dict[str, arb] | None:
     known = {name: _constant(arithmetic, ball) for name, ball in point.items()}

@@ -43,7 +43,7 @@ from orbitproof.verify.evidence import (
     is_inside,
 )
 from orbitproof.verify.newton import is_regular, newton_image
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Oracle
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, WideOracle
 
 Progress = Callable[[float], None]
 
@@ -93,7 +93,7 @@ def prove_piece(
     parameters: Mapping[str, Fraction],
     piece: Piece,
     interval: Interval,
-    oracle: Oracle,
+    oracle: WideOracle,
     limits: PieceLimits | None = None,
     progress: Progress | None = None,
     symmetry: str | None = None,
@@ -129,7 +129,7 @@ class _Proof:
     parameters: Mapping[str, Fraction]
     piece: Piece
     asked: Interval
-    oracle: Oracle
+    oracle: WideOracle
     limits: PieceLimits
     symmetry: str | None
     slope_bits: int = SLOPE_BITS

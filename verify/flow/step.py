@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 from flint import fmpz
 
-from orbitproof.verify.algebra import Arithmetic, GradedNorm, PreparedProgram, Series, fraction_above, inflate
+from orbitproof.verify.algebra import GradedNorm, PreparedProgram, Series, fraction_above, inflate
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow.expansion import Expansion
 from orbitproof.verify.flow.field_along import FieldAlong
@@ -78,7 +78,7 @@ def enclose_step(along: FieldAlong, step: Fraction) -> FlowStep:
         [inflate(e + d) for e, d in zip(x.errors, _defect(solution, slope, step), strict=True)]
         for x, solution, slope in zip(state, exact, field, strict=True)
     ]
-    bound, slopes = _tube(along.program, along.arithmetic, exact, along.parameters, sources, step)
+    bound, slopes = _tube(along, exact, sources, step)
     solution = tuple(x.with_errors(errors) for x, errors in zip(exact, bound, strict=True))
     return FlowStep(solution, tuple(slopes), tuple(x.at_end() for x in solution))
 
@@ -101,23 +101,19 @@ def _defect(solution: Series, field: Series, step: Fraction) -> GradedNorm:
 
 @np.errstate(over="ignore", invalid="ignore")
 def _tube(
-    program: PreparedProgram,
-    arithmetic: Arithmetic,
-    solution: Sequence[Series],
-    parameters: Sequence[Series],
-    sources: Sequence[GradedNorm],
-    step: Fraction,
+    along: FieldAlong, solution: Sequence[Series], sources: Sequence[GradedNorm], step: Fraction
 ) -> tuple[list[GradedNorm], list[Series]]:
     """Errors that hold on the whole step, and the vector field on the tube (section 4.3)."""
+    arithmetic = along.arithmetic
     coarse = norm_arithmetic(arithmetic)
     slots = arithmetic.grading.top + 2
     size = len(solution)
     start = np.array(sources)
-    constants = [centre_and_norms(coarse, p, arithmetic.zero_errors()) for p in parameters]
+    constants = [centre_and_norms(coarse, p, arithmetic.zero_errors()) for p in along.parameters]
     tube = 16.0 * start + 2.0**-950
     for _ in range(_ATTEMPTS):
         inputs = [centre_and_norms(coarse, x, [float(t) for t in row]) for x, row in zip(solution, tube, strict=True)]
-        derivatives, slopes = derivative_bounds(program, size, [*inputs, *constants])
+        derivatives, slopes = derivative_bounds(along.program, size, [*inputs, *constants])
         bound = start.reshape(-1)
         for matrix in comparison_matrices(derivatives, slots):
             # What underflows in the product is less than what is added, however small the step.

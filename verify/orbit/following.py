@@ -21,7 +21,7 @@ from orbitproof.verify.poincare import (
     HalfOrbits,
     IntegratorSettings,
     InTime,
-    Oracle,
+    WideOracle,
     at_start,
     box_of,
     check_size,
@@ -78,7 +78,10 @@ class OrbitEnclosures:
 
 
 def enclose_orbit(
-    candidate: Candidate, settings: IntegratorSettings, oracle: Oracle, progress: Callable[[float], None] | None = None
+    candidate: Candidate,
+    settings: IntegratorSettings,
+    oracle: WideOracle,
+    progress: Callable[[float], None] | None = None,
 ) -> OrbitEnclosures:
     """Follow the box of a candidate to the other point on Fix(R) and on to the first one again.
 
@@ -94,7 +97,12 @@ def enclose_orbit(
 
 class _HalfOrbits:
     def __init__(
-        self, candidate: Candidate, box: Box, coordinates: str, oracle: Oracle, progress: Callable[[float], None] | None
+        self,
+        candidate: Candidate,
+        box: Box,
+        coordinates: str,
+        oracle: WideOracle,
+        progress: Callable[[float], None] | None,
     ) -> None:
         self.candidate = candidate
         self.system = candidate.system

@@ -12,7 +12,7 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure, NotKnown
 from orbitproof.verify.functions import BoundedFunction, StoredFunction, error_of, known_part, restricted
-from orbitproof.verify.poincare import HalfOrbits, Oracle
+from orbitproof.verify.poincare import HalfOrbits, WideOracle
 
 _VARIATIONS = ("w_1", "w_1'", "w_2", "w_2'")
 _START = (1, 0, 0, 1)
@@ -71,7 +71,7 @@ def variations_across(
     start: Mapping[str, Series],
     share: Fraction,
     crossings: int,
-    oracle: Oracle,
+    oracle: WideOracle,
     progress: Callable[[int], None] | None = None,
 ) -> VariationFunctions | NotKnown:
     """The entries of V as functions of tau, or why they are not known.

@@ -5,7 +5,7 @@ from orbitproof.verify.poincare.crossing import InTime
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.early_end import EarlyEnd, HalfReturns
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
-from orbitproof.verify.poincare.half_orbits import HalfOrbits
+from orbitproof.verify.poincare.half_orbits import HalfOrbits, WideOracle
 from orbitproof.verify.poincare.iterates import (
     BOX_RATIO,
     Box,

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, Protocol
 
 from flint import arb
 
 from orbitproof.shared.systems import Program, Regularisation, ReversibleSystem, record
-from orbitproof.verify.algebra import Arithmetic, Series, evaluate, prepare
+from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, evaluate, prepare
 from orbitproof.verify.evidence import IntegrationFailure, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep
 from orbitproof.verify.poincare.crossing import CrossingCounter, range_of
@@ -31,6 +31,24 @@ def wide_parts(number: int) -> list[arb]:
     return [(arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
 
 
+class WideOracle(Oracle, Protocol):
+    """What may be asked besides about orbits over a wide variable (section 5.3)."""
+
+    def return_times(
+        self,
+        program: PreparedProgram,
+        arithmetic: Arithmetic,
+        section: int,
+        state: Sequence[Series],
+        constants: Sequence[Series],
+    ) -> list[Fraction] | None:
+        """Coefficients of 1, s, s^2, .. of the time of the first return divided by that at s = 0; `None` if not found.
+
+        Args:
+            section: index of the section coordinate, which vanishes at the start.
+        """
+
+
 class HalfOrbits(Returns):
     """As `Returns`, the wide variable in parts.
 
@@ -44,12 +62,13 @@ class HalfOrbits(Returns):
         system: ReversibleSystem,
         arithmetic: Arithmetic,
         point: Mapping[str, Series],
-        oracle: Oracle,
+        oracle: WideOracle,
         coordinates: str = AUTO,
         level: Series | None = None,
     ) -> None:
         """As for `Returns`."""
         super().__init__(system, arithmetic, point, oracle, coordinates, level)
+        self.wide_oracle = oracle
         self.rate: Series | None = None
         if arithmetic.width:
             self.counters = [CrossingCounter(part) for part in wide_parts(WIDE_PARTS)]
@@ -62,7 +81,7 @@ class HalfOrbits(Returns):
         """A positive element by which the vector field is multiplied so that wide orbits return about together."""
         arithmetic, coordinates = self.arithmetic, self.coordinates
         program, section = coordinates.program, coordinates.section
-        powers = self.oracle.return_times(program, arithmetic, section, self.state, self.constants)
+        powers = self.wide_oracle.return_times(program, arithmetic, section, self.state, self.constants)
         if powers is None or sum(map(abs, powers[1:])) < _NEGLIGIBLE_CHANGE:
             return None
         rate = arithmetic.polynomial({arithmetic.grading.monomials[0]: powers})

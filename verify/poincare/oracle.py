@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from typing import Protocol
 
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series
@@ -18,20 +17,6 @@ class Oracle(Protocol):
         self, program: PreparedProgram, arithmetic: Arithmetic, state: Sequence[Series], parameters: Sequence[Series]
     ) -> Expansion:
         """The solutions of x' = f(x, parameters) from a state, expanded in time."""
-
-    def return_times(
-        self,
-        program: PreparedProgram,
-        arithmetic: Arithmetic,
-        section: int,
-        state: Sequence[Series],
-        constants: Sequence[Series],
-    ) -> list[Fraction] | None:
-        """Coefficients of 1, s, s^2, .. of the time of the first return divided by that at s = 0; `None` if not found.
-
-        Args:
-            section: index of the section coordinate, which vanishes at the start.
-        """
 
     def regularised_steps(
         self,

@@ -47,7 +47,7 @@ from orbitproof.verify.functions import (
     slope,
 )
 from orbitproof.verify.out_of_plane import VariationFunctions, variations_across
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, HalfOrbits, Oracle, first_integral, initial_values
+from orbitproof.verify.poincare import PHYSICAL, REGULARISED, HalfOrbits, WideOracle, first_integral, initial_values
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import in_own_units
@@ -117,7 +117,7 @@ class TubeOfOrbits:
     interval: Interval
     limits: PieceLimits
     coordinates: str
-    oracle: Oracle
+    oracle: WideOracle
     symmetry: str | None = None
     crossings: int = 1
 

@@ -19,7 +19,7 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic, plus, recentred, values_around
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, enclose, guarded
-from orbitproof.verify.poincare import HalfOrbits, Oracle, first_integral, kernel_components, table_of
+from orbitproof.verify.poincare import HalfOrbits, WideOracle, first_integral, kernel_components, table_of
 
 _RATIO = Fraction(1, 2)
 """The box is this fraction of the polydisc on which the orbits are enclosed: large boxes ask for a large one."""
@@ -92,7 +92,7 @@ def enclose_surface(
     piece: SurfacePiece,
     interval: Interval,
     limits: SurfaceLimits,
-    oracle: Oracle,
+    oracle: WideOracle,
     progress: Callable[[float], None] | None = None,
 ) -> SurfaceReturn:
     """Follow the orbits of the piece, s in `interval`, to the first return; raises `IntegrationFailure`.
@@ -108,7 +108,7 @@ def _enclose(
     piece: SurfacePiece,
     interval: Interval,
     limits: SurfaceLimits,
-    oracle: Oracle,
+    oracle: WideOracle,
     progress: Callable[[float], None] | None,
 ) -> SurfaceReturn:
     if system.first_integral is None or system.normalised or system.derived_parameters:

@@ -29,7 +29,7 @@ from orbitproof.verify.evidence import (
     is_inside,
     power,
 )
-from orbitproof.verify.poincare import PHYSICAL, HalfOrbits, Oracle
+from orbitproof.verify.poincare import PHYSICAL, HalfOrbits, WideOracle
 from orbitproof.verify.surface.half_return import SurfaceLimits
 
 BOX = Fraction(7, 8)
@@ -91,7 +91,7 @@ def read_sizes(piece: LibrationPiece, result: IntervalResult) -> ProvedSizes | s
 def prove_libration_piece(
     piece: LibrationPiece,
     interval: Interval,
-    oracle: Oracle,
+    oracle: WideOracle,
     limits: SurfaceLimits | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> PieceResult[ProvedSizes]:
@@ -138,7 +138,7 @@ def _half_return(
     piece: LibrationPiece,
     interval: Interval,
     limits: SurfaceLimits,
-    oracle: Oracle,
+    oracle: WideOracle,
     progress: Callable[[float], None] | None,
 ) -> tuple[Series, arb, int]:
     """q at the first return as an element in (sigma, b, vy), the half periods, and the number of steps."""

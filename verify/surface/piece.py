@@ -27,7 +27,7 @@ from orbitproof.verify.evidence import (
     exact_interval_text,
     guarded,
 )
-from orbitproof.verify.poincare import Oracle
+from orbitproof.verify.poincare import WideOracle
 from orbitproof.verify.surface.half_return import SurfaceLimits, SurfaceReturn, enclose_surface
 from orbitproof.verify.surface.proved_parts import ProvedPart, ProvedParts
 
@@ -67,7 +67,7 @@ def prove_surface_piece(
     system: ReversibleSystem,
     piece: SurfacePiece,
     interval: Interval,
-    oracle: Oracle,
+    oracle: WideOracle,
     limits: SurfaceLimits | None = None,
     progress: Callable[[float], None] | None = None,
     symmetry: str = "S",
