@@ -316,6 +316,7 @@ def resonances(
     *,
     folds: bool = False,
     points: str = "one",
+    sampling_timeout: float = 600.0,
     quiet: bool = False,
 ) -> list[ResonantOrbit]:
     """The orbits of a family at which it is in 1:k resonance, for k = 1 those at which its symmetry breaks.
@@ -325,6 +326,7 @@ def resonances(
         folds: whether the extrema of the family parameter or first integral along the family are wanted too.
         points: "one", "distinct" or "all": whether a claim about the other point of an orbit on Fix(R) is wanted too,
             where new orbits appear at both.
+        sampling_timeout: seconds after which the stability is not sampled further along the family.
         quiet: nothing on standard error.
 
     Returns them in order along the family; an empty list where there are none. Places at which it cannot be told
@@ -341,7 +343,7 @@ def resonances(
         wanted = [value for value in wanted if value > 1]
     with Reporter(quiet) as report:
         report.stage(f"{family.name}: resonances")
-        detection = detect(traced.family, wanted, with_folds=folds)
+        detection = detect(traced.family, wanted, with_folds=folds, timeout=sampling_timeout)
         for line in detection.undecided:
             report.message(line)
     return [

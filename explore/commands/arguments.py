@@ -20,7 +20,7 @@ from orbitproof.explore.commands import (
     refine,
     trajectory,
 )
-from orbitproof.explore.families import CONTROL
+from orbitproof.explore.families import CONTROL, SAMPLING_TIMEOUT
 from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS
 from orbitproof.shared.systems import MASS_PARAMETERS
 
@@ -239,6 +239,14 @@ def _family_options(target: argparse.ArgumentParser) -> None:
         "--until-tangency",
         action="store_true",
         help="end a family where an orbit touches the section and the number of its crossings changes",
+    )
+    target.add_argument(
+        "--sampling-timeout",
+        type=common.positive,
+        default=SAMPLING_TIMEOUT,
+        metavar="S",
+        help="seconds after which the stability of a family is not sampled further for resonances; what was found is "
+        "kept (default: %(default)s)",
     )
     common.add_jobs(target, ": families traced and points refined at the same time")
     common.add_quiet(target)

@@ -393,6 +393,8 @@ def _lines(item: TracedFamily) -> list[str]:
             ", ".join(f"{value.real:.10g}" if value.imag == 0 else f"{value:.10g}" for value in orbit.stability),
         )
     )
+    if orbit.derivative is not None:
+        rows[-1] = (rows[-1][0], f"{rows[-1][1]}   (float64, error about {orbit.derivative.error:.0e})")
     if problem.symmetry is not None:
         rows.append(("symmetry", problem.symmetry))
     width = max(len(title) for title, _ in rows)

@@ -5,6 +5,7 @@ from .continuation import in_fixed_space as in_fixed_space
 from .continuation import tangency as tangency
 from .conversion import family_of as family_of
 from .conversion import family_record as family_record
+from .detection import SAMPLING_TIMEOUT as SAMPLING_TIMEOUT
 from .detection import LocatedResonance as LocatedResonance
 from .detection import detect as detect
 from .detection import kind_of as kind_of

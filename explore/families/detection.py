@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import groupby
 
 import numpy as np
@@ -20,7 +21,7 @@ from orbitproof.explore.families.continuation import Course, Family, Start, Stop
 from orbitproof.explore.families.stability_curve import Extremum, StabilityCurve
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.names import resonant_values
-from orbitproof.explore.numerics import Samples, find_zeros
+from orbitproof.explore.numerics import Samples, Touch, bracketed_zero, find_zeros
 from orbitproof.explore.orbits import (
     CorrectionFailure,
     ShootingProblem,
@@ -31,6 +32,9 @@ from orbitproof.explore.orbits import (
 from orbitproof.shared.formats import FOLD
 
 BREAKS = "the symmetry breaks"
+
+SAMPLING_TIMEOUT = 600.0
+"""Seconds for sampling the stability along a family, unless told otherwise."""
 
 _LOST_RANK = 1e-2
 """Smallest singular value beside that of the orbits on both sides; it falls in proportion to the distance."""
@@ -83,12 +87,14 @@ class Detection:
         samples: orbits along the family, between which no resonance can hide; see `explore.families.stability_curve`.
             Empty if only symmetry breakings were asked for.
         extrema: of the stability parameters, the places where two further resonances might have been missed.
+        error: an estimate of how far float64 may be off in the stability parameters of the samples.
     """
 
     resonances: tuple[LocatedResonance, ...]
     undecided: tuple[str, ...]
     samples: tuple[SymmetricOrbit, ...] = ()
     extrema: tuple[Extremum, ...] = ()
+    error: float = 0.0
 
 
 def kind_of(k: int) -> str:
@@ -106,6 +112,7 @@ def detect(
     multiplicities: Iterable[int],
     *,
     with_folds: bool = False,
+    timeout: float = SAMPLING_TIMEOUT,
     progress: Callable[[float], None] | None = None,
 ) -> Detection:
     """All 1:k resonances of a family for the given k, and for k = 1 its symmetry breakings.
@@ -113,6 +120,7 @@ def detect(
     Arguments:
         multiplicities: the k to look for, each at least 1.
         with_folds: whether to look for folds as well.
+        timeout: seconds after which the stability is not sampled further along the family.
         progress: called with the arclength that has been searched.
     """
     wanted = sorted(set(multiplicities))
@@ -123,14 +131,17 @@ def detect(
     if with_folds:
         found += folds(family)
     orbits: tuple[SymmetricOrbit, ...] = ()
+    error = 0.0
     extrema: list[Extremum] = []
     if any(k > 1 for k in wanted):
         family, unresolved = resolved_part(family)
         undecided += unresolved
     if any(k > 1 for k in wanted) and len(family.orbits) > 1:
-        curve = StabilityCurve(family)
+        curve = StabilityCurve(family, timeout)
         samples = curve.samples(progress)
-        for k in wanted:
+        undecided += curve.left_out(samples)
+        error = curve.error(samples)
+        for k in wanted if len(samples.places) > 1 else ():
             for value in resonant_values(k) if k > 1 else ():
                 more, unclear = _tuplings(curve, samples, k, value)
                 found += more
@@ -139,7 +150,7 @@ def detect(
         orbits = curve.orbits(samples, extrema)
         undecided += curve.unknown
     found.sort(key=lambda resonance: resonance.orbit.arclength)
-    return Detection(tuple(found), tuple(undecided), orbits, tuple(extrema))
+    return Detection(tuple(found), tuple(undecided), orbits, tuple(extrema), error)
 
 
 def resolved_part(family: Family) -> tuple[Family, list[str]]:
@@ -186,12 +197,46 @@ def _tuplings(
         assert orbit.derivative is not None
         sides = tupling_sides(orbit.derivative, k)
         found.append(LocatedResonance(k, kind_of(k), None, orbit, sides[0], len(sides) > 1, value))
+    undecided = zeros.undecided
+    if k == 2:
+        doublings = {touch: _doublings(curve, samples, touch) for touch in undecided}
+        found += [each for several in doublings.values() for each in several]
+        undecided = tuple(touch for touch in undecided if not doublings[touch])
     unclear = [
         f"a stability parameter comes within {abs(touch.value):.1e} of {value:.6g} (k = {k}) and may or may not "
         f"reach it ({describe(family.problem, curve.orbit(touch.place))})"
-        for touch in zeros.undecided
+        for touch in undecided
     ]
     return found, unclear
+
+
+def _doublings(curve: StabilityCurve, samples: Samples, touch: Touch) -> list[LocatedResonance]:
+    """The 1:2 resonance where a stability parameter touches -1, as on straight orbits: both its factors change sign.
+
+    Empty where neither does next to the touch.
+    """
+    problem = curve.family.problem
+    index = int(np.searchsorted(samples.places, touch.place))
+    low, high = samples.places[max(index - 1, 0)], samples.places[min(index + 1, len(samples.places) - 1)]
+    if low == touch.place:
+        low = samples.places[max(index - 2, 0)]
+
+    def value(arclength: float, side: Side) -> float:
+        derivative = problem.with_derivative(curve.orbit(arclength)).derivative
+        assert derivative is not None
+        return derivative.doubling_value(side)
+
+    places: dict[Side, float] = {}
+    for side in ("first", "second"):
+        ends = value(low, side), value(high, side)
+        if (ends[0] < 0) != (ends[1] < 0):
+            tolerance = 4e-13 * max(1.0, abs(high))
+            places[side] = bracketed_zero(partial(value, side=side), (low, high), ends, tolerance)
+    if not places:
+        return []
+    side = next(iter(places))
+    orbit = problem.with_derivative(curve.orbit(places[side]))
+    return [LocatedResonance(2, kind_of(2), None, orbit, side, len(places) > 1, -1.0)]
 
 
 def symmetry_breakings(family: Family) -> list[LocatedResonance]:

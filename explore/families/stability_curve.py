@@ -8,9 +8,11 @@ values says how far the family is from a pair of further resonances there.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 
@@ -55,8 +57,10 @@ class Extremum:
 class StabilityCurve:
     """The orbits of a family and their stability as a function of the arclength, each computed once."""
 
-    def __init__(self, family: Family) -> None:
+    def __init__(self, family: Family, timeout: float = inf) -> None:
         self.family = family
+        self.timeout = timeout
+        self._end = time.monotonic() + timeout
         self._failures: dict[float, str] = {}
         self._orbits = {orbit.arclength: orbit for orbit in family.orbits}
 
@@ -88,8 +92,46 @@ class StabilityCurve:
 
     def samples(self, progress: Callable[[float], None] | None = None) -> Samples:
         """The coefficients, sampled as the module's text says."""
-        coarse = resolve(self.coefficients, self.family.arclengths, progress=progress)
-        return subdivide(self.coefficients, coarse, lambda low, high: largest_change(low, high) <= MAX_CHANGE)
+        length = self.family.arclengths[-1]
+
+        def first_half(place: float) -> None:
+            if progress is not None:
+                progress(place / 2)
+
+        def second_half(place: float) -> None:
+            if progress is not None:
+                progress((length + place) / 2)
+
+        coarse = resolve(self.coefficients, self.family.arclengths, progress=first_half, stop=self._is_late)
+        return subdivide(
+            self.coefficients,
+            coarse,
+            lambda low, high: largest_change(low, high) <= MAX_CHANGE,
+            progress=second_half,
+            stop=self._is_late,
+        )
+
+    def _is_late(self) -> bool:
+        return time.monotonic() > self._end
+
+    def left_out(self, samples: Samples) -> tuple[str, ...]:
+        """What a time limit left out of the samples, in one line; empty if nothing."""
+        if samples.places[-1] >= self.family.arclengths[-1]:
+            return ()
+        return (
+            f"no resonances are looked for beyond arclength {samples.places[-1]:.6g} of "
+            f"{self.family.arclengths[-1]:.6g}: sampling ended after {self.timeout:g} s; give --sampling-timeout more, "
+            "or a shorter part of the family",
+        )
+
+    def error(self, samples: Samples) -> float:
+        """The largest estimate of the error of a stability parameter in the band, by rounding and truncation."""
+        errors = [0.0]
+        for place, value in zip(samples.places, samples.values, strict=True):
+            orbit = self._orbits.get(place)
+            if orbit is not None and orbit.derivative is not None and np.any(np.abs(_roots(value)) <= BAND):
+                errors.append(orbit.derivative.error)
+        return max(errors)
 
     def orbits(self, samples: Samples, extrema: Sequence[Extremum]) -> tuple[SymmetricOrbit, ...]:
         """The orbits at the samples, at the extrema and around those close to a resonance, by arclength.

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.detection import Detection, detect
+from orbitproof.explore.families.detection import SAMPLING_TIMEOUT, Detection, detect
 from orbitproof.explore.families.first_orbits import first_family
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import FamilyFailure, continue_both_ways, continue_family, trace_family
@@ -36,6 +36,7 @@ class TraceTask:
         both_ways: whether that part is continued at both of its ends.
         first: an approximate first orbit, in place of `start`, for a family that has no name of its own.
         control: steps and tolerances.
+        sampling_timeout: seconds for sampling the stability.
     """
 
     system: ReversibleSystem
@@ -50,6 +51,7 @@ class TraceTask:
     both_ways: bool = False
     first: FirstOrbit | None = None
     control: StepControl = CONTROL
+    sampling_timeout: float = SAMPLING_TIMEOUT
 
     @property
     def title(self) -> str:
@@ -133,7 +135,9 @@ def trace_task(task: TraceTask, progress: Progress) -> Traced:
             def searching(place: float) -> None:
                 progress("resonances", TRACING_SHARE + (1 - TRACING_SHARE) * place / length)
 
-            detection = detect(family, task.multiplicities, with_folds=task.folds, progress=searching)
+            detection = detect(
+                family, task.multiplicities, with_folds=task.folds, timeout=task.sampling_timeout, progress=searching
+            )
             item = replace(item, detection=detection)
         return result()
     except (FamilyFailure, CorrectionFailure) as error:

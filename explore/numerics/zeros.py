@@ -56,12 +56,14 @@ def resolve(
     *,
     depth: int = 6,
     progress: Callable[[float], None] | None = None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Samples:
     """Sample a vector function densely enough for cubic interpolation between the samples.
 
     Each interval between `nodes` (increasing, at least two) is halved, at most `depth` times, until
     the value at its middle agrees with the one interpolated from nearby samples within `RESOLUTION`.
-    The middles become samples too. `progress` is called with each place reached.
+    The middles become samples too. `progress` is called with each place reached; once `stop` says so, the samples end
+    with the place that was reached.
     """
     known = [np.atleast_1d(np.asarray(function(place), dtype=float)) for place in nodes]
     places, values = [float(nodes[0])], [known[0]]
@@ -80,6 +82,8 @@ def resolve(
         return [*halve(low, middle, finer, left - 1), (middle, value), *halve(middle, high, finer, left - 1)]
 
     for index in range(len(nodes) - 1):
+        if stop():
+            break
         first = max(0, min(index - 1, len(nodes) - 4))
         nearby = Samples(tuple(nodes[first : first + 4]), tuple(known[first : first + 4]))
         for place, value in [
@@ -99,12 +103,17 @@ def subdivide(
     close: Callable[[Vector, Vector], bool],
     *,
     depth: int = 12,
+    progress: Callable[[float], None] | None = None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Samples:
-    """Samples with middles added until neighbouring values are `close`; an interval is halved at most `depth` times."""
+    """Samples with middles added until neighbouring values are `close`; an interval is halved at most `depth` times.
+
+    `progress` and `stop` as for `resolve`; the interval in which they end is left out.
+    """
     places, values = [samples.places[0]], [samples.values[0]]
 
     def fill(low: float, first: Vector, high: float, last: Vector, left: int) -> None:
-        if left > 0 and not close(first, last):
+        if left > 0 and not close(first, last) and not stop():
             middle = 0.5 * (low + high)
             value = np.atleast_1d(np.asarray(function(middle), dtype=float))
             fill(low, first, middle, value, left - 1)
@@ -114,7 +123,12 @@ def subdivide(
         values.append(last)
 
     for index in range(len(samples.places) - 1):
+        count = len(places)
         fill(samples.places[index], samples.values[index], samples.places[index + 1], samples.values[index + 1], depth)
+        if stop():
+            return Samples(tuple(places[:count]), tuple(values[:count]))
+        if progress is not None:
+            progress(samples.places[index + 1])
     return Samples(tuple(places), tuple(values))
 
 

@@ -35,6 +35,9 @@ Side = Literal["first", "second"]
 SMALLEST_VALUE = 1e-15
 """Singular values of DP below this fraction of the largest are rounding errors."""
 
+ACCURACY = 1e-12
+"""Of the entries of DP, relative to the largest, as it comes from an integration."""
+
 LARGEST_CONDITION = 1e11
 """Condition number of DP beyond which stability parameters have no certain digit, given the integration's accuracy."""
 
@@ -56,6 +59,14 @@ class HalfReturn:
     def resolved(self) -> bool:
         """Whether rounding errors leave anything of the inverse."""
         return bool(np.linalg.cond(self.derivative) < LARGEST_CONDITION)
+
+    @property
+    def error(self) -> float:
+        """An estimate of the error of a stability parameter, relative where its magnitude exceeds 1.
+
+        The inverse magnifies the errors of DP by its condition number.
+        """
+        return ACCURACY * float(np.linalg.cond(self.derivative))
 
     @property
     def inverse(self) -> Matrix:
@@ -88,10 +99,19 @@ class HalfReturn:
         Smallest over largest singular value of d' (first point) or d (second point); for n = 1
         the magnitude of the entry.
         """
-        size = self.fixed_dimension
-        block = (self.inverse if side == "first" else self.derivative)[size:, size:]
-        values = np.linalg.svd(block, compute_uv=False)
+        values = np.linalg.svd(self._doubling_block(side), compute_uv=False)
         return float(values[-1] / values[0]) if len(values) > 1 else float(values[0])
+
+    def doubling_value(self, side: Side) -> float:
+        """det d' (first point) or det d (second point), whose zeros are the 1:2 resonances there.
+
+        det(Sigma + 1) is 2^n times their product, and does not change sign where both vanish at once.
+        """
+        return float(np.linalg.det(self._doubling_block(side)))
+
+    def _doubling_block(self, side: Side) -> Matrix:
+        size = self.fixed_dimension
+        return (self.inverse if side == "first" else self.derivative)[size:, size:]
 
 
 def half_return(system: ReversibleSystem, flow: FlowResult) -> HalfReturn:

@@ -35,6 +35,9 @@ from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import FALKNER_SKAN, THREE_BODY, ReversibleSystem, shown
 from orbitproof.shared.wording import counted
 
+_WORTH_TELLING = 1e-9
+"""An error of a stability parameter from which on it is told: resonances are located as exactly as that."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -173,6 +176,7 @@ def _trace_task(
         multiplicities=request.multiplicities if multiplicities is None else multiplicities,
         folds=request.options.folds,
         control=request.control,
+        sampling_timeout=request.options.sampling_timeout,
         **more,
     )
 
@@ -217,9 +221,10 @@ def _density(item: TracedFamily) -> str:
     if not samples:
         return ""
     change = largest_changes([orbit.coefficients[1:] for orbit in samples])
-    return (
-        f"; {counted(len(samples), 'sample')}, stability parameters in [-{BAND}, {BAND}] change by {change:.2g} at most"
-    )
+    error = item.detection.error
+    rounding = f" and are known to about {error:.0e}" if error > _WORTH_TELLING else ""
+    band = f"stability parameters in [-{BAND}, {BAND}]"
+    return f"; {counted(len(samples), 'sample')}, {band} change by {change:.2g} at most{rounding}"
 
 
 def _is_complete(result: Traced, report: Reporter) -> bool:
