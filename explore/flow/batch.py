@@ -26,7 +26,7 @@ import numpy as np
 from orbitproof.explore.flow.compilation import compiling, configure_jax
 from orbitproof.explore.flow.fields import extended_field, identity
 from orbitproof.explore.flow.flow import Matrix, Vector
-from orbitproof.explore.flow.runge_kutta import MAX_STEPS, attempt, first_step, growth, norm, scaled_error
+from orbitproof.explore.flow.runge_kutta import MAX_STEPS, attempt, extended_error, first_step, growth
 from orbitproof.shared.systems import ReversibleSystem
 
 BLOCK = 64
@@ -211,7 +211,7 @@ def _integrator(system: ReversibleSystem) -> Callable[..., Any]:
             last = length >= left
             taken = jnp.where(last, left, length)
             end, stages = attempt(slopes, now, slope, taken)
-            error = norm(scaled_error(now[0], end[0], [stage[0] for stage in stages], taken))
+            error = extended_error(now, end, stages, taken)
             accepted = active & (error <= 1.0)
             crossed = accepted & started & ~last & (now[0, section] * end[0, section] < 0)
             return (

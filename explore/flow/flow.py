@@ -112,7 +112,7 @@ def _compile(system: ReversibleSystem) -> Flow:
             lambda _time, extended, _arguments: slopes(extended),
             jnp.concatenate([initial[None], identity(system)]),
             time,
-            watched=lambda errors: errors[0],
+            extended=True,
             save=steps,
         )
         return end, slopes(end)[0], solution.ys[1], solution.stats["num_accepted_steps"] + 1, reached

@@ -9,7 +9,36 @@ import diffrax
 import jax
 import jax.numpy as jnp
 
-from orbitproof.explore.flow.runge_kutta import ABSOLUTE_TOLERANCE, GROW, MAX_STEPS, RELATIVE_TOLERANCE, SAFETY, SHRINK
+from orbitproof.explore.flow.runge_kutta import (
+    ABSOLUTE_TOLERANCE,
+    GROW,
+    MAX_STEPS,
+    RELATIVE_TOLERANCE,
+    SAFETY,
+    SHRINK,
+    scales,
+    weighted,
+)
+
+
+class _Extended(diffrax.PIDController):  # type: ignore[misc]
+    """Errors of an orbit with its derivatives relative to what `scales` says."""
+
+    def adapt_step_size(
+        self,
+        t0: Any,
+        t1: Any,
+        y0: jax.Array,
+        y1_candidate: jax.Array,
+        args: Any,
+        y_error: jax.Array,
+        error_order: Any,
+        controller_state: Any,
+    ) -> Any:
+        """The next step, as in diffrax."""
+        return super().adapt_step_size(
+            t0, t1, scales(y0), scales(y1_candidate), args, y_error, error_order, controller_state
+        )
 
 
 def integrate(
@@ -18,16 +47,17 @@ def integrate(
     time: Any,
     arguments: Any = None,
     *,
-    watched: Callable[[jax.Array], jax.Array] = lambda errors: errors,
+    extended: bool = False,
     save: diffrax.SubSaveAt | None = None,
 ) -> tuple[jax.Array, diffrax.Solution, jax.Array]:
     """The state after a time of any sign, the solution, and whether the end was reached. To be called while JAX traces.
 
     Arguments:
         field: of the time, the state and `arguments`.
-        watched: the part of the errors by which the steps are chosen; all by default.
+        extended: whether the state is an orbit with its derivatives, and errors are measured accordingly.
         save: what to keep on the way, `solution.ys[1]`.
     """
+    controller = _Extended if extended else diffrax.PIDController
     solution = diffrax.diffeqsolve(
         diffrax.ODETerm(field),
         diffrax.Dopri8(scan_kind="lax"),
@@ -38,10 +68,10 @@ def integrate(
         y0=start,
         args=arguments,
         saveat=diffrax.SaveAt(subs=[diffrax.SubSaveAt(t1=True), *([] if save is None else [save])]),
-        stepsize_controller=diffrax.PIDController(
+        stepsize_controller=controller(
             rtol=RELATIVE_TOLERANCE,
             atol=ABSOLUTE_TOLERANCE,
-            norm=lambda errors: jnp.sqrt(jnp.mean(jnp.square(watched(errors)))),
+            norm=weighted if extended else lambda errors: jnp.sqrt(jnp.mean(jnp.square(errors))),
             safety=SAFETY,
             factormin=SHRINK,
             factormax=GROW,

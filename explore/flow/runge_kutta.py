@@ -21,6 +21,10 @@ ABSOLUTE_TOLERANCE = 1e-14
 MAX_STEPS = 5000
 """Attempted steps. Some 4200 lead through the orbits closest to a primary that shooting in float64 reaches."""
 
+VARIATION_WEIGHT = 1e-2
+"""Of the errors of derivatives of an orbit, each relative to the size of its row, beside those of the orbit itself: the
+same steps for most orbits, but shorter ones where nearby orbits move faster than the orbit, as across a linear mode."""
+
 SAFETY, SHRINK, GROW = 0.9, 0.2, 10.0
 
 
@@ -58,6 +62,26 @@ def scaled_error(
 ) -> jax.Array:
     """The error of a step in units of the tolerance, coordinate by coordinate."""
     return _scaled(length * _combination(_tableau()[1], stages), start, end, relative, absolute)
+
+
+def extended_error(start: jax.Array, end: jax.Array, stages: Sequence[jax.Array], length: jax.Array) -> jax.Array:
+    """The error of a step of extended states, shape (1 + d, m, ..), in units of the tolerance, one for each orbit."""
+    error = _scaled(
+        length * _combination(_tableau()[1], stages), scales(start), scales(end), RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE
+    )
+    return weighted(error)
+
+
+def scales(extended: jax.Array) -> jax.Array:
+    """What errors of an extended state are relative to: each coordinate of the orbit, the size of each derivative."""
+    rows = jnp.maximum(1.0, jnp.max(jnp.abs(extended[1:]), axis=1, keepdims=True))
+    return jnp.concatenate([extended[:1], jnp.broadcast_to(rows, extended[1:].shape)])
+
+
+def weighted(error: jax.Array) -> jax.Array:
+    """The error of an extended state from its scaled parts."""
+    variations = jnp.max(norm(jnp.moveaxis(error[1:], 1, 0)), axis=0)
+    return jnp.maximum(norm(error[0]), VARIATION_WEIGHT * variations)
 
 
 def attempt_in_loop(

@@ -29,6 +29,12 @@ from orbitproof.explore.refinement.tape import Operation, Tape
 _SLACK = 6
 """Bits of the working precision that the truncation of the Taylor series may spoil."""
 
+_JET_SLACK = 12
+"""Further bits that it may spoil of a derivative, for each order: enough that most orbits alone decide."""
+
+_SHORTEST = 1 / 4
+"""Step in scaled time below which time is scaled anew."""
+
 _BLOCKS = 6
 """Parts in which the Taylor coefficients of jets are found."""
 
@@ -111,25 +117,37 @@ class JetStepper:
         """
         while True:
             nodes, orbit = self._orbit([jet[0] for jet in state], exponent)
-            length = self._length(orbit)
-            if length >= 1 / 4:
+            length = self._length(orbit, self._tolerance_bits)
+            series: list[list[Series]] = [[s] for s in orbit]
+            if length >= _SHORTEST and len(self.basis.monomials) > 1:
+                self._jets(nodes, state, exponent, series)
+                length = min(length, self._length_of_jets(series))
+            if length >= _SHORTEST:
                 break
             # Coefficients that grow would spoil the sum with the rounding errors of the powers of time.
             exponent += math.floor(math.log2(length))
-        series: list[list[Series]] = [[s] for s in orbit]
-        if len(self.basis.monomials) > 1:
-            self._jets(nodes, state, exponent, series)
         # Near 1 the last coefficients are lost in the rounding error and say nothing: try a longer scale next time.
         proposal = exponent + 1 if length > 0.9 else exponent + math.ceil(math.log2(length))
         return StepResult(series, exponent, min(length, 1.0), proposal)
 
-    def _length(self, orbit: Sequence[Series]) -> float:
-        tolerance = max(abs(s[0]) for s in orbit).bit_length() - self.bits - self._tolerance_bits
+    def _length(self, curves: Sequence[Series], tolerance_bits: int, least: int = 0) -> float:
+        """The step that leaves out 2 ** -tolerance_bits of the largest start, or of `least` if that is larger."""
+        tolerance = max(least, *(abs(s[0]) for s in curves)).bit_length() - self.bits - tolerance_bits
         bits_per_order = []
         for n in range(self.order - 2, self.order + 1):
-            largest = max(abs(s[n]) for s in orbit).bit_length() - self.bits
+            largest = max(abs(s[n]) for s in curves).bit_length() - self.bits
             bits_per_order.append((tolerance - largest) / n)
         return min(2.0 ** min(bits_per_order), 16.0)
+
+    def _length_of_jets(self, series: Sequence[Sequence[Series]]) -> float:
+        """The step that derivatives allow: nearby orbits may move faster than the orbit, as across a linear mode."""
+        lengths = []
+        for degree in range(1, self.basis.degree + 1):
+            batch = [m for m, monomial in enumerate(self.basis.monomials) if sum(monomial) == degree]
+            curves = [jets[m] for jets in series for m in batch]
+            bits = self._tolerance_bits - degree * _JET_SLACK
+            lengths.append(self._length(curves, bits, self._unit) if curves else 16.0)
+        return min(lengths)
 
     def _orbit(self, start: Sequence[int], exponent: int) -> tuple[list[Series], list[Series]]:
         """Taylor coefficients of all operations (order - 1) and of the states (order) along the centre."""

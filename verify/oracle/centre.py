@@ -21,6 +21,7 @@ from orbitproof.verify.evidence import IntegrationFailure, guarded
 from orbitproof.verify.flow import rough
 
 _SPARE_BITS = 16
+_TINY = 2.0**-100
 
 Coefficient = TypeVar("Coefficient")
 
@@ -113,6 +114,28 @@ def float_coefficients(program: PreparedProgram, initial: Sequence[float], degre
         return _Numbers(program, degree, Fraction(1), float, truediv, float, power).solve(initial, degree)
     except (ZeroDivisionError, OverflowError, TypeError):
         raise _singular() from None
+
+
+def variation_coefficients(program: PreparedProgram, initial: Sequence[float], degree: int) -> Sequence[list[float]]:
+    """Taylor coefficients in time of a solution of the linearised equation along the orbit, in float64.
+
+    It starts in a direction with a part in every mode; a step that suits it suits the derivatives of the flow. By an
+    imaginary part too small to be squared.
+
+    Args:
+        initial: state, then parameters; the parameters stay.
+    """
+
+    def power(base: complex, exponent: Fraction) -> complex:
+        return complex(base) ** float(exponent)
+
+    size = len(program.outputs)
+    start = [complex(value, _TINY / (1 + index)) if index < size else value for index, value in enumerate(initial)]
+    try:
+        rows = _Numbers(program, degree, Fraction(1), float, truediv, complex, power).solve(start, degree)
+    except (ZeroDivisionError, OverflowError, TypeError):
+        raise _singular() from None
+    return [[complex(value).imag / _TINY for value in row] for row in rows]
 
 
 def fixed_coefficients(

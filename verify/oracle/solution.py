@@ -23,6 +23,7 @@ from orbitproof.verify.oracle.centre import (
     next_crossing,
     rescaled,
     step_size,
+    variation_coefficients,
 )
 from orbitproof.verify.oracle.linear_equation import Jacobian, LinearEquation
 
@@ -41,8 +42,14 @@ class CentreExpansion:
         self.program, self.arithmetic, self.state, self.parameters = program, arithmetic, state, parameters
         self._start = [int(x.coefs[0][0]) for x in (*state, *parameters)]
         bits = arithmetic.bits
-        series = float_coefficients(program, rough(self._start, bits), _ROUGH_DEGREE)
+        start = rough(self._start, bits)
+        series = float_coefficients(program, start, _ROUGH_DEGREE)
         self.step_size = step_size(series, float(-bits), arithmetic.degree)
+        if max(arithmetic.grading.grades) > 0:
+            # Nearby orbits may move faster than the centre's, as across a linear mode.
+            variation = variation_coefficients(program, start, _ROUGH_DEGREE)
+            tolerance = float(arithmetic.spare_bits(1) - bits)
+            self.step_size = min(self.step_size, step_size(variation, tolerance, arithmetic.degree))
         self._coefficients = cache(self._centre)
         self._longest: tuple[Fraction, Sequence[list[int]]] | None = None
 
