@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import read_candidates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import certify
 
 ROOT = Path(__file__).resolve().parents[2]
 STORED = ROOT / "tests" / "data" / "known-bifurcations.json"

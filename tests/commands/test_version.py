@@ -13,8 +13,7 @@ from pathlib import Path
 from support.claims import known
 
 from orbitproof.figures.commands.report import main
-from orbitproof.verify.certificate import Limits, write_certificates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Limits, certify, write_certificates
 
 ROOT = Path(__file__).resolve().parents[2]
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]

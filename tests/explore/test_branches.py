@@ -30,8 +30,7 @@ from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import read_candidates
 from orbitproof.shared.systems import FALKNER_SKAN
-from orbitproof.verify.certificate import Certificate, write_certificates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify, write_certificates
 
 DATA = Path(__file__).parents[1] / "data"
 CANDIDATES = {candidate.id: candidate for candidate in read_candidates(DATA / "figures-candidates.json")}

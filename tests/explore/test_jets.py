@@ -14,14 +14,14 @@ from orbitproof.explore.refinement import (
     IntegrationFailure,
     Jet,
     JetBasis,
+    JetStepper,
+    Tape,
     section_crossings,
     start_jets,
     working_context,
 )
 from orbitproof.explore.refinement.crossing import Crossing, shorter_coordinates
 from orbitproof.explore.refinement.half_return import section_jets
-from orbitproof.explore.refinement.tape import Tape
-from orbitproof.explore.refinement.taylor import JetStepper
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, Regularisation, ReversibleSystem, record
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 

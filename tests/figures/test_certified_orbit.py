@@ -16,8 +16,7 @@ from orbitproof.figures.pictures.certified_orbit import solution_of
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import COORDINATE, Equation, read_candidates
 from orbitproof.shared.systems import FALKNER_SKAN
-from orbitproof.verify.certificate import Certificate, Limits, write_certificates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Limits, certify, write_certificates
 
 CANDIDATES = Path(__file__).resolve().parents[1] / "data" / "orbit-candidates.json"
 

@@ -15,8 +15,7 @@ from orbitproof.figures.report import check_files
 from orbitproof.figures.report.pictures import pictures_of
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import InputError, read_candidates
-from orbitproof.verify.certificate import Certificate, write_certificates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify, write_certificates
 
 DATA = Path(__file__).parents[1] / "data" / "known-folds.json"
 

@@ -25,8 +25,7 @@ from orbitproof.figures.report.document import Math, Table
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of
 from orbitproof.shared.systems import BRANCH_SYSTEMS
-from orbitproof.verify.certificate import Certificate, Limits, digest, write_certificates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Limits, certify, digest, write_certificates
 from orbitproof.verify.evidence import bounds, interval_text
 from orbitproof.verify.run.branch_command import main as verify_atlas
 from orbitproof.verify.words import equations

@@ -27,8 +27,7 @@ from orbitproof.figures.report.statements import hypothesis_table, parameter_tex
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import Atlas, read_candidates
 from orbitproof.verify.atlas import AtlasCertificate
-from orbitproof.verify.certificate import Limits, write_certificates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Limits, certify, write_certificates
 from orbitproof.verify.evidence import bounds
 from orbitproof.verify.run.branch_command import main as verify_atlas
 

@@ -35,8 +35,7 @@ from orbitproof.shared.systems import (
     ReversibleSystem,
 )
 from orbitproof.verify.algebra import Arithmetic, Grading
-from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.claim import check_symmetries, parities
 from orbitproof.verify.curve import (
     PieceLimits,

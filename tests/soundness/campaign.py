@@ -66,8 +66,14 @@ from orbitproof.verify.atlas import (  # noqa: E402
     order_of,
 )
 from orbitproof.verify.bifurcation import level_form  # noqa: E402
-from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck  # noqa: E402
-from orbitproof.verify.certificate.certify import certify  # noqa: E402
+from orbitproof.verify.certificate import (  # noqa: E402
+    Certificate,
+    Level,
+    Limits,
+    Recheck,
+    certify,
+    recheck,
+)
 
 BATCH = 25
 

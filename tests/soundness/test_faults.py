@@ -15,13 +15,12 @@ from support.faulty_worker import EXCEPTIONS, certify_task
 
 import orbitproof.verify.run.rows
 from orbitproof.shared import processes
-from orbitproof.verify.certificate import Certificate, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify, recheck
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.poincare import enclose_iterates
 from orbitproof.verify.run.rows import certify_all
 
-CERTIFY = import_module("orbitproof.verify.certificate.certify")
+CERTIFY = import_module("orbitproof.verify.certificate.certifying")
 RECHECK = import_module("orbitproof.verify.certificate.rechecking")
 
 TRUE = known("fs2")

@@ -33,8 +33,7 @@ from orbitproof.shared.systems import (
     program_from_text,
 )
 from orbitproof.verify.atlas import atlas_of, conclusion
-from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, certify, recheck
 from orbitproof.verify.evidence import ball_from_json, ball_to_json
 
 

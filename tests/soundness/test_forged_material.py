@@ -43,12 +43,12 @@ from orbitproof.verify.certificate import (
     Certificate,
     Level,
     Limits,
+    certify,
     differences,
     digest,
     recheck,
     write_certificates,
 )
-from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.tables import ball_to_text
 from orbitproof.verify.evidence import STOPS, Proved, ball_from_json, ball_to_json

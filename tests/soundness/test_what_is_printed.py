@@ -22,6 +22,7 @@ from orbitproof.verify.certificate import (
     Certificate,
     Finding,
     Limits,
+    certify,
     climb,
     differences,
     digest,
@@ -29,7 +30,6 @@ from orbitproof.verify.certificate import (
     recheck,
     write_certificates,
 )
-from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import quoted, quoted_name
 from orbitproof.verify.run import Display
 from orbitproof.verify.run.row_tables import recheck_table, verdict_table

@@ -18,12 +18,11 @@ from support.claims import (
 )
 from support.flow_checks import contains, initial_state, kernel_values, orbits
 
-import orbitproof.verify.certificate.certify
+import orbitproof.verify.certificate.certifying
 import orbitproof.verify.flow.step
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import exact_value
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates

@@ -11,8 +11,7 @@ from typing import Any
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import read_candidates
 from orbitproof.shared.systems import MASS_PARAMETERS
-from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import bounds
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates

@@ -13,7 +13,7 @@ from flint import fmpz
 import orbitproof.verify.run.rows
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.processes import Report
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import certify
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import enclose_iterates
 from orbitproof.verify.run.rows import certify_task as sound_task

@@ -25,8 +25,7 @@ from orbitproof.shared import InputError
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.atlas import make_atlas_certificate, read_atlas_certificate, write_atlas_certificate
-from orbitproof.verify.certificate import Limits, digest, write_certificates
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Limits, certify, digest, write_certificates
 from orbitproof.verify.run.branch_command import _parser, main
 
 

@@ -16,8 +16,7 @@ from support.stored import value_of, values
 from orbitproof.shared.claims import Atlas
 from orbitproof.verify.atlas import Means, ProvedBefore, conclusion_of, make_atlas_certificate, recheck_atlas
 from orbitproof.verify.atlas.recheck import _contradictions
-from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck
-from orbitproof.verify.certificate.certify import certify, not_proved
+from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, not_proved
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.run.branch_tasks import task_again
 

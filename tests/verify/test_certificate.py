@@ -16,9 +16,15 @@ from support.claims import TOUCH_AND_GO
 from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import candidate_from_json
-from orbitproof.verify.certificate import Certificate, digest, is_proof_of, read_certificates, write_certificates
+from orbitproof.verify.certificate import (
+    Certificate,
+    certify,
+    digest,
+    is_proof_of,
+    read_certificates,
+    write_certificates,
+)
 from orbitproof.verify.certificate.certificate import make_certificate
-from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.evidence import (
     DerivativeTable,
     IntegrationFailure,

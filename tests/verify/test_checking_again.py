@@ -17,8 +17,7 @@ from support.stored import values
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.processes import Failure
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
-from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify
 from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run import CheckLimits, Workplace, branch_checks, checking_again, rows
 

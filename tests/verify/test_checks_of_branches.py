@@ -25,7 +25,7 @@ from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate,
 from orbitproof.verify.atlas import recheck as chapter
 from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
 from orbitproof.verify.certificate import Level, Recheck
-from orbitproof.verify.certificate.certify import not_proved as unproved
+from orbitproof.verify.certificate import not_proved as unproved
 from orbitproof.verify.curve import IntervalResult
 from orbitproof.verify.evidence import Reason
 from orbitproof.verify.functions import StoredFunction

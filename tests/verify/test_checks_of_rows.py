@@ -14,9 +14,8 @@ from support.forgeries import forged as forged_document
 from support.springs import springs
 
 from orbitproof.shared.processes import Failure
-from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, decimals, not_checked, recheck
+from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, certify, decimals, not_checked, recheck
 from orbitproof.verify.certificate import rechecking as chapter
-from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.kinds import contradictions, prove, too_narrow, unconfirmed
 from orbitproof.verify.certificate.levels import not_finished
 from orbitproof.verify.certificate.stored_balls import to_json

@@ -33,8 +33,7 @@ from support.stored import entry_of
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import FALKNER_SKAN
-from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.curve import enclose_other_point, prove_piece
 from orbitproof.verify.evidence import bounds, enclose
 from orbitproof.verify.oracle import ORACLE

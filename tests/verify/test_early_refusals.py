@@ -14,7 +14,8 @@ from support.claims import known, moved, with_radii
 
 from orbitproof.shared.formats import FOLD, Candidate
 from orbitproof.verify.bifurcation.on_the_way import _iterate, _problem
-from orbitproof.verify.certificate.certify import _attempt, certify
+from orbitproof.verify.certificate import certify
+from orbitproof.verify.certificate.certifying import _attempt
 from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.evidence import NotProved, Proved, guarded
 from orbitproof.verify.newton import BoxFunction

@@ -27,8 +27,8 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import DescriptionError, FixedLevel, ReversibleSystem, describe, described
-from orbitproof.verify.certificate import Certificate, digest, recheck
-from orbitproof.verify.certificate.certify import Integrator, certify
+from orbitproof.verify.certificate import Certificate, certify, digest, recheck
+from orbitproof.verify.certificate.certifying import Integrator
 from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.oracle import Limits
 

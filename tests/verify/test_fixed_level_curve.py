@@ -30,12 +30,12 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.certificate import Certificate
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, enclose_other_point, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
 from orbitproof.verify.oracle import ORACLE, Limits
-from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
+from orbitproof.verify.stability import TubeOfOrbits
+from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.words import conclusion_in_words
 
 FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"

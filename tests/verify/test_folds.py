@@ -19,8 +19,7 @@ from support.map_cases import failed, proof
 from orbitproof.shared import format_exact
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, read_candidates
 from orbitproof.verify.bifurcation import BifurcationResults
-from orbitproof.verify.certificate import Certificate, Limits, digest, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Limits, certify, digest, recheck
 from orbitproof.verify.evidence import Outcome, bounds
 
 Function = Callable[[Sequence[Any], Callable[[F], Any]], Any]

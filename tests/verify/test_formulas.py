@@ -21,8 +21,7 @@ from orbitproof.shared.systems import (
     record,
 )
 from orbitproof.verify.bifurcation import BifurcationTheorem
-from orbitproof.verify.certificate import Certificate, Limits, digest, is_proof_of, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Limits, certify, digest, is_proof_of, recheck
 from orbitproof.verify.claim import level_program
 from orbitproof.verify.words import equations, setting
 from orbitproof.verify.words import in_full as told_in_full

@@ -29,15 +29,15 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
-from orbitproof.verify.certificate import Certificate, digest, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.curve import Chain, CurveTheorem, PieceLimits, ProvedCurve, prove_piece
 from orbitproof.verify.evidence import Proved as PieceProved
 from orbitproof.verify.functions import bounded
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.run.branches import reusable
 from orbitproof.verify.second_proof import Proved, second_proof
-from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
+from orbitproof.verify.stability import TubeOfOrbits
+from orbitproof.verify.stability.matrix import orbit_functions
 from orbitproof.verify.words.curve import curve_in_words
 
 DATA = Path(__file__).parents[1] / "data" / "known-crossings.json"

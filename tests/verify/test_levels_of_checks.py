@@ -28,6 +28,7 @@ from orbitproof.verify.certificate import (
     Level,
     Limits,
     NothingToCheckError,
+    certify,
     climb,
     confirmed,
     decimals,
@@ -38,7 +39,6 @@ from orbitproof.verify.certificate import (
     tables_from_json,
 )
 from orbitproof.verify.certificate import rechecking as chapter
-from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.kinds import contradictions, tables_to_json, unconfirmed
 from orbitproof.verify.certificate.stored_balls import to_json as results_to_json
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds

@@ -25,8 +25,8 @@ from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import SLOPE_BITS, stability_of_piece
-from orbitproof.verify.stability.matrix import TubeOfOrbits, orbit_functions
+from orbitproof.verify.stability import SLOPE_BITS, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability.matrix import orbit_functions
 
 Make = Callable[[int], SkewProduct]
 

@@ -13,8 +13,7 @@ from flint import acb, arb, ctx
 
 from orbitproof.shared.formats import HALF_PERIOD, Candidate, Equation
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.certificate import Limits
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.evidence import bounds, enclose
 from orbitproof.verify.orbit import STABLE, UNSTABLE
 from orbitproof.verify.orbit.multipliers import _multiplier, _roots, stability_of

@@ -15,8 +15,7 @@ from support.independent_flow import extrapolated_flow
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate, Equation, read_candidates
 from orbitproof.shared.systems import CR3BP
-from orbitproof.verify.certificate import Certificate, Level, Limits, digest, is_proof_of, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, is_proof_of, recheck
 from orbitproof.verify.evidence import bounds, exact_value
 from orbitproof.verify.oracle.precision import least_known
 from orbitproof.verify.orbit import OrbitResults

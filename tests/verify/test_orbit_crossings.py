@@ -15,8 +15,7 @@ from support.independent_flow import extrapolated_flow
 
 from orbitproof.shared.formats import HALF_PERIOD, Candidate, Equation, read_candidates
 from orbitproof.shared.systems import CR3BP
-from orbitproof.verify.certificate import Certificate, digest, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.evidence import bounds, exact_value
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.orbit import OrbitResults, enclose_orbit

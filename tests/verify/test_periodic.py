@@ -12,7 +12,7 @@ from flint import acb, arb, ctx
 from support import periodic_cases as cases
 
 from orbitproof.shared.formats import PeriodicOrbit
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import certify
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, guarded
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.periodic import (

@@ -15,8 +15,7 @@ from orbitproof import verify
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import write_candidates
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.certificate import Certificate, Level, digest, is_proof_of
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of
 from orbitproof.verify.certificate.rechecking import derived, recheck
 
 CLAIMS = {"AB": cases.lorenz("AB"), "level": cases.oscillators()}

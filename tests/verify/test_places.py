@@ -12,8 +12,7 @@ from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
 
 from orbitproof.verify.atlas import AtlasCertificate, check_of_conclusion, places_on, recheck_place
-from orbitproof.verify.certificate import Certificate, Finding, Limits, Recheck, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, Finding, Limits, Recheck, certify, recheck
 from orbitproof.verify.run import CheckLimits
 from orbitproof.verify.run.branch_checks import places_on_apart
 

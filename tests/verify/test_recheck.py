@@ -27,13 +27,13 @@ from orbitproof.verify.certificate import (
     Certificate,
     Level,
     Recheck,
+    certify,
     digest,
     read_certificates,
     recheck,
     rechecking,
     write_certificates,
 )
-from orbitproof.verify.certificate.certify import certify
 from orbitproof.verify.certificate.tables import ball_from_text, ball_to_text
 from orbitproof.verify.evidence import exact_value
 from orbitproof.verify.oracle import ORACLE, Limits

@@ -13,7 +13,7 @@ from support.claims import known, to_the_end
 
 from orbitproof.shared.formats import Candidate, read_candidates
 from orbitproof.verify.bifurcation import Counsel, Failure, check_exactly, prove, silent
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import certify
 from orbitproof.verify.evidence import Checklist, NotProved, Proved, Reason, guarded
 from orbitproof.verify.oracle import Limits, Verdict, remedies
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings

@@ -10,8 +10,7 @@ import pytest
 from flint import arb
 
 from orbitproof.shared import InputError
-from orbitproof.verify.curve import Computation, IntervalResult, PieceResult, ProvedInterval
-from orbitproof.verify.curve.piece_result import attempt
+from orbitproof.verify.curve import Computation, IntervalResult, PieceResult, ProvedInterval, attempt
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved, Reason
 
 ENDS = (Fraction(-1), Fraction(1))

@@ -25,8 +25,7 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import CR3BP, SYSTEMS, ReversibleSystem, describe, described
-from orbitproof.verify.certificate import Certificate, digest, recheck
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.oracle import Limits
 
 BIRTHS = {

@@ -28,10 +28,16 @@ from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.curve import Conclusion
 from orbitproof.verify.evidence import NotProved, Proved, ball_from_json, ball_to_json, enclose, hull
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.surface import ProvedSurface, SurfaceResult, conclude_surface, prove_surface_piece, unshown
+from orbitproof.verify.surface import (
+    ProvedPart,
+    ProvedSurface,
+    SurfaceResult,
+    conclude_surface,
+    prove_surface_piece,
+    unshown,
+)
 from orbitproof.verify.surface.gluing import Sheet
 from orbitproof.verify.surface.piece import candidate_at
-from orbitproof.verify.surface.proved_parts import ProvedPart
 from orbitproof.verify.surface.proved_surface import heights
 from orbitproof.verify.words import conclusion_in_words
 from orbitproof.verify.words.surface import _digits

@@ -12,8 +12,7 @@ from support.conclusions import conclude
 from support.stored import entry_of
 
 from orbitproof.shared.formats import read_atlas, read_candidates
-from orbitproof.verify.certificate import Limits
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.curve import prove_piece
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.words import conclusion_in_words

@@ -21,8 +21,7 @@ from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.atlas import interval_proof
 from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.interval_proof import question
-from orbitproof.verify.certificate import Limits, rechecking
-from orbitproof.verify.certificate.certify import certify
+from orbitproof.verify.certificate import Limits, certify, rechecking
 from orbitproof.verify.certificate.kinds import contradictions, kind_of
 from orbitproof.verify.certificate.row_kind import all_numbers
 from orbitproof.verify.certificate.tables import ball_to_text
@@ -44,6 +43,7 @@ from orbitproof.verify.orbit import OrbitEnclosures
 from orbitproof.verify.out_of_plane import VariationFunctions
 from orbitproof.verify.stability import (
     SLOPE_BITS,
+    Bound,
     CurveEnd,
     Extremum,
     Gap,
@@ -60,7 +60,6 @@ from orbitproof.verify.stability import (
     unconfirmed,
 )
 from orbitproof.verify.stability.known_functions import segment_of
-from orbitproof.verify.stability.linear_stability import Bound
 from orbitproof.verify.stability.list_entries import Segment
 
 DATA = Path(__file__).parents[1] / "data"

@@ -9,6 +9,7 @@ from orbitproof.verify.certificate.certificate import (
     repeated,
     write_certificates,
 )
+from orbitproof.verify.certificate.certifying import broken_off, certify, not_proved
 from orbitproof.verify.certificate.kinds import tables_from_json
 from orbitproof.verify.certificate.levels import (
     MEANINGS,

@@ -18,7 +18,7 @@ import numpy as np
 from orbitproof.shared.formats import BoxClaim, Candidate, claim_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS, shown
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
-from orbitproof.verify.certificate.certify import broken_off, for_origin
+from orbitproof.verify.certificate.certifying import broken_off, for_origin
 from orbitproof.verify.certificate.kinds import (
     Found,
     Results,

@@ -18,12 +18,12 @@ from orbitproof.verify.atlas import (
     ProvedBefore,
     Result,
     check_of_conclusion,
+    kind_of,
     places_on,
     recheck_atlas,
     recheck_place,
 )
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Work, Workplace, apart
 from orbitproof.verify.run.branch_tasks import result_of, task_again

@@ -10,9 +10,8 @@ from pathlib import Path
 from orbitproof.shared.formats import InputError, read_atlas, read_document, refused, select_ids
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
-from orbitproof.verify.atlas import SCHEMA
+from orbitproof.verify.atlas import SCHEMA, kind_of
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.certificate import Certificate, read_certificates
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, Workplace, interrupted, whole_number
 from orbitproof.verify.run.branch_checks import examined, is_about_surface

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 from orbitproof.shared.formats import AnyPiece, Atlas, InputError
 from orbitproof.shared.numbers import format_exact
+from orbitproof.verify.atlas import ProvedBefore, Result, Settings, kind_of
 from orbitproof.verify.atlas.interval_proof import not_proved, question
-from orbitproof.verify.atlas.kinds import kind_of
-from orbitproof.verify.atlas.recheck import ProvedBefore
-from orbitproof.verify.atlas.results import Result, Settings, result_from_json
+from orbitproof.verify.atlas.results import result_from_json
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.run import Answer, Failure, Task
 

@@ -9,15 +9,17 @@ from orbitproof.shared.formats import AnyPiece, ArgumentError, Atlas, InputError
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
+    Result,
+    Settings,
     conclusion_of,
+    condition_of,
+    kind_of,
     make_atlas_certificate,
     read_atlas_certificate,
     write_atlas_certificate,
 )
 from orbitproof.verify.atlas.certificate import results_for
 from orbitproof.verify.atlas.interval_proof import prove_task
-from orbitproof.verify.atlas.kinds import kind_of
-from orbitproof.verify.atlas.results import Result, Settings, condition_of
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text

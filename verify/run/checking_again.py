@@ -6,8 +6,7 @@ from collections.abc import Generator, Sequence
 from contextlib import closing
 from typing import TYPE_CHECKING
 
-from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.levels import Recheck
+from orbitproof.verify.certificate import Certificate, Recheck
 from orbitproof.verify.run import Display, Workplace
 from orbitproof.verify.run.rows import rechecks
 

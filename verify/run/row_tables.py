@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from orbitproof.shared.formats import BoxClaim, as_options
 from orbitproof.shared.systems import shown
-from orbitproof.verify.certificate.certificate import Certificate
-from orbitproof.verify.certificate.levels import MEANINGS, Level, Recheck
+from orbitproof.verify.certificate import MEANINGS, Certificate, Level, Recheck
 from orbitproof.verify.evidence import certain_digits
 from orbitproof.verify.run import aligned
 

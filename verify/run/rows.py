@@ -19,18 +19,22 @@ from orbitproof.shared.formats import (
     claim_from_json,
 )
 from orbitproof.shared.processes import answers
-from orbitproof.verify.certificate.certificate import (
+from orbitproof.verify.certificate import (
     Certificate,
+    Recheck,
+    broken_off,
+    certify,
     is_proof_of,
+    not_checked,
+    not_proved,
     read_certificates,
+    recheck,
     repeated,
     write_certificates,
 )
-from orbitproof.verify.certificate.certify import broken_off, certify, not_proved
-from orbitproof.verify.certificate.levels import Recheck, not_checked, not_finished
-from orbitproof.verify.certificate.rechecking import recheck
+from orbitproof.verify.certificate.levels import not_finished
 from orbitproof.verify.evidence import Reason
-from orbitproof.verify.oracle.precision import Limits, first_precision
+from orbitproof.verify.oracle import Limits, first_precision
 from orbitproof.verify.run import (
     Answer,
     CheckLimits,

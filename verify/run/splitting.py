@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from orbitproof.shared.formats import AnyPiece
-from orbitproof.verify.atlas.results import Result, Settings, condition_of, covers
+from orbitproof.verify.atlas import Result, Settings, condition_of, covers
 from orbitproof.verify.curve import Interval
 
 _OVERLAP = Fraction(1, 64)
