@@ -16,11 +16,12 @@ from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
+from orbitproof.shared.systems.functions import FUNCTIONS, Call, FunctionsOf, argument_of, rates_of
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import IDENTIFIER, fits
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
-from orbitproof.shared.systems.system import FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
+from orbitproof.shared.systems.system import Defined, FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
 from orbitproof.shared.systems.titles import LONGEST_TITLE, SYSTEM, is_title
 from orbitproof.shared.wording import counted
 
@@ -31,7 +32,8 @@ _OPTIONAL = (
 )  # fmt: skip
 KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
 """What a description has; those after the section may be missing."""
-PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where", "first_integral", "first_integral_name")
+PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where", "first_integral", "first_integral_name",
+              "defined")  # fmt: skip
 """What the description of a system without R and section has; those after the field may be missing."""
 
 _INTERNED: dict[str, System] = {}
@@ -93,7 +95,13 @@ def _plain_entry(system: System) -> dict[str, Any]:
         },
         "field": system.program.text(),
         **({} if integral is None else {"first_integral": integral.text(), **named}),
+        **({"defined": _defined_entry(system)} if system.defined else {}),
     }
+
+
+def _defined_entry(system: System) -> list[list[str]]:
+    programs = system.argument_programs
+    return [[each.name, each.function, program.text()] for each, program in zip(system.defined, programs, strict=True)]
 
 
 def described(entry: str | Mapping[str, Any]) -> ReversibleSystem:
@@ -151,16 +159,89 @@ def _read_plain(entry: Mapping[str, Any]) -> System:
         if key not in entry:
             raise DescriptionError(f"{key}: missing; give name, state and field at least")
     name, title, state, ranges = _names_of(entry)
-    functions, integral = _Functions(state, tuple(ranges), entry.get("where", {})), entry.get("first_integral")
+    parameters, where, field, integral = (
+        tuple(ranges), entry.get("where", {}), entry["field"], entry.get("first_integral"),
+    )  # fmt: skip
+    defined: tuple[Defined, ...] = ()
+    if "defined" in entry:
+        defined = _read_defined(entry["defined"], state, parameters)
+    elif isinstance(field, Mapping) and isinstance(where, Mapping):
+        found = FunctionsOf((*state, *parameters, *where))
+        try:
+            where = {key: _without(found, text) for key, text in where.items()}
+            field = {key: _without(found, text) for key, text in field.items()}
+            integral = _without(found, integral)
+        except FormulaError as error:
+            raise DescriptionError(f"field: {error}") from None
+        if found.calls:
+            state, field, defined = _extended(found.calls, state, parameters, where, field)
+    functions = _Functions(state, parameters, where)
     return System(
         name,
         title,
         state,
         ranges,
-        functions.function("field", entry["field"], state),
+        functions.function("field", field, state),
         first_integral=None if integral is None else functions.function("first_integral", integral, None),
         first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
+        defined=defined,
     )
+
+
+def _without(found: FunctionsOf, text: Any) -> Any:
+    return found.without(text) if isinstance(text, str) and not text.lstrip().startswith("v0 =") else text
+
+
+def _read_defined(value: Any, state: tuple[str, ...], parameters: tuple[str, ...]) -> tuple[Defined, ...]:
+    """Coordinates that are functions of others, as `describe` writes them."""
+    functions = _Functions(state, parameters, {})
+    if not isinstance(value, list) or not all(isinstance(each, list) and len(each) == 3 for each in value):
+        raise DescriptionError("defined: is no list of coordinates; give name, function and argument of each")
+    names = tuple(each[0] for each in value)
+    if names != state[len(state) - len(names) :] or any(each[1] not in FUNCTIONS for each in value):
+        raise DescriptionError(f"defined: name the last state coordinates in order, each one of {', '.join(FUNCTIONS)}")
+    return tuple(
+        Defined(name, function, functions.function(f"defined.{name}", text, None)) for name, function, text in value
+    )
+
+
+def _extended(
+    calls: Sequence[Call],
+    state: tuple[str, ...],
+    parameters: tuple[str, ...],
+    where: Mapping[str, str],
+    field: Mapping[str, str],
+) -> tuple[tuple[str, ...], Callable[..., Sequence[Any]], tuple[Defined, ...]]:
+    """State, field and functions of the system with further coordinates in place of functions."""
+    if set(field) != set(state):
+        raise DescriptionError(f"field: needs a formula, as text, for each of {', '.join(state)}")
+    names = (*state, *(call.name for call in calls), *parameters)
+
+    def rates(*inputs: Any) -> Sequence[Any]:
+        values = dict(zip(names, inputs, strict=True))
+        known = dict(values)
+        for key, text in where.items():
+            known[key] = _formula(f"where.{key}", text, known)
+        own = {key: _formula(f"field.{key}", field[key], known) for key in state}
+        return [*own.values(), *rates_of(calls, where, values, own)]
+
+    def argument(call: Call) -> Callable[..., Any]:
+        return lambda *inputs: argument_of(call, where, dict(zip(names, inputs, strict=True)))
+
+    extended = (*state, *(call.name for call in calls))
+    functions = _Functions(extended, parameters, where)
+    defined = tuple(
+        Defined(call.name, call.function, functions.function(f"field.{call.name}", argument(call), None))
+        for call in calls
+    )
+    return extended, rates, defined
+
+
+def _formula(key: str, text: str, known: Mapping[str, Any]) -> Any:
+    try:
+        return evaluate_formula(text, known)
+    except FormulaError as error:
+        raise DescriptionError(f"{key}: {error}") from None
 
 
 def _names_of(entry: Mapping[str, Any]) -> tuple[str, str, tuple[str, ...], dict[str, ParameterRange]]:
@@ -351,6 +432,8 @@ class _Functions:
 
         try:
             program = record(called, self.inputs)
+        except DescriptionError:
+            raise
         except Exception as error:
             remedy = f"a function of {', '.join(self.inputs)} in plain arithmetic with exact constants"
             raise DescriptionError(f"{key}: {type(error).__name__}: {error}; give {remedy}") from None
@@ -362,17 +445,10 @@ class _Functions:
         def values(inputs: Sequence[Any]) -> Sequence[Any]:
             known: dict[str, Any] = dict(zip(self.inputs, inputs, strict=True))
             for name, text in self.where.items():
-                known[name] = self._value(f"where.{name}", text, known)
-            return [self._value(key, text, known) for key, text in texts.items()]
+                known[name] = _formula(f"where.{name}", text, known)
+            return [_formula(key, text, known) for key, text in texts.items()]
 
         return record(values, self.inputs)
-
-    @staticmethod
-    def _value(key: str, text: str, known: Mapping[str, Any]) -> Any:
-        try:
-            return evaluate_formula(text, known)
-        except FormulaError as error:
-            raise DescriptionError(f"{key}: {error}") from None
 
 
 def program_function(program: Program, size: int) -> Arithmetic:

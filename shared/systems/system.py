@@ -67,6 +67,21 @@ class Reversor:
     title: str
 
 
+@dataclass(frozen=True)
+class Defined:
+    """A state coordinate that is a function of the others at all states that are meant.
+
+    Attributes:
+        name: of the coordinate.
+        function: "sin", "cos", "exp" or "log".
+        argument: plain arithmetic like the vector field, of coordinates before this one; returns one value.
+    """
+
+    name: str
+    function: str
+    argument: VectorField
+
+
 @dataclass(frozen=True, repr=False)
 class System:
     """x' = vector_field(x, parameters), of which no symmetry is known.
@@ -79,6 +94,7 @@ class System:
         vector_field: plain arithmetic, called with (state, parameters), returns m values.
         first_integral: plain arithmetic like the vector field, returns one value; `None` if absent.
         first_integral_name: what people call it.
+        defined: the last state coordinates, if these are functions of the others, in order.
     """
 
     name: str
@@ -88,6 +104,7 @@ class System:
     vector_field: VectorField
     first_integral: VectorField | None = field(default=None, kw_only=True)
     first_integral_name: str | None = field(default=None, kw_only=True)
+    defined: tuple[Defined, ...] = field(default=(), kw_only=True)
 
     def __repr__(self) -> str:
         parameters = f", parameters {' '.join(self.parameters)}" if self.parameters else ""
@@ -102,6 +119,16 @@ class System:
     def first_integral_program(self) -> Program | None:
         """The first integral as such a program; `None` if absent."""
         return self._recorded(self.first_integral)
+
+    @cached_property
+    def given_state(self) -> tuple[str, ...]:
+        """The state coordinates that are not functions of others."""
+        return self.state[: len(self.state) - len(self.defined)]
+
+    @cached_property
+    def argument_programs(self) -> tuple[Program, ...]:
+        """The arguments of `defined`; inputs: state, then parameters."""
+        return tuple(record(each.argument, self.state, tuple(self.parameters)) for each in self.defined)
 
     def _recorded(self, function: VectorField | None) -> Program | None:
         return None if function is None else record(function, self.state, tuple(self.parameters))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import pickle
+import random
 from contextlib import suppress
 from fractions import Fraction
+from math import cos, exp, log, sin
 from pathlib import Path
 from typing import Any
 
@@ -287,3 +289,82 @@ def test_a_search_asks_for_the_symmetry(tmp_path: Path, capsys: pytest.CaptureFi
     assert "has neither R nor section" in capsys.readouterr().err
     with pytest.raises(InputError, match="has no reversing symmetry"):
         load_system(f"{path}:other")
+
+
+WAVES = {
+    "name": "waves", "state": "x y z", "parameters": "a", "where": {"r": "exp(-x**2)", "u": "r*y"},
+    "field": {"x": "sin(u) + cos( u )", "y": "log(2 + cos(0.12345678901234567890123*x))", "z": "exp(sin(a)*z)/2"},
+    "first_integral": "z + sin(z)",
+}  # fmt: skip
+
+
+def true_values(state: list[float], a: float) -> tuple[dict[str, float], list[float]]:
+    """The functions that stand in the formulas, and the field, in floating point."""
+    x, y, z = state
+    angle, r = 0.12345678901234567890123 * x, exp(-(x**2))
+    u = r * y
+    field = [sin(u) + cos(u), log(2 + cos(angle)), exp(sin(a) * z) / 2]
+    return {"sin": sin(u), "cos": cos(u), "exp": r, "log": field[1]}, field
+
+
+def test_functions_in_formulas_become_coordinates_with_rates() -> None:
+    system = define_system(WAVES)
+    assert system.given_state == ("x", "y", "z")
+    assert system.state[:3] == ("x", "y", "z")
+    assert len(system.state) == 3 + len(system.defined)
+    assert {each.function for each in system.defined} == {"sin", "cos", "exp", "log"}
+    # sin and cos of three arguments, with their partners, exp of two, log of one.
+    assert len(system.defined) == 2 * 4 + 2 + 1
+    functions = {"sin": sin, "cos": cos, "exp": exp, "log": log}
+
+    def extended(state: list[float], a: float) -> list[float]:
+        values = list(state)
+        for each in system.defined:
+            padded = values + [float("nan")] * (len(system.state) - len(values))
+            values.append(functions[each.function](each.argument(padded, [a])[0]))
+        return values
+
+    source = random.Random(1)
+    for _ in range(20):
+        state, a = [source.uniform(-1, 1) for _ in range(3)], source.uniform(-1, 1)
+        known, field = true_values(state, a)
+        values = extended(state, a)
+        rates = system.vector_field(values, [a])
+        assert list(rates[:3]) == pytest.approx(field)
+        named = dict(zip(system.state, values, strict=True))
+        assert all(any(abs(named[n] - value) < 1e-12 for n in named) for value in known.values())
+        step = 1e-6
+        ends = [extended([x + side * step * f for x, f in zip(state, field, strict=True)], a) for side in (1, -1)]
+        slopes = [(right - left) / (2 * step) for right, left in zip(*ends, strict=True)]
+        assert list(rates) == pytest.approx(slopes, abs=1e-7)
+        assert system.first_integral is not None
+        assert system.first_integral(values, [a])[0] == pytest.approx(state[2] + sin(state[2]))
+    assert any("12345678901234567890123/" in program.text() for program in system.argument_programs)
+
+
+def test_a_system_with_functions_goes_through_a_pipe_and_a_file() -> None:
+    system = define_system(WAVES)
+    assert pickle.loads(pickle.dumps(system)) is system
+    assert define_system(json.loads(json.dumps(describe(system)))) is system
+    assert define_system(WAVES) is system
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        (changed(WAVES, field={**WAVES["field"], "x": "sin(x, y)"}), "not allowed"),
+        (changed(WAVES, field={**WAVES["field"], "x": "tan(x)"}), "not allowed"),
+        (changed(WAVES, field={**WAVES["field"], "x": "sin(q)"}), "unknown"),
+        (changed(WAVES, field={**WAVES["field"], "x": "sin()"}), "not allowed"),
+        (changed(WAVES, field={"x": "sin(x)"}), "field"),
+        (changed(WAVES, field={**WAVES["field"], "x": "+".join(f"sin({n}*x)" for n in range(30))}), "more than 20"),
+        (changed(WAVES, where={"x": "sin(y)"}), "where.x"),
+        (changed(LORENZ, defined=[["z", "tan", "v0 = x"]]), "defined"),
+        (changed(LORENZ, defined=[["y", "sin", "x"]]), "defined"),
+        (changed(LORENZ, defined=5), "defined"),
+    ],
+)  # fmt: skip
+def test_functions_that_cannot_be_read_are_named_in_one_line(entry: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError, match=words) as error:
+        define_system(entry)
+    assert "\n" not in str(error.value)

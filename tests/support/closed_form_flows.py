@@ -79,6 +79,20 @@ def root_fall(t: Any, state: Sequence[Any], parameters: Sequence[Any]) -> Sequen
     return [end, y * mpmath.exp(2 * (mpmath.sqrt(end) - mpmath.sqrt(x)))]
 
 
+def tangent(t: Any, state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    """x' = cos(x)^2, y' = exp(-y): tan x and exp y grow by t."""
+    x, y = state
+    return [mpmath.atan(mpmath.tan(x) + t), mpmath.log(mpmath.exp(y) + t)]
+
+
+def nested(t: Any, state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    """x' = 1, y' = a cos(a exp(x)) exp(x), z' = log(x)."""
+    (x, y, z), (a,) = state, parameters
+    end = x + t
+    moved = mpmath.sin(a * mpmath.exp(end)) - mpmath.sin(a * mpmath.exp(x))
+    return [end, y + moved, z + end * mpmath.log(end) - end - x * mpmath.log(x) + x]
+
+
 SPIRAL = ClosedForm(
     _system("spiral", "x y z", {"x": "-a*x - w*y", "y": "w*x - a*y", "z": "-b*z"}, "a w b"), spiral,
     {"x": 1.0, "y": 0.4, "z": 0.7, "a": 0.1, "w": 1.3, "b": 0.2}, 4.0, 0.05,
@@ -96,7 +110,14 @@ DUFFING = ClosedForm(_system("duffing", "x v", {"x": "v", "v": "-x - x**3"}), du
 ROOT = ClosedForm(_system("root-fall", "x y", {"x": "x**(-1/2)", "y": "y/x"}), root_fall, {"x": 1.2, "y": -0.5}, 2.0,
     backwards=False,
 )  # fmt: skip
-CLOSED_FORMS = (SPIRAL, OSCILLATOR, LOGISTIC, RICCATI, DUFFING, ROOT)
+TANGENT = ClosedForm(
+    _system("tangent", "x y", {"x": "cos(x)**2", "y": "exp(-y)"}), tangent, {"x": 0.3, "y": 0.2}, 2.0, backwards=False
+)
+NESTED = ClosedForm(
+    _system("nested", "x y z", {"x": "1", "y": "a*cos(a*exp(x))*exp(x)", "z": "log(x)"}, "a"), nested,
+    {"x": 0.7, "y": 0.1, "z": -0.3, "a": 0.8}, 0.5, backwards=False,
+)  # fmt: skip
+CLOSED_FORMS = (SPIRAL, OSCILLATOR, LOGISTIC, RICCATI, DUFFING, ROOT, TANGENT, NESTED)
 
 
 def exact(value: Fraction) -> Any:

@@ -11,7 +11,7 @@ from typing import Any
 import mpmath
 import pytest
 from flint import arb
-from support.closed_form_flows import CLOSED_FORMS, DUFFING, OSCILLATOR, SPIRAL, ClosedForm, exact
+from support.closed_form_flows import CLOSED_FORMS, DUFFING, NESTED, OSCILLATOR, SPIRAL, ClosedForm, exact
 from support.flow_checks import random_fraction, random_frame
 from support.independent_flow import extrapolated_flow
 
@@ -56,7 +56,7 @@ def at(box: Box, form: ClosedForm, p: Sequence[Any]) -> tuple[list[Any], list[An
         name: exact(middle) + mpmath.fsum(exact(a) * x for a, x in zip(box.row(name), p, strict=True))
         for name, middle in box.centre.items()
     }
-    return [values[name] for name in form.system.state], [values[name] for name in form.system.parameters]
+    return [values[name] for name in form.system.given_state], [values[name] for name in form.system.parameters]
 
 
 def points(source: random.Random, box: Box, number: int) -> list[list[Any]]:
@@ -71,7 +71,7 @@ def _ball(value: Any) -> arb:
 def contained(found: Enclosure, where: Sequence[Any], state: Sequence[Any], time: Any = None) -> None:
     """The state at one point of the box lies in what is enclosed over the box, and near the point."""
     near = found.over([_ball(x) for x in where])
-    for name, value in zip(found.system.state, state, strict=True):
+    for name, value in zip(found.system.given_state, state, strict=True):
         assert holds(found.value[name], value), (name, found.value[name], value)
         assert holds(near.value[name], value), (name, near.value[name], value)
     if time is not None:
@@ -82,7 +82,7 @@ def contained(found: Enclosure, where: Sequence[Any], state: Sequence[Any], time
 def jets_contained(found: Enclosure, image: Any, where: Sequence[Any], tolerance: float = 1e-9) -> None:
     """Derivatives up to the order asked for, by differences of the closed form at a point of the box."""
     near = found.over([_ball(x) for x in where])
-    for place, name in enumerate(found.system.state):
+    for place, name in enumerate(found.system.given_state):
         for index, ball in found.derivatives[name].items():
             if sum(index) == 0:
                 continue
@@ -301,6 +301,43 @@ def test_what_a_function_of_the_image_is() -> None:
     assert slope.overlaps(2 * image.jacobian["x"][0] - image.jacobian["v"][0] / 2 + 3)
 
 
+PENDULUM = define_system({
+    "name": "pendulum", "state": "q v", "parameters": "g", "where": {"pull": "g*sin(q)"},
+    "field": {"q": "v", "v": "-pull"}, "first_integral": "v**2/2 - g*cos(q)",
+})  # fmt: skip
+
+
+def test_functions_in_formulas_are_coordinates_that_follow_from_the_others() -> None:
+    assert PENDULUM.given_state == ("q", "v")
+    assert PENDULUM.state == ("q", "v", "sin_q", "cos_q")
+    box = enclose.box({"q": 1, "v": 0, "g": 1}, radii={"q": "1e-4", "g": "1e-4"})
+    half = enclose.poincare_map(PENDULUM, box, enclose.section("v"), derivatives=2)
+    assert isinstance(half, Enclosure)
+    # The period of the pendulum is a complete elliptic integral.
+    for q, g in ((1, 1), (1 - mpmath.mpf("1e-4"), 1 + mpmath.mpf("1e-4")), (1 + mpmath.mpf("5e-5"), 1)):
+        time = 2 * mpmath.ellipk(mpmath.sin(mpmath.mpf(q) / 2) ** 2) / mpmath.sqrt(g)
+        assert holds(half.time, time)
+        assert holds(half.over([_ball(mpmath.mpf(q) - 1), _ball(mpmath.mpf(g) - 1)]).time, time)
+    assert holds(half.value["cos_q"], mpmath.cos(1))
+    assert holds(half.value["sin_q"], -mpmath.sin(1))
+    assert half.centre.time.rad() < 1e-20
+    assert holds(half.centre.jacobian["q"][0], -1)
+    assert holds(half.centre.jacobian["sin_q"][0], -mpmath.cos(1))
+
+
+@pytest.mark.parametrize(
+    ("centre", "radii"),
+    [
+        ({"x": -1, "y": 0, "z": 0, "a": 1}, {}),
+        ({"x": 1, "y": 0, "z": 0, "a": 1}, {"x": 1}),
+        ({"x": 0, "y": 0, "z": 0, "a": 1}, {}),
+    ],
+)
+def test_functions_that_are_not_defined_on_the_box_are_refused(centre: Any, radii: Any) -> None:
+    found = enclose.flow(NESTED.system, enclose.box(centre, radii=radii), "1/10", precision=64)
+    assert isinstance(found, NotEnclosed)
+
+
 CIRCLE = define_system({"name": "circle", "state": "x v", "field": {"x": "v", "v": "-x"}})
 BLOW_UP = define_system({"name": "blow-up", "state": "x y", "field": {"x": "x**2", "y": "1"}})
 POINT = enclose.box({"x": 1, "v": 0})
@@ -377,6 +414,8 @@ def test_orbits_that_end_are_not_enclosed() -> None:
         (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("v"), crossings=0), "crossings"),
         (lambda: enclose.flow(CR3BP, enclose.box({**dict.fromkeys(CR3BP.state, 1), "mu": 2}), 1), "outside"),
         (lambda: enclose.interval_newton([]), "functions"),
+        (lambda: enclose.flow(PENDULUM, enclose.box({"q": 1, "v": 0, "g": 1, "sin_q": 0}), 1), "has no sin_q"),
+        (lambda: enclose.section("sin_q").of(PENDULUM), "given"),
     ],
 )  # fmt: skip
 def test_wrong_input_is_an_exception_of_one_line(call: Any, words: str) -> None:

@@ -5,14 +5,25 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 from fractions import Fraction
+from math import prod
 
 import pytest
-from flint import arb, ctx
+from flint import arb, ctx, fmpq
 from support.flow_checks import contains, random_fraction, series_at
 
 from orbitproof.shared import define_system
+from orbitproof.verify.algebra import Arithmetic, Grading
 from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, indices_up_to
-from orbitproof.verify.maps import AffineSection, Format, StartingSet, combination, enclose_flow, enclose_zeros
+from orbitproof.verify.maps import (
+    AffineSection,
+    Format,
+    StartingSet,
+    combination,
+    enclose_flow,
+    enclose_zeros,
+    flow_map,
+)
+from orbitproof.verify.maps.functions import function_of
 from orbitproof.verify.maps.image import image_of
 from orbitproof.verify.maps.poincare_map import number_of
 from orbitproof.verify.oracle import ORACLE
@@ -38,7 +49,7 @@ def random_set(source: random.Random, variables: int, size: int = 3, parameters:
 def random_section(source: random.Random, size: int = 3) -> AffineSection:
     """Some coefficients are 0."""
     normal = [source.choice((0, 1)) * random_fraction(source) for _ in range(size)]
-    normal[source.randrange(size)] = random_fraction(source) + 2
+    normal[source.randrange(size)] = source.choice((-1, 1)) * (random_fraction(source) + 2)
     return AffineSection(tuple(map(Fraction, normal)), random_fraction(source))
 
 
@@ -179,6 +190,51 @@ def test_zeros_are_proved_in_the_set_only() -> None:
     ):
         with pytest.raises(IntegrationFailure, match=words):
             enclose_zeros(functions, radii)
+
+
+@pytest.mark.parametrize("name", ["sin", "cos", "exp", "log"])
+def test_functions_of_elements_contain_the_functions_of_their_values(name: str) -> None:
+    source = random.Random(name)
+    for _ in range(30):
+        variables = source.randint(0, 3)
+        grading = Grading((1,) * variables, source.randint(1, 3))
+        arithmetic = Arithmetic(grading, 90, 0, 4)
+        size = Fraction(source.choice((1, 8, 64)), 200)
+        terms = {index: random_fraction(source, size / 10 ** (sum(index) - 1)) for index in grading.monomials}
+        terms[(0,) * variables] = (Fraction(1, 2) + abs(random_fraction(source, 3))) * (
+            1 if name == "log" else source.choice((1, -1))
+        )
+        unknown = Fraction(source.choice((0, 1)), 2**20)
+        element = arithmetic.polynomial(terms).widened(unknown)
+        if element.norm()[0] == 0 or sum(element.norm()[1:]) > 0.2:
+            continue
+        found = function_of(name, element)
+        for _ in range(20):
+            xi = [random_fraction(source) for _ in range(variables)]
+            exact = sum(
+                (
+                    value * prod((x**n for x, n in zip(xi, index, strict=True)), start=Fraction(1))
+                    for index, value in terms.items()
+                ),
+                random_fraction(source, unknown),
+            )
+            value = getattr(arb(fmpq(exact.numerator, exact.denominator)), name)()
+            near = series_at(found, Fraction(0), xi)
+            assert (abs(value - near.mid()) <= near.rad() + arb(2) ** -150) is True
+            assert near.rad() < 3
+    precise = function_of(name, Arithmetic(Grading((), 1), 90, 0, 4).constant(Fraction(5, 4)))
+    assert series_at(precise, Fraction(0), ()).rad() < 1e-25
+    with pytest.raises(IntegrationFailure, match="not enclosed"):
+        function_of(name, Arithmetic(Grading((1,), 1), 90, 0, 4).polynomial({(0,): Fraction(1), (1,): Fraction(2)}))
+
+
+def test_an_integration_ends_after_a_number_of_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    point = StartingSet(2, (Fraction(1), Fraction(0)), ((), ()), ())
+    circle = define_system({"name": "circle", "state": "x y", "field": {"x": "y", "y": "-x"}})
+    assert enclose_flow(circle.program, point, Fraction(12), Format(64, 1), ORACLE).steps > 2
+    monkeypatch.setattr(flow_map, "MOST_STEPS", 2)
+    with pytest.raises(IntegrationFailure, match="not reached within 2 steps"):
+        enclose_flow(circle.program, point, Fraction(12), Format(64, 1), ORACLE)
 
 
 def test_what_has_no_bound_is_not_enclosed() -> None:

@@ -2,7 +2,7 @@
 
 from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded_power, to_points
 from orbitproof.verify.algebra.grading import Factors, Grading
-from orbitproof.verify.algebra.norms import GradedNorm, float_above, fraction_above, inflate, total
+from orbitproof.verify.algebra.norms import GradedNorm, convolve, float_above, fraction_above, geometric, inflate, total
 from orbitproof.verify.algebra.polynomials import ball_polynomial, plus, recentred, values_around
 from orbitproof.verify.algebra.programs import (
     Evaluation,

@@ -31,7 +31,7 @@ class Box:
 
     def of(self, system: System) -> StartingSet:
         """The box in the order of a system's coordinates. Raises `ValueError` unless the names are the same."""
-        names = (*system.state, *system.parameters)
+        names = (*system.given_state, *system.parameters)
         for name in names:
             if name not in self.centre:
                 raise ValueError(f"centre: {name} is missing; give a value to each of {', '.join(names)}")
@@ -45,7 +45,9 @@ class Box:
             if not all(interval.contains(self.centre[name] + sign * reach) for sign in (-1, 1)):
                 raise ValueError(f"{name}: values of the box are outside {interval}; give values inside")
         centre, frame = tuple(self.centre[name] for name in names), tuple(self.row(name) for name in names)
-        return StartingSet(len(system.state), centre, frame, self.radii)
+        functions = [each.function for each in system.defined]
+        defined = tuple(zip(functions, system.argument_programs, strict=True))
+        return StartingSet(len(system.given_state), centre, frame, self.radii, defined)
 
 
 def box(
@@ -59,7 +61,8 @@ def box(
     enclosed the orbits must exist on a box four times as large (section 6).
 
     Arguments:
-        centre: a number for each state coordinate and each parameter, by name. Numbers are exact: int, `Fraction`, or
+        centre: a number for each state coordinate and each parameter, by name; none for coordinates that are
+            functions of others, sin, cos, exp and log of the field's formulas. Numbers are exact: int, `Fraction`, or
             text such as "0.1" or "1/3".
         frame: by name, the row of coefficients of p_1, p_2, ..; names that are absent do not vary. Without a frame
             radii are by name, and each name is a variable of its own, in the order given.
@@ -109,8 +112,9 @@ class Section:
     def of(self, system: System) -> AffineSection:
         """The section in the order of a system's coordinates. Raises `ValueError` for other names."""
         for name in self.normal:
-            if name not in system.state:
-                raise ValueError(f"section: {name!r} is no state coordinate; there are {', '.join(system.state)}")
+            if name not in system.given_state:
+                known = ", ".join(system.given_state)
+                raise ValueError(f"section: {name!r} is no state coordinate that is given; there are {known}")
         return AffineSection(tuple(self.normal.get(name, Fraction(0)) for name in system.state), self.value)
 
 

@@ -20,7 +20,7 @@ class AffineSection:
     """The points of the state space with normal . x = offset, exactly; normal is not zero.
 
     Attributes:
-        normal: one number for each state coordinate.
+        normal: one number for each state coordinate, 0 for those that are functions of others.
         offset: the value of normal . x on the section.
     """
 
@@ -34,7 +34,7 @@ class AffineSection:
 
     def holds(self, start: StartingSet) -> bool:
         """Whether all points of a set lie on the section."""
-        rows = list(zip(self.normal, start.centre, start.frame, strict=False))
+        rows = list(zip(self.normal[: start.size], start.centre, start.frame, strict=False))
         value = sum((a * c for a, c, _ in rows), Fraction(0))
         directions = (sum((a * row[j] for a, _, row in rows), Fraction(0)) for j in range(len(start.radii)))
         return value == self.offset and not any(directions)
@@ -53,7 +53,7 @@ class AffineSection:
 
     def section_coordinate(self, start: StartingSet, arithmetic: Arithmetic) -> Series:
         """y on a set: exactly zero if it lies on the section."""
-        factors = [*self.normal, *[Fraction(0)] * (len(start.centre) - len(self.normal))]
+        factors = [*self.normal[: start.size], *[Fraction(0)] * (len(start.centre) - start.size)]
         return start.element(arithmetic, factors, -self.offset)
 
     def own_state(self, state: Sequence[Series]) -> list[Series]:

@@ -55,7 +55,7 @@ def combination(
 
 
 def displacement(start: StartingSet, section: AffineSection, image: Image) -> tuple[DerivativeTable, ...]:
-    """P(x) - x on a set in the section, in all state coordinates but the section's `pivot`.
+    """P(x) - x on a set in the section, in all given state coordinates but the section's `pivot`.
 
     Zeros are the points with P(x) = x. Raises `ValueError` for a set that does not lie on the section.
     """
@@ -63,7 +63,7 @@ def displacement(start: StartingSet, section: AffineSection, image: Image) -> tu
         raise ValueError("the set does not lie on the section: give a centre on it and a frame whose columns lie in it")
     return tuple(
         combination(start, [table], [Fraction(1)], [-value for value in start.frame[index]], -start.centre[index])
-        for index, table in enumerate(image.state)
+        for index, table in enumerate(image.state[: start.size])
         if index != section.pivot
     )
 

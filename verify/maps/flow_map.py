@@ -33,7 +33,7 @@ def enclose_flow(
 
     Raises `IntegrationFailure`.
     """
-    field = prepare(program if time > 0 else backwards(program, start.size))
+    field = prepare(program if time > 0 else backwards(program))
     with guarded(chosen.precision):
         arithmetic = start.arithmetic(chosen)
         state, parameters = start.elements(arithmetic)
@@ -61,8 +61,8 @@ def enclose_flow(
         return image_of(start, state, arithmetic.constant(time), steps)
 
 
-def backwards(program: Program, size: int) -> Program:
-    """The negative of a vector field whose first `size` inputs are the state."""
+def backwards(program: Program) -> Program:
+    """The negative of a vector field."""
     names = program.inputs
     return record(lambda arguments: [-value for value in program.evaluate(arguments, _same, pow)], names)
 

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from orbitproof.shared.systems import Program
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import LEAST_ERROR
+from orbitproof.verify.maps.functions import defined_values
 from orbitproof.verify.poincare import BOX_RATIO, default_order, grade_bits
 
 
@@ -32,16 +34,18 @@ class StartingSet:
     """The points centre + frame p with abs(p_j) <= radii_j, exactly.
 
     Attributes:
-        size: number of state coordinates; parameters follow them.
+        size: number of state coordinates that are given; parameters follow them.
         centre: state, then parameters.
         frame: a row for each of these, a column for each variable p_j.
         radii: positive, one for each variable; none if the set is a point.
+        defined: further state coordinates, functions of those before them (see `defined_values`).
     """
 
     size: int
     centre: tuple[Fraction, ...]
     frame: tuple[tuple[Fraction, ...], ...]
     radii: tuple[Fraction, ...]
+    defined: tuple[tuple[str, Program], ...] = ()
 
     @property
     def scales(self) -> tuple[Fraction, ...]:
@@ -69,10 +73,11 @@ class StartingSet:
         return arithmetic.polynomial(terms)
 
     def elements(self, arithmetic: Arithmetic) -> tuple[list[Series], list[Series]]:
-        """State and parameters."""
+        """State and parameters. Raises `IntegrationFailure` where a defined coordinate is not enclosed."""
         rows = range(len(self.centre))
         values = [self.element(arithmetic, [Fraction(int(i == row)) for i in rows], Fraction(0)) for row in rows]
-        return values[: self.size], values[self.size :]
+        state, parameters = values[: self.size], values[self.size :]
+        return [*state, *defined_values(self.defined, state, parameters)], parameters
 
 
 def _dot(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:
