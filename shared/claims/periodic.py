@@ -63,6 +63,9 @@ class PeriodicOrbit:
         size, wanted = len(names), ", ".join(names)
         if not fits(ID, self.id):
             _refuse("id", f"{self.id!r} is no id", ID_IN_WORDS)
+        if self.system.defined:
+            functions = ", ".join(each.name for each in self.system.defined)
+            _refuse("system", f"{functions} are functions of other coordinates", "write it in plain arithmetic")
         if self.direction not in (1, -1):
             _refuse("direction", f"{self.direction!r} is no direction", "give 1 or -1")
         if not isinstance(self.crossings, int) or self.crossings < 1:

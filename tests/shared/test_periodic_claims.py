@@ -118,3 +118,10 @@ def test_what_is_about_symmetric_orbits_only_says_so(tmp_path: Path) -> None:
     write_candidates(path, [_claim()])
     with pytest.raises(InputError, match="without symmetry, which is not available here"):
         read_candidates(path)
+
+
+def test_coordinates_that_are_functions_of_others_are_not_claimed() -> None:
+    field = {"x": "y", "y": "cos(z) - x", "z": "-z"}
+    system = define_system({"name": "forced", "state": "x y z", "field": field})
+    with pytest.raises(InputError, match="functions of other coordinates"):
+        _claim(system=system)
