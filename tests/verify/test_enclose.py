@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -18,6 +20,8 @@ from support.independent_flow import extrapolated_flow
 from orbitproof.shared import CR3BP, EARTH_MOON, System, define_system
 from orbitproof.verify import enclose
 from orbitproof.verify.enclose import Box, Enclosure, NotEnclosed
+from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.oracle import ORACLE
 
 DIGITS = 40
 ORDERS = 3
@@ -368,6 +372,55 @@ def test_what_cannot_be_enclosed_is_refused_with_a_reason(
     assert any(word in found.reason.message for word in words.split("|"))
 
 
+@dataclass
+class Blind:
+    """An expansion that sees no crossing at first."""
+
+    honest: Any
+    sees: bool
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.honest, name)
+
+    def crossing(self, *arguments: Any) -> Fraction | None:
+        return self.honest.crossing(*arguments) if self.sees else None
+
+
+@dataclass
+class BlindOracle:
+    """Misses the crossings of the first steps."""
+
+    steps: int
+    asked: int = 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(ORACLE, name)
+
+    def expand(self, *arguments: Any) -> Any:
+        self.asked += 1
+        return Blind(ORACLE.expand(*arguments), self.asked > self.steps)
+
+
+def test_short_arcs_are_crossed_in_the_direction_asked_for() -> None:
+    for size, side, direction in itertools.product(("1/200", "1/3", "1e-4", "1e-7", "3/4"), (-1, 1), (-1, 0, 1)):
+        t = Fraction(size) * side
+        # The arc between the points (-t, t^2 - 1)/(t^2 + 1) and (t, t^2 - 1)/(t^2 + 1) of the circle.
+        x, v = 2 * t / (1 + t * t), (t * t - 1) / (1 + t * t)
+        whole, angle = 2 * mpmath.pi, 4 * mpmath.atan(exact(t))
+        first = angle if side > 0 else whole + angle
+        box = enclose.box({"x": x, "v": v}, radii={} if size == "1e-7" else {"x": "1e-30"})
+        for oracle in (ORACLE, BlindOracle(1), BlindOracle(2)):
+            found = enclose.poincare_map(
+                CIRCLE, box, enclose.section("v", v), direction=direction, precision=200, oracle=oracle
+            )
+            if isinstance(found, NotEnclosed):
+                assert oracle is not ORACLE, str(found)
+                continue
+            here = direction == (-1 if x > 0 else 1)
+            assert holds(found.time, whole if here else first), (size, side, direction, str(found))
+            assert holds(found.value["x"], exact(x if here else -x))
+
+
 def test_a_direction_that_never_comes_is_refused() -> None:
     box = enclose.box({"x": -1, "y": 0}, radii={"x": "1e-3"})
     for section, direction in ((enclose.section("y", 1), -1), (enclose.section("y", -1), 1)):
@@ -392,6 +445,53 @@ def test_orbits_that_end_are_not_enclosed() -> None:
     assert isinstance(enclose.flow(POLE, wide, "1/100", precision=64), NotEnclosed)
 
 
+def test_nothing_is_said_outside_the_box() -> None:
+    box = enclose.box({"x": 1, "v": 0}, radii={"x": "1e-3", "v": "1e-2"})
+    image = enclose.flow(CIRCLE, box, 1, precision=96)
+    assert isinstance(image, Enclosure)
+    function = image.function({"x": 1}, "-0.5403023")
+    zero = enclose.interval_newton([function])
+    assert isinstance(zero, enclose.Zero)
+    for value in ("0.0010001", "-5", "1e300"):
+        with pytest.raises(ValueError, match="in the box"):
+            zero.over([arb(value)])
+        with pytest.raises(ValueError, match="in the box"):
+            function.over([arb(0), 10 * arb(value)])
+        with pytest.raises(ValueError, match="in the box"):
+            image.over([arb(value), arb(0)])
+    ((inside, _), (across, _)) = zero.over([arb("0.001")]), zero.over([arb("0.0011", "0.0002")])
+    assert inside.overlaps(across)
+    assert across <= arb("0.0010000001")
+    for derivative in ((4, 0), (-1, 0), (2, 2)):
+        with pytest.raises(ValueError, match="derivative"):
+            function.over([arb(0), arb(0)], derivative)
+
+
+def test_backwards_the_time_that_was_reached_is_negative() -> None:
+    box = enclose.box({"x": -1, "y": 0}, radii={"x": "1e-3"})
+    found = enclose.flow(BLOW_UP, box, -2)
+    assert isinstance(found, NotEnclosed)
+    assert found.reason.reached is not None
+    assert -1 < found.reason.reached < -0.9
+    assert " at time -0.9" in str(found)
+    assert found.precision > 128
+
+
+def test_what_progress_raises_passes_through() -> None:
+    box = enclose.box({"x": 1, "v": 0}, radii={"x": "1e-3"})
+    for error in (ValueError("mine"), ZeroDivisionError("mine"), IntegrationFailure("mine", "mine", "mine")):
+
+        def progress(steps: int, error: Exception = error) -> None:
+            raise error
+
+        for call in (
+            partial(enclose.flow, CIRCLE, box, 1),
+            partial(enclose.poincare_map, CIRCLE, box, enclose.section("v")),
+        ):
+            with pytest.raises(type(error), match="mine"):
+                call(precision=64, progress=progress)
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -409,6 +509,8 @@ def test_orbits_that_end_are_not_enclosed() -> None:
         (lambda: enclose.flow(CIRCLE, enclose.box({"x": 1, "v": 0}), 0), "time"),
         (lambda: enclose.flow(CIRCLE, enclose.box({"x": 1, "v": 0}), 1, derivatives=4), "derivatives"),
         (lambda: enclose.flow(CIRCLE, enclose.box({"x": 1, "v": 0}), 1, precision=0), "precision"),
+        (lambda: enclose.flow(CIRCLE, enclose.box({"x": 1, "v": 0}), 1, degree=0), "degree"),
+        (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("v"), degree=0), "degree"),
         (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("u")), "no state"),
         (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("v"), direction=2), "none"),
         (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("v"), crossings=0), "crossings"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 from orbitproof.shared.systems import System
@@ -71,12 +72,13 @@ def flow(
     start, length = box.of(system), exact("time", time)
     if not length:
         raise ValueError("time: it is 0; give another one")
-    order = _order(derivatives)
+    order, told = _order(derivatives), _Progress(progress)
+    kept = _degree(order, degree)
 
     def attempt(bits: int) -> Image:
-        return enclose_flow(system.program, start, length, _format(bits, order, degree), oracle, progress)
+        return enclose_flow(system.program, start, length, Format(bits, kept), oracle, told)
 
-    found, bits = _attempts(attempt, precision, digits)
+    found, bits = _attempts(attempt, told, precision, digits)
     return found if isinstance(found, NotEnclosed) else Enclosure(system, box, order, bits, found)
 
 
@@ -122,13 +124,13 @@ def poincare_map(
     start, plane = box.of(system), section.of(system)
     if direction not in (-1, 0, 1) or isinstance(direction, bool):
         raise ValueError(f"direction: {direction!r} is none; give 1, -1, or 0 for both")
-    number, order = positive("crossings", crossings), _order(derivatives)
+    number, order, told = positive("crossings", crossings), _order(derivatives), _Progress(progress)
+    kept = _degree(order, degree)
 
     def attempt(bits: int) -> Image:
-        chosen = _format(bits, order, degree)
-        return enclose_poincare_map(system.program, start, plane, direction, number, chosen, oracle, progress)
+        return enclose_poincare_map(system.program, start, plane, direction, number, Format(bits, kept), oracle, told)
 
-    found, bits = _attempts(attempt, precision, digits)
+    found, bits = _attempts(attempt, told, precision, digits)
     return found if isinstance(found, NotEnclosed) else Enclosure(system, box, order, bits, found, section)
 
 
@@ -174,35 +176,55 @@ def _order(derivatives: int) -> int:
     return derivatives
 
 
-def _format(bits: int, order: int, degree: int | None) -> Format:
-    return Format(bits, max(1, order) if degree is None else positive("degree", degree))
+def _degree(order: int, degree: int | None) -> int:
+    return max(1, order) if degree is None else positive("degree", degree)
 
 
-def _attempts(attempt: Callable[[int], Image], precision: int | None, digits: int) -> tuple[Image | NotEnclosed, int]:
+def _attempts(
+    attempt: Callable[[int], Image], progress: _Progress, precision: int | None, digits: int
+) -> tuple[Image | NotEnclosed, int]:
     """What the first attempt with enough bits gives, or else the last one that gives something; and its bits."""
     bits = LEAST_PRECISION if precision is None else positive("precision", precision, 32)
     positive("digits", digits)
-    found, before = _once(attempt, bits), None
+    found, before = _once(attempt, progress, bits), None
     while precision is None and not _is_enough(found, digits) and (more := bits + bits // 2) <= MOST_PRECISION:
         if isinstance(found, NotEnclosed):
             reason = found.reason
-            stuck = before is not None and reason.reached is not None and reason.reached <= before * _FARTHER
+            stuck = before is not None and reason.reached is not None and abs(reason.reached) <= abs(before) * _FARTHER
             if not reason.needs_precision or stuck:
                 break
             before = reason.reached
-        now = _once(attempt, more)
+        now = _once(attempt, progress, more)
         if isinstance(now, NotEnclosed) and not isinstance(found, NotEnclosed):
             break
         found, bits = now, more
     return found, bits
 
 
-def _once(attempt: Callable[[int], Image], bits: int) -> Image | NotEnclosed:
+@dataclass
+class _Progress:
+    """Calls for progress, of which what is raised is kept apart from what integrations raise."""
+
+    call: Callable[[int], None] | None
+    raised: BaseException | None = None
+
+    def __call__(self, steps: int) -> None:
+        try:
+            if self.call is not None:
+                self.call(steps)
+        except BaseException as error:
+            self.raised = error
+            raise
+
+
+def _once(attempt: Callable[[int], Image], progress: _Progress, bits: int) -> Image | NotEnclosed:
     try:
         return attempt(bits)
-    except IntegrationFailure as failure:
-        return NotEnclosed(failure.reason, bits)
-    except (ArithmeticError, ValueError) as error:
+    except (IntegrationFailure, ArithmeticError, ValueError) as error:
+        if error is progress.raised:
+            raise
+        if isinstance(error, IntegrationFailure):
+            return NotEnclosed(error.reason, bits)
         return NotEnclosed(
             Reason("evaluation", without_result(error), "give smaller radii, or more precision", True), bits
         )

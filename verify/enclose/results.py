@@ -11,7 +11,18 @@ from flint import arb
 from orbitproof.shared.systems import System
 from orbitproof.verify.enclose.numbers import Number, exact
 from orbitproof.verify.enclose.sets import Box, Section
-from orbitproof.verify.evidence import DerivativeTable, MultiIndex, Reason, dot, enclose, guarded, indices_up_to
+from orbitproof.verify.evidence import (
+    MAX_ORDER,
+    DerivativeTable,
+    MultiIndex,
+    Reason,
+    dot,
+    enclose,
+    guarded,
+    indices_up_to,
+    meet,
+    symmetric,
+)
 from orbitproof.verify.maps import Image, Zeros, combination
 from orbitproof.verify.newton import BoxFunction
 
@@ -55,13 +66,26 @@ class Function:
         """The values, or those of a partial derivative up to order 3, at all points of the box with p_j in where[j].
 
         By Taylor's formula about the centre (section 7.2), so that narrow parts have narrow enclosures. What lies
-        beyond the box does not count. Raises `ValueError` for another number of variables.
+        beyond the box does not count. Raises `ValueError` for another number of variables, for another derivative, and
+        for balls that contain no point of the box.
         """
         index = (0,) * len(self.box.radii) if derivative is None else tuple(derivative)
         if len(where) != len(self.box.radii) or len(index) != len(where):
             raise ValueError(f"where: give a ball for each of the {len(self.box.radii)} variables of the box")
+        if index not in self.table.box:
+            raise ValueError(
+                f"derivative: {index} is none; give whole numbers from 0 on whose sum is {MAX_ORDER} at most"
+            )
         with guarded(self.precision):
-            return BoxFunction(self.table).derivative(index, where)
+            return BoxFunction(self.table).derivative(index, _inside("where", where, self.box.radii))
+
+
+def _inside(key: str, where: Sequence[arb], radii: Sequence[Fraction]) -> list[arb]:
+    """The parts of balls that lie in the box. Raises `ValueError` if one has none."""
+    for ball, radius in zip(where, radii, strict=True):
+        if not ball.overlaps(symmetric(radius)):
+            raise ValueError(f"{key}: {ball.str(8)} contains no point of [-{radius}, {radius}]; give balls in the box")
+    return [meet(ball, symmetric(radius)) for ball, radius in zip(where, radii, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -213,11 +237,12 @@ class Zero:
             return {name: enclose(self.box.centre[name]) + dot(row, self.at) for name, row in rows.items()}
 
     def over(self, independent: Sequence[arb]) -> tuple[arb, ...]:
-        """All variables at the zeros whose independent variables are in the given balls, which lie in the box.
+        """All variables at the zeros whose independent variables are in the given balls.
 
-        Raises `ValueError` for another number of them.
+        What lies beyond the box does not count. Raises `ValueError` for another number of them, and for balls that
+        contain no point of the box.
         """
         if len(independent) != self.independent:
             raise ValueError(f"independent: give a ball for each of the {self.independent} independent variables")
         with guarded(self.precision):
-            return self.zeros.graph.over(list(independent))
+            return self.zeros.graph.over(_inside("independent", independent, self.box.radii[: self.independent]))

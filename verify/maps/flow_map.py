@@ -37,22 +37,22 @@ def enclose_flow(
     with guarded(chosen.precision):
         arithmetic = start.arithmetic(chosen)
         state, parameters = start.elements(arithmetic)
-        reached, share, steps = Fraction(0), 1.0, 0
+        reached, share, steps, sign = Fraction(0), 1.0, 0, 1 if time > 0 else -1
         while reached < abs(time):
             if steps == MOST_STEPS:
                 raise IntegrationFailure(
                     "steps",
                     f"time {float(time):.6g} is not reached within {MOST_STEPS} steps",
                     "give a shorter time, and go on from an enclosure of the states there",
-                ).at(float(reached))
+                ).at(float(sign * reached))
             try:
                 expansion = oracle.expand(field, arithmetic, state, parameters)
-                step = expansion.shortened(planned_step(expansion.step_size, share, float(reached)))
+                step = expansion.shortened(planned_step(expansion.step_size, share, float(sign * reached)))
                 step = min(step, abs(time) - reached)
                 state = list(advance(field, state, parameters, expansion, step).end)
             except IntegrationFailure as failure:
                 if share <= LEAST_SHARE or failure.reason.condition != "tube":
-                    raise failure.at(float(reached)) from None
+                    raise failure.at(float(sign * reached)) from None
                 share /= 2
                 continue
             reached, steps = reached + step, steps + 1

@@ -43,7 +43,9 @@ def enclose_poincare_map(
         for _ in range(crossings * 2 * MOST_STEPS):
             try:
                 arrived = orbits.step()
-                number = number_of(crossings, direction, counter.side) if number is None else number
+                if number is None:
+                    # Each crossing within the first step has changed the side.
+                    number = number_of(crossings, direction, counter.side * (-1) ** counter.crossings)
                 if arrived and counter.arrival(number) is not None:
                     image = _crossing(orbits, number)
                     break
@@ -52,7 +54,7 @@ def enclose_poincare_map(
             if counter.crossings >= number:
                 raise IntegrationFailure(
                     "crossing count",
-                    f"orbits of the set are beyond crossing {number} where its centre is not",
+                    f"the orbits of the set are beyond crossing {number}, and no step ended there for all of them",
                     "give smaller radii, or more precision",
                     needs_precision=True,
                 ).at(float(orbits.time))

@@ -10,11 +10,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import ceil, inf, isfinite, log2
+from math import ceil, inf, isfinite, log2, sqrt
 from operator import floordiv, mul, truediv
 from typing import Any, TypeVar
 
-from flint import arb, arb_poly
+from flint import arb, arb_poly, fmpq
 
 from orbitproof.verify.algebra import PreparedProgram, Recurrence, integer_part
 from orbitproof.verify.evidence import IntegrationFailure, guarded
@@ -203,27 +203,57 @@ def step_size(coefficients: Sequence[Sequence[float]], log2_tolerance: float, de
 
 def next_crossing(coefficients: Sequence[int], bits: int, starts_on_section: bool) -> Fraction | None:
     """The first root of a time polynomial in (0, 1], dyadic with about `bits` bits; not rigorous."""
-    values = rough(coefficients, bits)
-    samples = 64
+    # Without its root at 0 the polynomial shows the next one, however close that is.
+    searched = coefficients[1:] if starts_on_section else coefficients
+    guess = _first_root(searched, bits)
+    return None if guess is None else _polish(coefficients, bits, guess)
+
+
+_SAMPLES = 64
+
+
+def _first_root(coefficients: Sequence[int], bits: int) -> float | None:
+    floats = rough(coefficients, bits)
 
     def value(theta: float) -> float:
         result = 0.0
-        for c in reversed(values):
+        for c in reversed(floats):
             result = result * theta + c
         return result
 
-    first = 1 if starts_on_section else 0
-    before = value(first / samples)
-    for index in range(first + 1, samples + 1):
-        after = value(index / samples)
-        if (before < 0) != (after < 0):
-            return _polish(coefficients, bits, (index - 0.5) / samples)
-        before = after
+    values = [value(index / _SAMPLES) for index in range(_SAMPLES + 1)]
+    sizes = [inf, *map(abs, values), inf]
+    for index, after in enumerate(values):
+        if index and (values[index - 1] < 0) != (after < 0):
+            root = _polish(coefficients, bits, (index - 0.5) / _SAMPLES)
+            return None if root is None else float(root)
+        if sizes[index + 1] <= min(sizes[index], sizes[index + 2]):
+            before = _root_before_extremum(coefficients, bits, index, after < 0)
+            if before is not None:
+                return before
     return None
 
 
+def _root_before_extremum(coefficients: Sequence[int], bits: int, index: int, negative: bool) -> float | None:
+    """The first of two roots close to each other near a sample, if values between them have the other sign."""
+    slopes = [power * c for power, c in enumerate(coefficients)][1:]
+    extremum = _polish(slopes, bits, index / _SAMPLES)
+    if extremum is None or abs(extremum * _SAMPLES - index) > 1:
+        return None
+    polynomial, place = _in_balls(coefficients, bits), arb(fmpq(extremum.numerator, extremum.denominator))
+    height, curvature = (float(each(place)) for each in (polynomial, polynomial.derivative().derivative()))
+    if (height < 0) == negative or height * curvature >= 0:
+        return None
+    root = _polish(coefficients, bits, float(extremum) - sqrt(-2 * height / curvature))
+    return None if root is None else float(root)
+
+
+def _in_balls(coefficients: Sequence[int], bits: int) -> arb_poly:
+    return arb_poly([arb(c) * arb(2) ** -bits for c in coefficients])
+
+
 def _polish(coefficients: Sequence[int], bits: int, guess: float) -> Fraction | None:
-    polynomial = arb_poly([arb(c) * arb(2) ** -bits for c in coefficients])
+    polynomial = _in_balls(coefficients, bits)
     slope = polynomial.derivative()
     root = arb(guess)
     for _ in range(3 + ceil(log2(bits))):
