@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import InputError, refused
+from orbitproof.shared.formats import InputError, as_options, refused
 from orbitproof.shared.interrupts import INTERRUPTED, run_command
 from orbitproof.shared.systems import shown
 from orbitproof.verify.run import CHECK_SECONDS, GIBIBYTE, LONG_CHECK_SECONDS, ArgumentParser, positive_seconds
@@ -74,7 +74,7 @@ def _run(options: argparse.Namespace) -> int:
     except Refused as refusal:
         for path, check in refusal.rechecks:
             found = check.findings[0] if check.findings else None
-            what = check.obstacle if found is None else f"{found.place}: {found.message}"
+            what = as_options(check.obstacle) if found is None else f"{found.place}: {found.message}"
             print(f"REFUSED {path}: {shown(check.id)}: {what}", file=sys.stderr)
         print("nothing was written: a report tells only what follows from its certificates", file=sys.stderr)
         return 1

@@ -13,7 +13,7 @@ from orbitproof.figures.report.document import Block, Code, Formulas, Items, Mat
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
-from orbitproof.shared.formats import KINDS, SURFACE, Candidate
+from orbitproof.shared.formats import KINDS, SURFACE, Candidate, as_options
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import atlas_in_words, claim_in_words
@@ -107,7 +107,7 @@ def _normal_form(entry: CheckedRow) -> Iterator[Block]:
 
 def _notes(entry: Checked) -> Iterator[Block]:
     for note in (*entry.check.notes, *([entry.check.open_place] if entry.check.open_place else [])):
-        yield Paragraph((f"Note: {note}.",))
+        yield Paragraph((f"Note: {as_options(note)}.",))
 
 
 def hypothesis_table(entry: Checked) -> Table:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import time
 from pathlib import Path
@@ -147,3 +148,17 @@ def test_an_interrupted_run_keeps_its_rows_and_leaves_nothing(sent: str, tmp_pat
         assert run.returncode == 130
         assert "interrupted: 1 of 2 rows finished" in errors
     assert {name: row["verdict"] for name, row in rows(output).items()} == {DOUBLING: "agrees"}
+
+
+def test_a_row_is_about_its_certificate_and_made_by_its_program(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = shutil.copytree(Path(str(second_proofs.folder.__file__)).parent, tmp_path / "second_proof")
+    monkeypatch.setattr(second_proofs.folder, "__file__", str(here / "__init__.py"))
+    content = json.loads(DATA.read_text(encoding="utf-8"))
+    first, second = content["certificates"][:2]
+    mark = second_proofs.fingerprint(first)
+    assert second_proofs.fingerprint(dict(reversed(first.items()))) == mark
+    assert len({mark, second_proofs.fingerprint(second), second_proofs.fingerprint({**first, "digest": ""})}) == 3
+    (here / "flow.py").write_text((here / "flow.py").read_text("utf-8") + "# Another one.\n", encoding="utf-8")
+    assert second_proofs.fingerprint(first) != mark

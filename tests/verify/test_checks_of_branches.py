@@ -13,21 +13,33 @@ import pytest
 from flint import arb
 from support import atlas_work
 from support.atlas_runs import CURVE, go
-from support.chain_cases import symmetric_arc
+from support.chain_cases import certificate, symmetric_arc
 from support.claims import known
 from support.forgeries import atlas_certificate, forged, honest, of_parabola
 from support.stability_cases import results as stability_results
 from support.stored import value_of, values
 
-from orbitproof.shared import parse_exact
+from orbitproof.shared import InputError, parse_exact
 from orbitproof.shared.claims import Atlas
-from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, order_of, recheck_atlas
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    Means,
+    ProvedBefore,
+    make_atlas_certificate,
+    order_of,
+    read_atlas_certificate,
+    recheck_atlas,
+    write_atlas_certificate,
+)
 from orbitproof.verify.atlas import recheck as chapter
+from orbitproof.verify.atlas.certificate import results_for
+from orbitproof.verify.atlas.conclusion_as_json import _outward, shortened
+from orbitproof.verify.atlas.places import _to_json as place_to_json
 from orbitproof.verify.atlas.recheck import _contradictions, _interval_findings
-from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.certificate import Certificate, Finding, Level, Recheck
 from orbitproof.verify.certificate import not_proved as unproved
-from orbitproof.verify.curve import IntervalResult
-from orbitproof.verify.evidence import Reason
+from orbitproof.verify.curve import Bifurcation, IntervalResult, Place
+from orbitproof.verify.evidence import Reason, ball_to_json
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.run.branch_tasks import task_again
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
@@ -240,3 +252,97 @@ def test_enclosures_of_a_part_are_those_of_a_new_proof_and_contain_them() -> Non
     assert not found(lambda e: e["HC3"].update(g_0=narrower))
     (text,) = said(surface(), with_part(1, point=(part.point[0] + arb(0, 1), *part.point[1:])))
     assert "p_0: stored is" in text
+
+
+# The certificates that it rests on
+
+
+@pytest.mark.parametrize("standing", ["a", "b"])
+def test_each_certificate_counts_as_far_as_it_stands_itself(standing: str) -> None:
+    atlas, results = of_parabola()
+    point = {"beta": arb(2, 2.0**-40), "y": arb(4) / 100}
+    entries = [certificate(point, name=name) for name in "ab"]
+    failing = (Finding("results", "is forged"),)
+
+    def check(given: Sequence[Certificate]) -> list[Recheck]:
+        return [Recheck(entry.id, "proved", 1, () if entry.id == standing else failing) for entry in given]
+
+    found = chapter.conclusion_of(atlas, values(results), entries, check, None)["bifurcations"]
+    falls = {entry["id"]: "does not stand: results: is forged" in entry["reason"] for entry in found}
+    assert falls == {name: name != standing for name in "ab"}
+
+
+def test_certificates_are_carried_without_their_places() -> None:
+    atlas, results = of_parabola()
+    point = certificate({"beta": arb(2, 2.0**-40), "y": arb(4) / 100}, name="a")
+    placed = point.with_place({
+        "rests_on": {"id": "parabola", "digest": "sha256:" + 64 * "0"}, "piece": "p001", "s": ball_to_json(arb(0, 1)),
+        "mirrored": False, "other_point": False, "statement": "on it",
+    })  # fmt: skip
+    assert "place" in placed.to_json()
+    (carried,) = make_atlas_certificate(atlas, values(results), None, [placed])["rests_on"]
+    assert "place" not in carried
+    assert carried["statement"] == point.to_json()["statement"]
+
+
+# What is kept of it
+
+
+def test_results_are_kept_of_the_same_claim_only() -> None:
+    atlas, results = of_parabola()
+    before = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    assert len(results_for(before, atlas)) == 3
+    for other in (
+        replace(atlas, system=replace(atlas.system, name="another")),
+        replace(atlas, parameters={"mu": Fraction(1, 2)}),
+        replace(atlas, claim=replace(atlas.claim, symmetry="S")),
+        replace(atlas, claim=replace(atlas.claim, crossings=2)),
+    ):
+        assert results_for(before, other) == []
+
+
+def test_a_file_that_does_not_fit_its_digest_is_not_read(document: Any, tmp_path: Path) -> None:
+    path = tmp_path / "curve.json"
+    write_atlas_certificate(path, document)
+    assert read_atlas_certificate(path).document == document
+    write_atlas_certificate(path, {**document, "id": "another"})
+    with pytest.raises(InputError, match="digest"):
+        read_atlas_certificate(path)
+
+
+def test_a_branch_is_whole_if_all_that_was_asked_about_is_on_it(document: Any) -> None:
+    atlas, _ = of_parabola()
+
+    def is_whole(*on_curve: bool, **complete: Any) -> bool:
+        conclusion = {"bifurcations": [{"on_curve": on} for on in on_curve], "complete": complete}
+        return AtlasCertificate(atlas, {**document, "conclusion": conclusion}).is_whole
+
+    assert is_whole()
+    assert is_whole(True, True, gaps=[], undecided=[])
+    assert not is_whole(True, False)
+    assert not is_whole(True, gaps=[{}])
+    assert not is_whole(True, undecided=[{}])
+
+
+def test_results_stand_in_order_along_the_curve(document: Any) -> None:
+    atlas, results = of_parabola()
+    again = make_atlas_certificate(atlas, values(list(reversed(results))), None)
+    assert again["results"] == document["results"]
+
+
+def test_ends_of_intervals_are_written_outward() -> None:
+    third = Fraction(1, 3)
+    low, high = shortened(third, -1), shortened(third, 1)
+    assert low < third < high
+    assert high - low == Fraction(1, 2**60)
+    assert [parse_exact(text) for text in _outward(third, third)] == [low, high]
+    assert [parse_exact(text) for text in _outward(Fraction(-1), Fraction(1))] == [-1, 1]
+
+
+def test_a_place_is_told_as_it_was_found() -> None:
+    atlas, results = of_parabola()
+    curve = AtlasCertificate(atlas, atlas_certificate(atlas, results))
+    for mirrored, other_point in ((False, True), (True, False)):
+        place = Place("p001", arb(1, 2**-9), mirrored, other_point)
+        told = place_to_json(curve, Bifurcation("a", "orbit", 1, place, "", {}, "period", None))
+        assert (told["piece"], told["mirrored"], told["other_point"]) == ("p001", mirrored, other_point)

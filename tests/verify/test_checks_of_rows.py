@@ -14,8 +14,22 @@ from support.forgeries import forged as forged_document
 from support.springs import springs
 
 from orbitproof.shared.processes import Failure
-from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, certify, decimals, not_checked, recheck
+from orbitproof.verify.certificate import (
+    CannotBeCheckedError,
+    Certificate,
+    Level,
+    Limits,
+    Recheck,
+    certify,
+    decimals,
+    digest,
+    is_proof_of,
+    not_checked,
+    recheck,
+    systems_with,
+)
 from orbitproof.verify.certificate import rechecking as chapter
+from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.certificate.kinds import contradictions, prove, too_narrow, unconfirmed
 from orbitproof.verify.certificate.levels import not_finished
 from orbitproof.verify.certificate.stored_balls import to_json
@@ -29,6 +43,11 @@ from orbitproof.verify.evidence import (
     hypothesis_to_json,
 )
 from orbitproof.verify.poincare import Enclosures
+
+PLACE = {
+    "rests_on": {"id": "loop", "digest": "sha256:" + 64 * "0"}, "piece": "p001", "s": ball_to_json(arb(0, 1)),
+    "mirrored": False, "other_point": False, "statement": "on the loop",
+}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -128,11 +147,7 @@ def test_with_an_open_place_no_more_than_the_form_is_passed() -> None:
     found = Recheck("c", "proved", 3, (), level=Level.INTEGRATION, open_place="it rests on a curve")
     assert (found.stands, found.stands_without_place, found.passed) == (False, True, Level.FORM)
     assert (found.word, found.why) == ("cannot be checked here", "it rests on a curve")
-    place = {
-        "rests_on": {"id": "loop", "digest": "sha256:" + 64 * "0"}, "piece": "p001", "s": ball_to_json(arb(0, 1)),
-        "mirrored": False, "other_point": False, "statement": "on the loop",
-    }  # fmt: skip
-    placed = certify(known("fs3"), Limits(max_precision=256)).with_place(place)
+    placed = certify(known("fs3"), Limits(max_precision=256)).with_place(PLACE)
     check = recheck(placed)
     assert (check.level, check.passed, check.stands) == (Level.CONCLUSION, Level.FORM, False)
 
@@ -263,3 +278,61 @@ def test_a_new_proof_of_a_level_form_is_one_for_the_own_box(monkeypatch: pytest.
     found = recheck(row, True)
     assert found.level is Level.CONCLUSION
     assert "candidate-box: it is outside" in found.why
+
+
+# What is carried
+
+
+def test_a_place_belongs_to_what_a_digest_covers(point: Certificate) -> None:
+    placed = point.with_place(PLACE)
+    assert placed.to_json()["digest"] == digest(placed.to_json()) != point.to_json()["digest"]
+    assert placed.without_place() == point
+    changed = Certificate.from_json({**placed.to_json(), "id": "another"})
+    assert changed.without_place() is changed
+    assert point.without_place() is point
+
+
+def test_a_proof_has_the_hypotheses_of_its_theorem(point: Certificate) -> None:
+    assert is_proof_of(point, point.candidate)
+    for change in (lambda d: d["hypotheses"].pop(), lambda d: d["hypotheses"].reverse()):
+        assert not is_proof_of(forged(point, change), point.candidate)
+
+
+# Systems that are not known here
+
+
+def stated(change: Callable[[dict[str, Any]], Any]) -> Any:
+    """The system of a claim about one that is not known here, from its statement."""
+    candidate, _ = springs("once")
+    unproved = make_certificate(candidate, NotProved(Reason("time", "it is late", "give it more")), COMPUTATION)
+    statement = unproved.to_json()["statement"]
+    statement["candidate"]["system"] = "somebody-elses"
+    change(statement)
+    return systems_with({}, statement, statement["candidate"])["somebody-elses"]
+
+
+COMPUTATION = {"precision": 64, "order": 16, "steps": 1, "attempts": 1, "seconds": 0.0}
+STATEMENTS: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
+    "signs without a symmetry": (lambda s: s.update(symmetry=[1, 1, 1, 1]), "its signs are missing"),
+    "a symmetry without signs": (lambda s: s["candidate"].update(symmetry="S"), "its signs are missing"),
+    "a coordinate for a symmetry": (
+        lambda s: (s["candidate"].update(symmetry="x"), s.update(symmetry=[1, 1, 1, 1])), "coordinate or parameter",
+    ),
+    "a parameter too few": (lambda s: s["candidate"].update(parameters={}), "all have to be given"),
+    "neither integral nor family": (lambda s: s.update(first_integral=None), "all have to be given"),
+    "a sentence for a title": (lambda s: s["names"].update(system="All orbits are stable. It is proved"), "no title"),
+    "a sentence for an integral": (lambda s: s["names"].update(first_integral="energy. It is proved"), "no title"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STATEMENTS)
+def test_a_statement_describes_a_reversible_system(name: str) -> None:
+    change, words = STATEMENTS[name]
+    assert stated(lambda statement: None).state == ("x", "y", "vx", "vy")
+    with pytest.raises(ValueError, match=words):
+        stated(change)
+
+
+def test_a_system_whose_parameters_follow_from_others_cannot_be_checked_by_itself() -> None:
+    with pytest.raises(CannotBeCheckedError, match="parameters that follow from others"):
+        stated(lambda statement: statement.update(derived_parameters={"w": "v0 = w\nreturn v0"}))

@@ -21,6 +21,7 @@ from support.chain_cases import (
     parabola,
     parabola_piece,
     proved,
+    stands,
     symmetric_arc,
     symmetric_loop,
     with_piece,
@@ -33,6 +34,7 @@ from support.stored import entry_of
 from orbitproof.shared.claims import Atlas, Claim, Piece
 from orbitproof.shared.formats import read_atlas
 from orbitproof.shared.systems import FALKNER_SKAN
+from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.curve import enclose_other_point, prove_piece
 from orbitproof.verify.evidence import bounds, enclose
@@ -113,6 +115,23 @@ def test_the_other_end_of_a_symmetric_arc_of_one_piece_is_not_its_symmetric_poin
     ends = proof(conclusion).ends
     assert ends["start"]["vy"].rad() < 2**-79
     assert ends["end"]["z"].overlaps(arb(2) / 5)
+
+
+def test_a_certified_point_is_what_its_certificate_says() -> None:
+    atlas, _ = symmetric_arc()
+    point = circle_point(0.7)
+    breaking: dict[str, Any] = {"kind": "symmetry_breaking", "k": 1, "symmetry": "S"}
+    for changes, crossings, symmetry in ((breaking, 1, "S"), ({**breaking, "crossings": 3}, 3, "S"), ({}, 1, None)):
+        entry = certificate(point, **changes)
+        found = certified_point(atlas, entry, stands)
+        assert (found.id, found.kind, found.k) == (entry.id, entry.kind, entry.k)
+        assert (found.crossings, found.symmetry) == (crossings, symmetry)
+        assert found.signs == (None if symmetry is None else atlas.system.symmetries[symmetry])
+        assert (found.point, found.parameter_name) == (entry.point, "Jacobi constant")
+        assert (found.problem, found.is_foreign) == ("", False)
+    elsewhere = concluded(symmetric_arc(), certificate(point, crossings=2)).bifurcations[0]
+    assert elsewhere.place is None
+    assert "meet the section 2 times, those of the curve 1" in elsewhere.reason
 
 
 FOREIGN: dict[str, tuple[dict[str, Any], str]] = {

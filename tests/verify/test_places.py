@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 import copy
+import json
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 from support.claims import known
 from support.forgeries import atlas_certificate, fabricated, forged, of_parabola
+from support.stored import values
 
-from orbitproof.verify.atlas import AtlasCertificate, check_of_conclusion, places_on, recheck_place
-from orbitproof.verify.certificate import Certificate, Finding, Limits, Recheck, certify, recheck
+from orbitproof.shared.formats import read_atlas
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    check_of_conclusion,
+    make_atlas_certificate,
+    places_on,
+    recheck_place,
+)
+from orbitproof.verify.certificate import Certificate, Finding, Level, Limits, Recheck, certify, recheck
 from orbitproof.verify.run import CheckLimits
 from orbitproof.verify.run.branch_checks import places_on_apart
+
+DATA = Path(__file__).parents[1] / "data"
 
 
 @pytest.fixture(scope="module")
@@ -93,3 +106,26 @@ def test_a_curve_that_does_not_stand_places_nothing(curve: AtlasCertificate, pla
     (place,) = places_on(other, [placed])
     assert "place" not in place.certificate.to_json()
     assert "does not stand" in place.line
+
+
+def test_no_orbit_is_placed_on_a_surface(placed: Certificate) -> None:
+    atlas = read_atlas(DATA / "surface.json")
+    results = values(json.loads((DATA / "surface-results.json").read_text()))
+    surface = AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
+    (found,) = places_on(surface, [placed])
+    assert "place" not in found.certificate.to_json()
+    assert "that is no curve but a surface" in found.line
+
+
+def test_a_place_is_checked_with_the_check_of_its_curve_and_no_further(
+    curve: AtlasCertificate, placed: Certificate
+) -> None:
+    examined, check = check_of_conclusion(curve.document), recheck(placed)
+    with pytest.raises(ValueError, match="not of the curve"):
+        recheck_place(curve, replace(examined, digest="sha256:" + 64 * "0"), placed, check)
+    deeper = replace(check, level=Level.INTEGRATION)
+    assert recheck_place(curve, examined, placed, deeper).level is Level.CONCLUSION
+    assert recheck_place(curve, replace(examined, level=Level.INTEGRATION), placed, deeper).level is Level.INTEGRATION
+    falls = replace(check, findings=(Finding("results", "is forged"),))
+    for rests_on, row in ((curve, falls), (None, check)):
+        assert recheck_place(rests_on, examined, placed, row) is row
