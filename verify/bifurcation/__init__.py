@@ -1,7 +1,7 @@
 """Lyapunov-Schmidt reduction, conditions and theorems (sections 8, 9, 11)."""
 
 from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
-from orbitproof.verify.bifurcation.counsel import Counsel, Failure, prove, silent
+from orbitproof.verify.bifurcation.counsel import Counsel, Failure, silent
 from orbitproof.verify.bifurcation.fold import TurningCurve, check_curve, check_fold
 from orbitproof.verify.bifurcation.level_forms import (
     check_own_box,
@@ -20,3 +20,4 @@ from orbitproof.verify.bifurcation.proved_bifurcation import (
     theorem_of,
 )
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family, reduced_function
+from orbitproof.verify.bifurcation.refusals import prove

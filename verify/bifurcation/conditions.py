@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from orbitproof.shared.formats import FOLD, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, Family, PeriodTwoFamily, reduced_function
 from orbitproof.verify.evidence import (
     MAX_ORDER,
@@ -147,22 +147,6 @@ def check_no_other_orbit(checklist: Checklist, problem: Problem, i: int) -> None
         matrix = [component.gradient(problem.box, 1) for component in problem.iterates[i - 1]]
         _record_matrix(evidence, matrix, 1, 1, f"P^{i}")
         evidence.require(is_regular(matrix), "a singular matrix is not excluded", needs_precision=True)
-
-
-EXCLUDED = "no R-symmetric orbits of this multiplicity branch off or merge in the box: "
-"""What is said of a claim that is refused for good (section 8.2); what shows it comes after."""
-
-REMEDY = "are k and the kind right, and is the centre at the bifurcation point?"
-
-
-def excludes_branches(candidate: Candidate, problem: Problem) -> bool:
-    """Whether no point of the box is a bifurcation of this k and kind, by section 8.2.
-
-    D_(p_1, p_2) pi_q P^k is singular at all of them, but at folds only if p_0 is the parameter.
-    """
-    if candidate.kind == FOLD and problem.first_integral is not None:
-        return False
-    return is_regular([component.gradient(problem.box, 1) for component in problem.iterates[-1]])
 
 
 def check_reduction(checklist: Checklist, problem: Problem, family: Family | None) -> BifurcationFunction:

@@ -6,15 +6,11 @@ Whatever is answered, nothing becomes proved, nothing is excluded, and the condi
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-
-from flint import arb
+from dataclasses import dataclass, replace
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.bifurcation import proved_bifurcation
 from orbitproof.verify.bifurcation.conditions import Problem
-from orbitproof.verify.bifurcation.proved_bifurcation import BifurcationResults, check
-from orbitproof.verify.evidence import Checklist, DerivativeTable, Hypothesis, Outcome, Reason
+from orbitproof.verify.evidence import Hypothesis, Reason
 
 
 @dataclass(frozen=True)
@@ -45,24 +41,5 @@ def silent(failure: Failure) -> Reason:
 
 
 def advised(failure: Failure, counsel: Counsel) -> Reason:
-    """The reason as a counsel tells it."""
-    return failure.reason.told(counsel(failure))
-
-
-def prove(
-    candidate: Candidate,
-    checklist: Checklist,
-    iterates: Sequence[Sequence[DerivativeTable]],
-    first_integral: DerivativeTable | None,
-    return_times: Sequence[arb] = (),
-    counsel: Counsel = silent,
-) -> Outcome[BifurcationResults]:
-    """As `proved_bifurcation.prove`, a counsel being asked about a claim that is not proved and not excluded."""
-
-    def tell(problem: Problem, reason: Reason) -> Reason:
-        hypotheses = tuple(checklist.hypotheses)
-        return counsel(
-            Failure(candidate, problem, reason, hypotheses, lambda other: check(candidate, Checklist(), other))
-        )
-
-    return proved_bifurcation.prove(candidate, checklist, iterates, first_integral, return_times, tell)
+    """The reason as a counsel tells it; what failed, and what is excluded, is not for it to say."""
+    return replace(counsel(failure), condition=failure.reason.condition, excluded=failure.reason.excluded)

@@ -8,8 +8,9 @@ from dataclasses import replace
 from flint import arb, arb_mat
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.bifurcation.conditions import EXCLUDED, REMEDY, Problem, check_family, check_no_other_orbit
+from orbitproof.verify.bifurcation.conditions import Problem, check_family, check_no_other_orbit
 from orbitproof.verify.bifurcation.counsel import Counsel, Failure, advised, silent
+from orbitproof.verify.bifurcation.refusals import EXCLUDED, REMEDY
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, Reason, enclose, symmetric
 from orbitproof.verify.newton import BoxFunction, is_regular
 from orbitproof.verify.poincare import HalfReturns, check_half_orbit
@@ -23,7 +24,7 @@ _EXCLUDED_ON_THE_WAY = (
 def check_half_returns(candidate: Candidate, found: HalfReturns, counsel: Counsel = silent) -> None:
     """Raise `NotEstablishedError` if a condition about so many half returns, fewer than k, fails.
 
-    It is the failure that the proof would come to, which `proved_bifurcation.prove` finds when all returns are
+    It is the failure that the proof would come to, which `refusals.prove` finds when all returns are
     enclosed; or that of a claim which the first two half returns exclude.
     """
     problem = _problem(candidate, found)

@@ -10,8 +10,6 @@ from flint import arb
 from orbitproof.shared.formats import FOLD, ONCE, Candidate
 from orbitproof.shared.stored import stored
 from orbitproof.verify.bifurcation.conditions import (
-    EXCLUDED,
-    REMEDY,
     Problem,
     check_enclosures,
     check_family,
@@ -19,7 +17,6 @@ from orbitproof.verify.bifurcation.conditions import (
     check_reduced_function,
     check_reduction,
     check_transversality,
-    excludes_branches,
     locate,
 )
 from orbitproof.verify.bifurcation.fold import check_fold
@@ -108,7 +105,7 @@ def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
 
 
 Tell = Callable[[Problem, Reason], Reason]
-"""A failed condition in better words and with a better remedy; what failed is not for it to say."""
+"""Why a condition failed, in better words (`refusals`)."""
 
 
 def theorem_of(candidate: Candidate, form: Candidate | None = None) -> BifurcationTheorem | Reason:
@@ -144,14 +141,14 @@ def prove(
     iterates: Sequence[Sequence[DerivativeTable]],
     first_integral: DerivativeTable | None,
     return_times: Sequence[arb] = (),
-    tell: Tell | None = None,
+    tell: Tell = lambda _problem, reason: reason,
 ) -> Outcome[BifurcationResults]:
     """Check the theorem that `candidate` claims, given enclosures of derivatives of P, .., P^k and H.
 
     `checklist` already holds what was established before the integration (see `check_exactly`); the
     current precision of Arb is used. Every failure is a `NotProved` that names the condition. The
-    times of the crossings, if given, go into the certificate. `tell` is asked about a claim that is
-    not proved and not excluded.
+    times of the crossings, if given, go into the certificate. `tell` is asked about a claim of which a
+    condition fails.
     """
     theorem = theorem_of(candidate)
     if isinstance(theorem, Reason):
@@ -161,22 +158,12 @@ def prove(
         problem = check_enclosures(checklist, candidate, iterates, first_integral, return_times)
         return Proved(theorem, check(candidate, checklist, problem), tuple(checklist.hypotheses))
     except NotEstablishedError as error:
-        reason = error.reason if problem is None else _why_not(candidate, problem, error.reason, tell)
+        reason = error.reason if problem is None else tell(problem, error.reason)
     except ArithmeticError as error:
         pending = (*theorem.hypotheses, "results")[len(checklist.hypotheses)]
         message = f"{pending} could not be evaluated: {without_result(error)}"
         reason = Reason(pending, message, "more precision", needs_precision=True)
     return NotProved(reason, tuple(checklist.hypotheses))
-
-
-def _why_not(candidate: Candidate, problem: Problem, reason: Reason, tell: Tell | None) -> Reason:
-    """Why a claim is not proved: that it is refused for good, or what failed, as it is told."""
-    if not reason.needs_precision or not excludes_branches(candidate, problem):
-        return reason if tell is None else reason.told(tell(problem, reason))
-    matrix = f"D_(p_1, p_2) pi_q P^{candidate.k}"
-    why = f"every matrix in the interval hull of {matrix} over it is regular (section 8.2)"
-    message = f"{reason.message}; and {EXCLUDED}{why}"
-    return replace(reason, message=message, remedy=REMEDY, needs_precision=False, excluded=True)
 
 
 def prepare(candidate: Candidate, checklist: Checklist) -> None:

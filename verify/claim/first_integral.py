@@ -36,36 +36,17 @@ def is_first_integral(field: Program, integral: Program) -> bool:
         field: f; inputs are the state, then the parameters.
         integral: H, of the same inputs.
     """
-    ring = _Ring(field, integral)
+    ring = Ring(field, integral)
     inputs = ring.inputs
     try:
-        velocity = [output.value for output in field.evaluate(inputs, ring.constant, _AlongFlow.power)]
+        velocity = [output.value for output in field.evaluate(inputs, ring.constant, AlongFlow.power)]
         ring.is_closed = True
-        inputs = [_AlongFlow(ring, x.value, rate) for x, rate in zip(inputs, velocity, strict=False)]
+        inputs = [AlongFlow(ring, x.value, rate) for x, rate in zip(inputs, velocity, strict=False)]
         inputs += ring.inputs[len(velocity) :]
-        (value,) = integral.evaluate(inputs, ring.constant, _AlongFlow.power)
-    except _NotShownError:
+        (value,) = integral.evaluate(inputs, ring.constant, AlongFlow.power)
+    except NotShownError:
         return False
     return ring.vanishes(value.rate)
-
-
-@cache
-def is_free_of_divergence(field: Program, size: int) -> bool:
-    """Whether the divergence of f, in its first `size` inputs, is shown to vanish identically; as `is_first_integral`.
-
-    False also where polynomials are too large.
-    """
-    ring = _Ring(field, field)
-    unit, zero = ring.polynomials.constant(1), ring.polynomials.constant(0)
-    divergence = zero
-    try:
-        for place in range(size):
-            inputs = [_AlongFlow(ring, x.value, unit if i == place else zero) for i, x in enumerate(ring.inputs)]
-            rates = [output.rate for output in field.evaluate(inputs, ring.constant, _AlongFlow.power)]
-            divergence = ring.sum(divergence, rates[place])
-    except _NotShownError:
-        return False
-    return ring.vanishes(divergence)
 
 
 def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Fraction] | None:
@@ -74,15 +55,15 @@ def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Frac
     `None` if that input is in a divisor or in a base of a power, or if the derivative is no polynomial of the inputs,
     or one that is too large.
     """
-    ring = _Ring(function, function)
+    ring = Ring(function, function)
     unit, zero = ring.polynomials.constant(1), ring.polynomials.constant(0)
     inputs = [
-        _AlongFlow(ring, x.value, unit if argument == name else zero)
+        AlongFlow(ring, x.value, unit if argument == name else zero)
         for x, argument in zip(ring.inputs, function.inputs, strict=True)
     ]
     try:
-        (value,) = function.evaluate(inputs, ring.constant, _AlongFlow.power)
-    except _NotShownError:
+        (value,) = function.evaluate(inputs, ring.constant, AlongFlow.power)
+    except NotShownError:
         return None
     terms, place = value.rate.to_dict(), function.inputs.index(name)
     if any(base.degrees()[place] for base, _ in ring.symbols) or any(any(e[ring.first :]) for e in terms):
@@ -90,11 +71,11 @@ def derivative_terms(function: Program, name: str) -> dict[tuple[int, ...], Frac
     return {tuple(map(int, exponents[: ring.first])): Fraction(int(c.p), int(c.q)) for exponents, c in terms.items()}
 
 
-class _NotShownError(Exception):
+class NotShownError(Exception):
     """A divisor is zero, H divides by or takes a power of something that f does not, or a polynomial is too large."""
 
 
-class _Ring:
+class Ring:
     """Polynomials in the inputs of two programs and the symbols s = u^(-1/q) that were needed so far.
 
     Attributes:
@@ -110,16 +91,16 @@ class _Ring:
         self.polynomials = fmpq_mpoly_ctx.get((*names, *(f"s{i}" for i in range(number))), Ordering.lex)
         generators = self.polynomials.gens()
         zero = self.polynomials.constant(0)
-        self.inputs = [_AlongFlow(self, x, zero) for x in generators[: len(names)]]
+        self.inputs = [AlongFlow(self, x, zero) for x in generators[: len(names)]]
         self.unused = list(generators[len(names) :])
         self.first = len(names)
         self.symbols: list[tuple[fmpq_mpoly, int]] = []
         self.is_closed = False
 
-    def constant(self, value: Fraction) -> _AlongFlow:
+    def constant(self, value: Fraction) -> AlongFlow:
         """A constant function."""
         number = self.polynomials.constant(fmpq(value.numerator, value.denominator))
-        return _AlongFlow(self, number, self.polynomials.constant(0))
+        return AlongFlow(self, number, self.polynomials.constant(0))
 
     def power(self, base: fmpq_mpoly, exponent: Fraction) -> fmpq_mpoly:
         """The power; a base of a fraction is positive and one of a negative number is not zero where f is defined.
@@ -153,21 +134,21 @@ class _Ring:
         self.work += words
         degree = left.total_degree() + right.total_degree()
         if bits > _MOST_BITS or degree > _MOST_DEGREE or words > _MOST_WORDS or self.work > _MOST_WORK:
-            raise _NotShownError
+            raise NotShownError
         return left * right
 
     def sum(self, left: fmpq_mpoly, right: fmpq_mpoly) -> fmpq_mpoly:
         """The sum, if it is not too large."""
         self.work += (len(left) + len(right)) * self.variables
         if _bits(left) + _bits(right) > _MOST_BITS or self.work > _MOST_WORK:
-            raise _NotShownError
+            raise NotShownError
         return left + right
 
     def _symbol(self, base: fmpq_mpoly, order: int) -> fmpq_mpoly:
         if (base, order) not in self.symbols:
             defined = any(known == base and (order == 1 or other > 1) for known, other in self.symbols)
             if self.vanishes(base) or (self.is_closed and not defined):
-                raise _NotShownError
+                raise NotShownError
             self.symbols.append((base, order))
         return self.polynomials.gen(self.first + self.symbols.index((base, order)))
 
@@ -189,36 +170,36 @@ class _Ring:
 
 
 @dataclass(frozen=True)
-class _AlongFlow:
+class AlongFlow:
     """A function on an orbit and its derivative in time."""
 
-    ring: _Ring
+    ring: Ring
     value: fmpq_mpoly
     rate: fmpq_mpoly
 
-    def __add__(self, other: _AlongFlow) -> _AlongFlow:
+    def __add__(self, other: AlongFlow) -> AlongFlow:
         ring = self.ring
-        return _AlongFlow(ring, ring.sum(self.value, other.value), ring.sum(self.rate, other.rate))
+        return AlongFlow(ring, ring.sum(self.value, other.value), ring.sum(self.rate, other.rate))
 
-    def __sub__(self, other: _AlongFlow) -> _AlongFlow:
+    def __sub__(self, other: AlongFlow) -> AlongFlow:
         ring = self.ring
-        return _AlongFlow(ring, ring.sum(self.value, -other.value), ring.sum(self.rate, -other.rate))
+        return AlongFlow(ring, ring.sum(self.value, -other.value), ring.sum(self.rate, -other.rate))
 
-    def __mul__(self, other: _AlongFlow) -> _AlongFlow:
+    def __mul__(self, other: AlongFlow) -> AlongFlow:
         ring = self.ring
         rate = ring.sum(ring.product(self.rate, other.value), ring.product(self.value, other.rate))
-        return _AlongFlow(ring, ring.product(self.value, other.value), rate)
+        return AlongFlow(ring, ring.product(self.value, other.value), rate)
 
-    def __truediv__(self, other: _AlongFlow) -> _AlongFlow:
+    def __truediv__(self, other: AlongFlow) -> AlongFlow:
         return self * other.power(Fraction(-1))
 
-    def power(self, exponent: Fraction) -> _AlongFlow:
+    def power(self, exponent: Fraction) -> AlongFlow:
         """By d(u^a) = a u^(a - 1) du."""
         value = self.ring.power(self.value, exponent)
         if exponent == 0:
             return self.ring.constant(Fraction(1))
         slope = self.ring.power(self.value, exponent - 1) * fmpq(exponent.numerator, exponent.denominator)
-        return _AlongFlow(self.ring, value, self.ring.product(slope, self.rate))
+        return AlongFlow(self.ring, value, self.ring.product(slope, self.rate))
 
 
 def _bits(polynomial: fmpq_mpoly) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Generic, Protocol, TypeVar
 
 from flint import arb
@@ -70,10 +70,6 @@ class Reason:
     excluded: bool = False
     reached: float | None = None
     enclosures: Mapping[str, arb] = field(default_factory=dict, compare=False)
-
-    def told(self, otherwise: Reason) -> Reason:
-        """As somebody else tells it; what failed, and what is excluded, is not for others to say."""
-        return replace(otherwise, condition=self.condition, excluded=self.excluded)
 
 
 @dataclass(frozen=True)

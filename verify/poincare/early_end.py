@@ -69,7 +69,7 @@ class EarlyEnd:
             raise IntegrationFailure(
                 "precision",
                 f"{bits} bits are too few: at the last crossing {missing} would be missing",
-                "give --max-precision more",
+                "give `max_precision` more",
                 needs_precision=True,
                 enough_precision=bits + 8 + missing * LOSS_DIVISOR // (LOSS_DIVISOR - 1),
             )
