@@ -14,7 +14,7 @@ from orbitproof.shared.systems import MASS_PARAMETERS
 from orbitproof.verify.certificate import Certificate, certify
 from orbitproof.verify.evidence import bounds
 from orbitproof.verify.oracle import ORACLE, Limits
-from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import EarlyEnd, Enclosures, IntegratorSettings, enclose_iterates
 
 DATA = Path(__file__).parents[1] / "data" / "known-bifurcations.json"
 
@@ -56,7 +56,7 @@ def _all() -> dict[str, Candidate]:
 
 def to_the_end(claim: Candidate, settings: IntegratorSettings, progress: Any = None) -> Enclosures:
     """All iterates, also of claims that are seen to be false on the way."""
-    return enclose_iterates(claim, settings, ORACLE, progress)
+    return enclose_iterates(claim, settings, ORACLE, progress, EarlyEnd(settings.accuracy))
 
 
 def known(name: str) -> Candidate:

@@ -39,7 +39,7 @@ class EarlyEnd:
         decide: called after every half return but the last.
     """
 
-    def __init__(self, accuracy: tuple[int, int] | None, decide: Decide) -> None:
+    def __init__(self, accuracy: tuple[int, int] | None, decide: Decide = lambda _candidate, _found: None) -> None:
         self.accuracy, self.decide = accuracy, decide
         self.first_error_bits = (0.0, 0.0)
 
