@@ -42,6 +42,7 @@ from orbitproof.verify.curve import Bifurcation, IntervalResult, Place
 from orbitproof.verify.evidence import Reason, ball_to_json
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.run.branch_tasks import task_again
+from orbitproof.verify.run.branches import reusable
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
 
@@ -299,6 +300,14 @@ def test_results_are_kept_of_the_same_claim_only() -> None:
         replace(atlas, claim=replace(atlas.claim, crossings=2)),
     ):
         assert results_for(before, other) == []
+
+
+def test_where_a_list_is_wanted_only_results_with_stability_are_kept() -> None:
+    atlas, results = of_parabola()
+    known = replace(value_of(stability_results()[0]), piece=atlas.pieces[0].id)
+    before = AtlasCertificate(atlas, make_atlas_certificate(atlas, [known, *values(results[1:])], None))
+    assert [result.piece for result in reusable(before, atlas, ())] == [piece.id for piece in atlas.pieces]
+    assert [result.piece for result in reusable(before, atlas, (), stability=True)] == [atlas.pieces[0].id]
 
 
 def test_a_file_that_does_not_fit_its_digest_is_not_read(document: Any, tmp_path: Path) -> None:
