@@ -28,6 +28,9 @@ def pictures_of(entry: Checked) -> tuple[Picture, ...]:
 
 def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     name = entry.certificate.id
+    if entry.certificate.periodic is not None:
+        # No picture is drawn of orbits without symmetry.
+        return ()
     if entry.certificate.orbit is not None:
         caption = (
             f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the marked "

@@ -13,10 +13,11 @@ from orbitproof.figures.report.document import Block, Code, Formulas, Items, Mat
 from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
-from orbitproof.shared.formats import KINDS, SURFACE, Candidate, as_options
+from orbitproof.shared.claims.fields import Matrix, Vector
+from orbitproof.shared.formats import KINDS, SURFACE, Candidate, PeriodicOrbit, as_options
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
-from orbitproof.verify.claim import atlas_in_words, claim_in_words
+from orbitproof.verify.claim import atlas_in_words, claim_in_words, keyed_in_words, names_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 
 _DIGITS = 34
@@ -28,6 +29,7 @@ _KINDS = {
     "period_tupling": "Period {k}-tupling",
     "touch_and_go": "Touch-and-go of order {k}",
     "orbit": "One symmetric periodic orbit",
+    "periodic": "One periodic orbit",
 }
 _BRANCHES = {
     "arc": "A curve of symmetric periodic orbits",
@@ -179,25 +181,52 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
 
 def box_table(entry: CheckedRow) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
+    if isinstance(entry.candidate, PeriodicOrbit):
+        return _box_in_section(entry.candidate)
+    assert isinstance(entry.claim, Candidate)
     claim, candidate = claim_in_words(entry.claim), claim_in_words(entry.candidate)
     rows: list[tuple[Runs, ...]] = [
         ((Math(to_latex(name)),), (Code(format_rational(value)),)) for name, value in candidate.parameters.items()
     ]
-    rows += _box_rows(claim, "")
+    rows += _box_rows(claim.centre, claim.frame, claim.radii, claim.coordinates, "")
     if entry.claim is not entry.candidate:
-        rows += _box_rows(candidate, ", the candidate's own box")
+        own = candidate.centre, candidate.frame, candidate.radii, candidate.coordinates
+        rows += _box_rows(*own, ", the candidate's own box")
     title = f"The box of {shown(entry.name)}; entries of A that are 0 are left out"
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
 
 
-def _box_rows(claim: Candidate, which: str) -> Iterator[tuple[Runs, ...]]:
-    for index, value in enumerate(claim.centre):
-        yield (Math(f"c_{{{index}}}"), f", {claim.coordinates[index]}{which}"), (Code(format_exact(value)),)
-    for i, row in enumerate(claim.frame):
+def _box_in_section(claim: PeriodicOrbit) -> Table:
+    """The same of a claim about a periodic orbit without symmetry, with the section and the level."""
+    names = names_in_words(claim.system)
+    coordinates = [names.get(name, name) for name in claim.coordinates]
+    rows: list[tuple[Runs, ...]] = [
+        ((Math(to_latex(name)),), (Code(format_rational(value)),))
+        for name, value in keyed_in_words(claim.system, claim.parameters).items()
+    ]
+    rows += [
+        ((f"coefficient of {name} on the section",), (Code(format_exact(value)),))
+        for name, value in zip(coordinates, claim.normal, strict=True)
+        if value
+    ]
+    rows.append((("value on the section",), (Code(format_exact(claim.offset)),)))
+    if claim.level is not None:
+        rows.append((("level of the first integral",), (Code(format_rational(claim.level)),)))
+    rows += _box_rows(claim.centre, claim.frame, claim.radii, coordinates, "")
+    title = f"The box of {shown(claim.id)}; entries of A, the frame, that are 0 are left out"
+    return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
+
+
+def _box_rows(
+    centre: Vector, frame: Matrix, radii: Vector, coordinates: Sequence[str], which: str
+) -> Iterator[tuple[Runs, ...]]:
+    for index, value in enumerate(centre):
+        yield (Math(f"c_{{{index}}}"), f", {coordinates[index]}{which}"), (Code(format_exact(value)),)
+    for i, row in enumerate(frame):
         for j, value in enumerate(row):
             if value:
                 yield (Math(f"A_{{{i}{j}}}"), which), (Code(format_exact(value)),)
-    for index, value in enumerate(claim.radii):
+    for index, value in enumerate(radii):
         yield (Math(f"R_{{{index}}}"), which), (Code(format_exact(value)),)
 
 

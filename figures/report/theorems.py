@@ -12,9 +12,10 @@ from typing import Any
 from orbitproof.shared.formats import (
     ArgumentError,
     Atlas,
-    Candidate,
+    BoxClaim,
     InputError,
-    candidate_from_json,
+    PeriodicOrbit,
+    claim_from_json,
     read_document,
     select_ids,
     stated_format,
@@ -39,7 +40,7 @@ class Refused(Exception):
 
 @dataclass(frozen=True)
 class CheckedRow:
-    """A certificate of a bifurcation that follows from what it carries.
+    """A certificate of a bifurcation or an orbit that follows from what it carries.
 
     Attributes:
         path: its file.
@@ -51,8 +52,8 @@ class CheckedRow:
 
     path: Path
     certificate: Certificate
-    candidate: Candidate
-    claim: Candidate
+    candidate: BoxClaim
+    claim: BoxClaim
     check: Recheck
 
     command = "verify"
@@ -187,6 +188,6 @@ def _checked(path: Path, entry: Certificate | Mapping[str, Any], check: Recheck)
     entry = entry if check.rendered is None else Certificate.from_json(check.rendered)
     statement = entry.statement
     stated = statement["candidate"]
-    candidate = candidate_from_json(stated, "statement.candidate", systems_with(SYSTEMS, statement, stated))
-    form = level_form(candidate) if "level_form" in statement else None
+    candidate = claim_from_json(stated, "statement.candidate", systems_with(SYSTEMS, statement, stated))
+    form = None if "level_form" not in statement or isinstance(candidate, PeriodicOrbit) else level_form(candidate)
     return CheckedRow(path, entry, candidate, form or candidate, check)

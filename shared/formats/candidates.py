@@ -38,13 +38,15 @@ def read_claims(path: Path) -> list[BoxClaim]:
     return claims
 
 
+_WITHOUT_SYMMETRY = "is about a periodic orbit without symmetry"
+
+
 def read_candidates(path: Path) -> list[Candidate]:
     """The same of a file whose claims are all about symmetric orbits. Raises `InputError` for others too."""
     candidates: list[Candidate] = []
     for claim in read_claims(path):
         if isinstance(claim, PeriodicOrbit):
-            what = "is about a periodic orbit without symmetry, which is not available here"
-            raise InputError(f"{path}: {claim.id!r} {what}; leave it out")
+            raise InputError(f"{path}: {claim.id!r} {_WITHOUT_SYMMETRY}, which is not available here; leave it out")
         candidates.append(claim)
     return candidates
 
@@ -120,6 +122,8 @@ def candidate_from_json(
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
+    if entry["kind"] == PERIODIC:
+        refuse("kind", f"{_WITHOUT_SYMMETRY}, which is not available here", "leave it out")
     system, _ = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]
     if (kind in (*ONCE, ORBIT)) != (k == 1):

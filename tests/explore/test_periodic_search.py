@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orbitproof import explore
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.periodic import (
     AffineSection,
@@ -112,6 +113,17 @@ def test_published_orbits_of_lorenz_are_found_by_the_command(
     (claim,) = read_claims(claims)
     assert (claim.kind, claim.crossings, claim.direction) == ("periodic", 2, -1)
     assert claim.centre[2] == 27
+
+
+def test_orbits_are_found_and_refined_from_python() -> None:
+    (found,) = explore.find_periodic(
+        HOPF, {"x": 1.1, "y": 0, "w": "0"}, parameters={"c": "1/4"}, period=6.0, quiet=True
+    )
+    assert found.orbit.period == pytest.approx(2 * pi, abs=1e-10)
+    claim = explore.refine_periodic(found, digits=20, name="cycle", quiet=True)
+    assert claim.id == "cycle"
+    with pytest.raises(ValueError, match="start: w is missing"):
+        explore.find_periodic(HOPF, {"x": 1.1, "y": 0}, parameters={"c": "1/4"}, quiet=True)
 
 
 @pytest.mark.parametrize(

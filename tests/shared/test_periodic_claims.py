@@ -13,6 +13,7 @@ import pytest
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import (
     PeriodicOrbit,
+    candidate_from_json,
     define_system,
     read_candidates,
     read_claims,
@@ -118,6 +119,8 @@ def test_what_is_about_symmetric_orbits_only_says_so(tmp_path: Path) -> None:
     write_candidates(path, [_claim()])
     with pytest.raises(InputError, match="without symmetry, which is not available here"):
         read_candidates(path)
+    with pytest.raises(InputError, match="without symmetry, which is not available here"):
+        candidate_from_json(json.loads(path.read_text())["candidates"][0], "claim")
 
 
 def test_coordinates_that_are_functions_of_others_are_not_claimed() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from math import isqrt
 from typing import Any
 
 from orbitproof.shared.formats import PeriodicOrbit, define_system
@@ -51,15 +50,15 @@ OSCILLATORS = define_system(
 )
 """On the level h of x^2 + y^2 the circle in u = v = 0, period 2 pi, multipliers 1, 1 and exp(+-2 pi i sqrt 2)."""
 
-DOUBLED = define_system(
+PRODUCT = define_system(
     {
-        "name": "doubled",
+        "name": "product",
         "state": "x y u v",
-        "where": {"s": "1 - u**2 - v**2"},
-        "field": {"x": "u - x/10", "y": "v - y/10", "u": "u*s - 2*v", "v": "2*u + v*s"},
+        "field": {"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
+        "first_integral": "(x**2 + y**2)*(1 + x**2 + y**2)",
     }
 )
-"""u, v run through the unit circle in time pi; x and y follow."""
+"""The same with another first integral."""
 
 ZERO, ONE = Fraction(0), Fraction(1)
 
@@ -98,11 +97,12 @@ def turning(a: Fraction, **more: Any) -> PeriodicOrbit:
     return in_plane(TURNING, 1, [ONE, ZERO, ZERO, ZERO], Fraction(1, 2**90), parameters={"a": a}, **more)
 
 
-def oscillators(level: Fraction = Fraction(4), **more: Any) -> PeriodicOrbit:
-    """The circle of radius 2 in u = v = 0, through (2, 0, 0, 0), where y falls."""
-    root = Fraction(isqrt(int(level)))
+def oscillators(
+    level: Fraction = Fraction(4), system: System = OSCILLATORS, point: Fraction = Fraction(2), **more: Any
+) -> PeriodicOrbit:
+    """The circle through (point, 0, 0, 0), where y falls."""
     given: dict[str, Any] = {"direction": -1, "level": level, **more}
-    return in_plane(OSCILLATORS, 1, [root, ZERO, ZERO, ZERO], Fraction(1, 2**90), **given)
+    return in_plane(system, 1, [point, ZERO, ZERO, ZERO], Fraction(1, 2**90), **given)
 
 
 def lorenz(name: str = "AB", **more: Any) -> PeriodicOrbit:

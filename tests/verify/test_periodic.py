@@ -109,7 +109,7 @@ def test_on_a_level_two_multipliers_are_one_and_an_elliptic_pair_is_on_the_circl
 
 
 def test_published_orbits_of_lorenz_are_proved() -> None:
-    """Viswanath, The fractal property of the Lorenz attractor, Physica D 190 (2004), tables: AB and AAB."""
+    """D. Viswanath, Physica D 190 (2004) 115-128: AB and AAB; quoted without the paper at hand."""
     with ctx.workprec(300):
         periods = {
             "AB": arb("1.558652210716174727567870209212696070528480548997243935889521578319019875"),
@@ -144,6 +144,32 @@ def test_an_orbit_on_the_edge_of_the_box_is_not_proved() -> None:
     assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) == "periodic"
 
 
+@pytest.mark.parametrize("place", [0, 1])
+def test_what_is_found_does_not_depend_on_the_centre(place: int) -> None:
+    claim = cases.shifted(cases.lorenz("AB"), place, Fraction(4, 10**21))
+    outcome = _outcome(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE))
+    assert isinstance(outcome, Proved)
+    with guarded(BITS):
+        found, exact = outcome.results, _proved("AB")
+        assert found.period.overlaps(exact.period)
+        assert all(found.point[name].overlaps(exact.point[name]) for name in "xyz")
+        assert found.period.rad() < 1e-27
+
+
+def test_on_a_level_the_point_is_that_of_the_level() -> None:
+    level, shift = Fraction(4 * 5), Fraction(1, 2**92)
+    claim = cases.shifted(cases.oscillators(level=level, system=cases.PRODUCT, point=Fraction(2)), 0, shift)
+    outcome = _outcome(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE))
+    assert isinstance(outcome, Proved), outcome.reason
+    with guarded(BITS):
+        assert (outcome.results.point["x"] - 2).contains(0)
+        assert outcome.results.point["x"].rad() < 1e-50
+
+
+def test_the_direction_is_that_of_all_points_of_the_box() -> None:
+    assert _refused(cases.hopf(radii=(Fraction(2), Fraction(1))), None) == "direction"
+
+
 def test_a_box_without_an_orbit_of_lorenz_is_refused() -> None:
     claim = cases.shifted(cases.lorenz("AB"), 0, Fraction(3, 10**20))
     assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) == "periodic"
@@ -156,6 +182,7 @@ def test_a_box_without_an_orbit_of_lorenz_is_refused() -> None:
         ({"offset": Fraction(28)}, "section"),
         ({"normal": (Fraction(0),) * 3}, "section"),
         ({"normal": (Fraction(1), Fraction(0), Fraction(1))}, "section"),
+        ({"frame": ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)), (Fraction(1), Fraction(0)))}, "section"),
         ({"frame": ((Fraction(1), Fraction(2)), (Fraction(1), Fraction(2)), (Fraction(0),) * 2)}, "section"),
     ],
 )

@@ -141,6 +141,15 @@ def test_false_enclosures_are_refused_by_integration(proved: dict[str, Certifica
     assert found.passed is Level.CONCLUSION
 
 
+def test_what_is_not_available_for_such_orbits_says_so(
+    proved: dict[str, Certificate], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "certificates.json"
+    verify.write(str(path), list(proved.values()))
+    assert main(["--second-proof", str(path)]) == 1
+    assert "about periodic orbits without symmetry" in capsys.readouterr().out
+
+
 def test_claims_are_proved_by_the_command_and_from_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
     false = cases.shifted(CLAIMS["AB"], 0, Fraction(1, 10**10))

@@ -158,7 +158,10 @@ class Statement:
 def read_statement(certificate: Mapping[str, Any]) -> Statement:
     """The statement of one certificate. Raises `BadCertificate`, and `CannotFollow` for one of another form."""
     claim, words = "statement.candidate", read(certificate, "statement", dict)
-    k, kind = read(certificate, f"{claim}.k", operator.index), read(certificate, f"{claim}.kind", str)
+    kind = read(certificate, f"{claim}.kind", str)
+    if kind == "periodic":
+        raise CannotFollow("no theorem that is used here is about periodic orbits without symmetry")
+    k = read(certificate, f"{claim}.k", operator.index)
     if not {
         "symmetry_breaking": k == 1,
         "fold": k == 1,
