@@ -1,13 +1,7 @@
 """Systems: vector field, symmetries, section, parameters, as values and as straight-line programs."""
 
-from orbitproof.shared.systems.description import (
-    KEYS,
-    DescriptionError,
-    describe,
-    described,
-    described_plainly,
-    program_function,
-)
+from orbitproof.shared.systems.described_functions import DescriptionError, program_function
+from orbitproof.shared.systems.description import KEYS, describe, described, described_plainly
 from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.hill import HILL

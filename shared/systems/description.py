@@ -9,21 +9,23 @@ from __future__ import annotations
 
 import copyreg
 import json
-import keyword
-import re
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from orbitproof.shared.systems.described_functions import (
+    DescribedFunctions,
+    DescriptionError,
+    formula_value,
+    mapping_of,
+    name_of,
+)
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.functions import FUNCTIONS, Call, FunctionsOf, argument_of, rates_of
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
-from orbitproof.shared.systems.names import IDENTIFIER, fits
-from orbitproof.shared.systems.program import Program, Variable, record
-from orbitproof.shared.systems.program_text import program_from_text
+from orbitproof.shared.systems.names import fits
 from orbitproof.shared.systems.system import Defined, FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
 from orbitproof.shared.systems.titles import LONGEST_TITLE, SYSTEM, is_title
-from orbitproof.shared.wording import counted
 
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
@@ -37,10 +39,6 @@ PLAIN_KEYS = ("name", "state", "field", "title", "parameters", "where", "first_i
 """What the description of a system without R and section has; those after the field may be missing."""
 
 _INTERNED: dict[str, System] = {}
-
-
-class DescriptionError(ValueError):
-    """What is wrong with a description, in one line that begins with the key and ends with the remedy."""
 
 
 def describe(system: System) -> str | dict[str, Any]:
@@ -175,7 +173,7 @@ def _read_plain(entry: Mapping[str, Any]) -> System:
             raise DescriptionError(f"field: {error}") from None
         if found.calls:
             state, field, defined = _extended(found.calls, state, parameters, where, field)
-    functions = _Functions(state, parameters, where)
+    functions = DescribedFunctions(state, parameters, where)
     return System(
         name,
         title,
@@ -194,7 +192,7 @@ def _without(found: FunctionsOf, text: Any) -> Any:
 
 def _read_defined(value: Any, state: tuple[str, ...], parameters: tuple[str, ...]) -> tuple[Defined, ...]:
     """Coordinates that are functions of others, as `describe` writes them."""
-    functions = _Functions(state, parameters, {})
+    functions = DescribedFunctions(state, parameters, {})
     if not isinstance(value, list) or not all(isinstance(each, list) and len(each) == 3 for each in value):
         raise DescriptionError("defined: is no list of coordinates; give name, function and argument of each")
     names = tuple(each[0] for each in value)
@@ -221,27 +219,20 @@ def _extended(
         values = dict(zip(names, inputs, strict=True))
         known = dict(values)
         for key, text in where.items():
-            known[key] = _formula(f"where.{key}", text, known)
-        own = {key: _formula(f"field.{key}", field[key], known) for key in state}
+            known[key] = formula_value(f"where.{key}", text, known)
+        own = {key: formula_value(f"field.{key}", field[key], known) for key in state}
         return [*own.values(), *rates_of(calls, where, values, own)]
 
     def argument(call: Call) -> Callable[..., Any]:
         return lambda *inputs: argument_of(call, where, dict(zip(names, inputs, strict=True)))
 
     extended = (*state, *(call.name for call in calls))
-    functions = _Functions(extended, parameters, where)
+    functions = DescribedFunctions(extended, parameters, where)
     defined = tuple(
         Defined(call.name, call.function, functions.function(f"field.{call.name}", argument(call), None))
         for call in calls
     )
     return extended, rates, defined
-
-
-def _formula(key: str, text: str, known: Mapping[str, Any]) -> Any:
-    try:
-        return evaluate_formula(text, known)
-    except FormulaError as error:
-        raise DescriptionError(f"{key}: {error}") from None
 
 
 def _names_of(entry: Mapping[str, Any]) -> tuple[str, str, tuple[str, ...], dict[str, ParameterRange]]:
@@ -273,9 +264,9 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             raise DescriptionError(f"{key}: missing; give name, state, field, R and section at least")
     name, title, state, ranges = _names_of(entry)
     variables = (*state, *ranges)
-    named = _mapping("symmetries", entry.get("symmetries", {}))
+    named = mapping_of("symmetries", entry.get("symmetries", {}))
     _distinct("symmetries", (*variables, *named))
-    functions = _Functions(state, tuple(ranges), entry.get("where", {}))
+    functions = DescribedFunctions(state, tuple(ranges), entry.get("where", {}))
     integral, distance = entry.get("first_integral"), entry.get("squared_distance")
     try:
         system = ReversibleSystem(
@@ -286,7 +277,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             vector_field=functions.function("field", entry["field"], state),
             reversing_symmetry=_signs("R", entry["R"], state),
             symmetries={
-                _name("symmetries", key): _signs(f"symmetries.{key}", signs, state) for key, signs in named.items()
+                name_of("symmetries", key): _signs(f"symmetries.{key}", signs, state) for key, signs in named.items()
             },
             section=entry["section"],
             family_parameter=entry.get("family_parameter"),
@@ -297,31 +288,16 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             squared_distance=None if distance is None else functions.function("squared_distance", distance, None),
             distance_name=None if distance is None else entry.get("distance_name") or "the body",
             reversors={
-                _name("reversors", key): Reversor(_signs(f"reversors.{key}", signs, state), f"{key}")
-                for key, signs in _mapping("reversors", entry.get("reversors", {})).items()
+                name_of("reversors", key): Reversor(_signs(f"reversors.{key}", signs, state), f"{key}")
+                for key, signs in mapping_of("reversors", entry.get("reversors", {})).items()
             },
         )
         chosen = entry.get("reversor")
-        return system if chosen is None else system.under(_name("reversor", chosen))
+        return system if chosen is None else system.under(name_of("reversor", chosen))
     except DescriptionError:
         raise
     except (TypeError, ValueError) as error:
         raise DescriptionError(str(error).removeprefix(f"{name}: ")) from None
-
-
-def _mapping(key: str, value: Any) -> Mapping[str, Any]:
-    if not isinstance(value, Mapping):
-        raise DescriptionError(f"{key}: {value!r} is no table; give a value for each name")
-    return value
-
-
-def _name(key: str, value: Any) -> str:
-    if not isinstance(value, str) or not fits(IDENTIFIER, value) or keyword.iskeyword(value):
-        raise DescriptionError(f"{key}: {value!r} is no name; use letters, digits and _, a letter first")
-    # In the text of a program v0, v1, .. are its lines.
-    if re.fullmatch(r"v[0-9]+", value) or value == "sqrt":
-        raise DescriptionError(f"{key}: {value!r} is taken; choose another name")
-    return value
 
 
 def _distinct(key: str, names: Sequence[str]) -> None:
@@ -335,7 +311,7 @@ def _names(key: str, value: Any) -> tuple[str, ...]:
         value = value.replace(",", " ").split()
     if not isinstance(value, (list, tuple)) or not 2 <= len(value) <= 40:
         raise DescriptionError(f"{key}: {value!r} is no list of names; give the names of the state coordinates")
-    names = tuple(_name(key, item) for item in value)
+    names = tuple(name_of(key, item) for item in value)
     _distinct(key, names)
     return names
 
@@ -352,7 +328,7 @@ def _ranges(value: Any) -> dict[str, ParameterRange]:
         lower, upper = (None if end is None else _exact(f"parameters.{name}", end) for end in ends)
         if lower is not None and upper is not None and not lower < upper:
             raise DescriptionError(f"parameters.{name}: an empty range; give the smaller value first")
-        result[_name("parameters", name)] = ParameterRange(lower, upper)
+        result[name_of("parameters", name)] = ParameterRange(lower, upper)
     return result
 
 
@@ -384,86 +360,3 @@ def _signs(key: str, value: Any, state: Sequence[str]) -> tuple[int, ...]:
     if not isinstance(value, (list, tuple)) or len(value) != len(state) or any(sign not in (1, -1) for sign in value):
         raise DescriptionError(f"{key}: {value!r} is no list of signs; give 1 or -1 for each of {', '.join(state)}")
     return tuple(int(sign) for sign in value)
-
-
-Arithmetic = Callable[[Sequence[Any], Sequence[Any]], Sequence[Any]]
-
-
-class _Functions:
-    """Functions of state and parameters from formulas, programs or Python functions."""
-
-    def __init__(self, state: tuple[str, ...], parameters: tuple[str, ...], where: Any) -> None:
-        self.state = state
-        self.inputs = (*state, *parameters)
-        self.where: dict[str, str] = {}
-        for name, text in _mapping("where", where).items():
-            if _name("where", name) in self.inputs or not isinstance(text, str):
-                raise DescriptionError(f"where.{name}: is a coordinate or no formula; give text under a new name")
-            self.where[name] = text
-
-    def function(self, key: str, value: Any, names: tuple[str, ...] | None) -> Arithmetic:
-        """The function: of as many values as `names`, or of one if that is `None`."""
-        return program_function(self._program(key, value, names), len(self.state))
-
-    def _program(self, key: str, value: Any, names: tuple[str, ...] | None) -> Program:
-        count = 1 if names is None else len(names)
-        if isinstance(value, str) and value.lstrip().startswith("v0 ="):
-            try:
-                program = program_from_text(value)
-            except ValueError as error:
-                raise DescriptionError(f"{key}: {error}; write a formula for each coordinate") from None
-            if program.inputs != self.inputs or len(program.outputs) != count:
-                raise DescriptionError(
-                    f"{key}: needs the inputs {', '.join(self.inputs)} and gives {counted(count, 'value')}"
-                )
-            return program
-        if names is None and isinstance(value, str):
-            return self._formulas({key: value})
-        if isinstance(value, Mapping) and names is not None:
-            if set(value) != set(names) or not all(isinstance(text, str) for text in value.values()):
-                raise DescriptionError(f"{key}: needs a formula, as text, for each of {', '.join(names)}")
-            return self._formulas({f"{key}.{name}": value[name] for name in names})
-        if not callable(value):
-            raise DescriptionError(f"{key}: {type(value).__name__} is no formula; give text")
-
-        def called(inputs: Sequence[Any]) -> Sequence[Any]:
-            result = value(*inputs)
-            return result if isinstance(result, (list, tuple)) else (result,)
-
-        try:
-            program = record(called, self.inputs)
-        except DescriptionError:
-            raise
-        except Exception as error:
-            remedy = f"a function of {', '.join(self.inputs)} in plain arithmetic with exact constants"
-            raise DescriptionError(f"{key}: {type(error).__name__}: {error}; give {remedy}") from None
-        if len(program.outputs) != count:
-            raise DescriptionError(f"{key}: gives {counted(len(program.outputs), 'value')}; give {count}")
-        return program
-
-    def _formulas(self, texts: Mapping[str, str]) -> Program:
-        def values(inputs: Sequence[Any]) -> Sequence[Any]:
-            known: dict[str, Any] = dict(zip(self.inputs, inputs, strict=True))
-            for name, text in self.where.items():
-                known[name] = _formula(f"where.{name}", text, known)
-            return [_formula(key, text, known) for key, text in texts.items()]
-
-        return record(values, self.inputs)
-
-
-def program_function(program: Program, size: int) -> Arithmetic:
-    """The program as plain arithmetic on (state, parameters), as `ReversibleSystem` takes it.
-
-    Arguments:
-        size: number of state coordinates, the first inputs.
-    """
-
-    def function(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
-        if len(state) != size:
-            raise ValueError(f"the program takes {size} state coordinates")
-        arguments = [*state, *parameters]
-        recorder = next((each.recorder for each in arguments if isinstance(each, Variable)), None)
-        # A constant is recorded as such, so that arithmetic with constants alone is an operation like any other.
-        return program.evaluate(arguments, Fraction if recorder is None else recorder.lift, pow)
-
-    return function

@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from flint import arb
+from flint import arb, ctx
 from scipy.integrate import solve_ivp
 
 from orbitproof.shared import CR3BP, EARTH_MOON, System, define_system
@@ -139,5 +139,6 @@ def compare(
 
 
 if __name__ == "__main__":
-    for case in CASES:
-        compare(*case)
+    with ctx.workprec(640):
+        for case in CASES:
+            compare(*case)
