@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.claims import PUBLISHED_POINTS
 
 from orbitproof.shared.formats import InputError, check_writable
 
@@ -19,7 +20,7 @@ CANDIDATE: dict[str, Any] = {
     "kind": "touch_and_go",
     "k": 3,
     "symmetry": None,
-    "centre": ["453.442586821384637563", "0.939848585715971576498"],
+    "centre": list(PUBLISHED_POINTS[3]),
     "frame": [["1", "0"], ["3.699900e-7", "1"]],
     "kernel_frame": [["1"]],
     "radii": ["1e-12", "1e-14"],

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.claims import PUBLISHED_POINTS
 
 from orbitproof.explore.families import (
     Family,
@@ -40,11 +41,7 @@ LATER_ROWS = [
     (3, -0.99679533512816265),
     (4, -1.00472734964887814),
 ]
-FALKNER_SKAN_POINTS = {
-    2: (340.18753498914353231, 0.939792756949623004649),
-    3: (453.442586821384637563, 0.939848585715971576498),
-    4: (679.95415507296894192, 0.939904499164097608161),
-}
+FALKNER_SKAN_POINTS = {k: tuple(map(float, point)) for k, point in PUBLISHED_POINTS.items()}
 
 
 @pytest.fixture(scope="session")

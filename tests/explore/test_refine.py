@@ -10,6 +10,7 @@ from typing import Any
 
 import mpmath
 import pytest
+from support.claims import PUBLISHED_POINTS
 from support.independent_flow import CONSTANTS, EARTH_MOON, LINEAR, crossings, extrapolated_crossings
 
 from orbitproof.explore.refinement import RefinementFailure, working_context
@@ -20,14 +21,8 @@ from orbitproof.shared.systems import CR3BP, FALKNER_SKAN
 
 KINDS = {1: "symmetry_breaking", 2: "period_tupling", 3: "touch_and_go", 4: "period_tupling"}
 
-# Theorem FalknerSkan of the paper: beta, y, and bounds on d^2 G / d beta dy, d^2 G / dy^2, d^3 G / dy^3, dy / d beta.
+# Theorem FalknerSkan of the paper: bounds on d^2 G / d beta dy, d^2 G / dy^2, d^3 G / dy^3, dy / d beta.
 # The printed 0.00364[79, 81] of k = 3 has lost a digit: 0.00363[79, 81] is consistent with d g / d beta beside it.
-FALKNER_SKAN_POINTS = {
-    2: ("340.18753498914353231", "0.939792756949623004649"),
-    3: ("453.442586821384637563", "0.939848585715971576498"),
-    4: ("679.95415507296894192", "0.939904499164097608161"),
-}
-
 FALKNER_SKAN_DERIVATIVES = {
     2: ((0.00372277, 0.00372279), (-1e-5, 1e-5), (1372, 1374), (6.567661e-7, 6.567663e-7)),
     3: ((0.0036379, 0.0036381), (27.1801, 27.1803), None, (3.699899e-7, 3.699901e-7)),
@@ -70,7 +65,7 @@ def decimal(value: Fraction) -> Any:
 @pytest.mark.parametrize("k", [2, 3, 4])
 def test_falkner_skan_point_agrees_with_the_paper(k: int) -> None:
     beta, y = falkner_skan_point(k).centre
-    printed_beta, printed_y = (Fraction(text) for text in FALKNER_SKAN_POINTS[k])
+    printed_beta, printed_y = (Fraction(text) for text in PUBLISHED_POINTS[k])
     # The theorem claims 1e-9 and 1e-13; the last printed digits of beta are noise (see the next test).
     assert abs(beta - printed_beta) < Fraction("2e-13")
     assert abs(y - printed_y) < Fraction("1e-19")
@@ -100,7 +95,7 @@ def test_falkner_skan_point_solves_the_equations_where_the_printed_one_does_not(
             return (ends[0] - ends[1]) / (2 * h)
 
         ours = slope(*(decimal(x) for x in falkner_skan_point(3).centre))
-        printed = slope(*(mpmath.mpf(x) for x in FALKNER_SKAN_POINTS[3]))
+        printed = slope(*(mpmath.mpf(x) for x in PUBLISHED_POINTS[3]))
     assert abs(ours) < 1e-18
     assert abs(printed) > 5e-16
 

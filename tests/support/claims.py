@@ -48,6 +48,13 @@ TOUCH_AND_GO: dict[str, Any] = {
 }
 """A true claim as an entry of a file: the Falkner-Skan equation at its first 1:3 resonance."""
 
+PUBLISHED_POINTS = {
+    2: ("340.18753498914353231", "0.939792756949623004649"),
+    3: ("453.442586821384637563", "0.939848585715971576498"),
+    4: ("679.95415507296894192", "0.939904499164097608161"),
+}
+"""Resonances 1:k of the Falkner-Skan equation as Theorem FalknerSkan of the paper prints them: beta, y."""
+
 
 @cache
 def _all() -> dict[str, Candidate]:

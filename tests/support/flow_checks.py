@@ -9,6 +9,7 @@ from fractions import Fraction
 from math import factorial, prod
 
 from flint import arb, fmpq
+from support.claims import PUBLISHED_POINTS
 from support.reference import Orbits, falkner_skan, three_body
 
 from orbitproof.shared.claims import Candidate
@@ -71,8 +72,7 @@ def halo(mass: str, kind: str, radii: Sequence[str], seed: int | None = None) ->
 
 def falkner_skan_box(kind: str, k: int, radii: Sequence[str], seed: int | None = None) -> Candidate:
     """A box near the orbit of the Falkner-Skan equation that is 1:3 resonant."""
-    centre = ("453.442586821384637563", "0.939848585715971576498")
-    return box(FALKNER_SKAN, kind, k, centre, [Fraction(r) for r in radii], None, seed)
+    return box(FALKNER_SKAN, kind, k, PUBLISHED_POINTS[3], [Fraction(r) for r in radii], None, seed)
 
 
 def random_point(source: random.Random, candidate: Candidate) -> tuple[Fraction, ...]:

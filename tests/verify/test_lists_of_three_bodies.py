@@ -33,7 +33,7 @@ from orbitproof.verify.distances import Where
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import SLOPE_BITS, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
 
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())
@@ -256,7 +256,13 @@ def test_a_new_proof_of_a_piece_contains_the_numbers_too(name: str) -> None:
     (piece,) = atlas.curve_pieces()
     limits = PieceLimits(*(stored["computation"][key] for key in ("precision", "order", "width")))
     proof = prove_piece(
-        atlas.system, atlas.parameters, piece, (Fraction(-1), Fraction(1)), ORACLE, limits, slope_bits=SLOPE_BITS
+        atlas.system,
+        atlas.parameters,
+        piece,
+        (Fraction(-1), Fraction(1)),
+        ORACLE,
+        limits,
+        slope_bits=STABILITY_SLOPE_BITS,
     )
     assert isinstance(proof.outcome, Proved)
     known = proof.outcome.results

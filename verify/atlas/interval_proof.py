@@ -21,7 +21,7 @@ from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.oracle import ORACLE, counsel
-from orbitproof.verify.stability import SLOPE_BITS, StabilityResult, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability import STABILITY_SLOPE_BITS, StabilityResult, TubeOfOrbits, stability_of_piece
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -101,7 +101,7 @@ def _proved(
         return prove_libration_piece(piece, (start, end), ORACLE, surface_limits, stepped).stored
     parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
     limits, crossings = PieceLimits(**argument["integrator"]), argument.get("crossings", 1)
-    more = {"crossings": crossings, **({"slope_bits": SLOPE_BITS} if argument.get("stability") else {})}
+    more = {"crossings": crossings, **({"slope_bits": STABILITY_SLOPE_BITS} if argument.get("stability") else {})}
     found = prove_piece(system, parameters, piece, (start, end), ORACLE, limits, stepped, argument["symmetry"], **more)
     if not (argument.get("stability") and isinstance(found.outcome, Proved)):
         return found.stored

@@ -8,6 +8,6 @@ from orbitproof.verify.stability.kinds import CurveEnd, Found, Kind, Matter, Res
 from orbitproof.verify.stability.left_open import open_on
 from orbitproof.verify.stability.linear_stability import Bound, StableInterval
 from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, level_name
-from orbitproof.verify.stability.matrix import SLOPE_BITS, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability.matrix import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
 from orbitproof.verify.stability.proved_list import ListConclusion, ListTheorem, ProvedList, conclude_list
 from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult

@@ -55,8 +55,8 @@ from orbitproof.verify.stability.units import in_own_units
 SHARE = 1 / BEYOND * REACH
 """sigma = SHARE tau."""
 
-SLOPE_BITS = 64
-"""Significant bits of the derivatives across the curve."""
+STABILITY_SLOPE_BITS = 64
+"""Significant bits of the derivatives across the curve where the stability of the orbits is enclosed as well."""
 _SPARE_BITS = 48
 """The algebra of functions of sigma has so many bits more than the flow."""
 _WIDER = 8
@@ -139,7 +139,7 @@ class TubeOfOrbits:
         """The return of a wider tube."""
         limits, system = self.limits, self.system
         widths = [_WIDER * Fraction(2) ** floor(log2(width)) for width in self.piece.tube]
-        bits = floor(-log2(max(widths))) - max(0, limits.precision - SLOPE_BITS)
+        bits = floor(-log2(max(widths))) - max(0, limits.precision - STABILITY_SLOPE_BITS)
         flow = WideArithmetic(Grading((1,) * len(widths), 1), limits.precision, bits, limits.order, width=limits.width)
         tube = tube_points(flow, system, self.piece, (self.middle, self.radius), widths)
         start = {**parameter_series(flow, system, self.parameters), **tube}
