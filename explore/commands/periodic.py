@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.names import exact_number, given_values, own_system, section_of
-from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims, write_candidates
+from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims, write_candidates, write_text
+from orbitproof.shared.systems import System
 
 if TYPE_CHECKING:
     from orbitproof.explore.periodic import FoundOrbit
@@ -22,6 +23,9 @@ examples:
       all orbits that are found with up to 4 crossings of a section of your own, as claims
   orbitproof explore periodic --system mine.json --parameter mu=1 --start x=1 y=0 --period 6.28 -o orbit.json
       from a guess of a point and the period
+  orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \
+      --along c 1 4 --csv family.csv
+      its family in the parameter c, with folds, branch points, period doublings and Neimark-Sacker points
   orbitproof verify lorenz.json -o certificates.json
 
 The system's file needs neither R nor section. For a system with a first integral the orbits on one level are looked
@@ -61,6 +65,14 @@ def add_parser(commands: Any) -> None:
         "--follow", type=common.positive, default=100.0, metavar="T", help="for how long (default: %(default)s)"
     )
     parser.add_argument("--transient", type=common.positive, metavar="T", help="time to leave out before that")
+    parser.add_argument(
+        "--along",
+        nargs=3,
+        metavar=("NAME", "MIN", "MAX"),
+        help="continue the first orbit in a parameter, or over the levels of the first integral (NAME: level), both "
+        "ways until it leaves this interval; bifurcations are located in double precision",
+    )
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="with --along: the orbits of the family as a table")
     parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
     parser.add_argument(
         "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
@@ -84,6 +96,7 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"--parameter {name}={value}: outside {system.parameters[name]}; give a value inside")
     start = given_values("--start", options.start, system.state)
     section = section_of(system, options.section, options.direction)
+    along = _along(options, system)
     if options.level is not None and system.first_integral_program is None:
         raise InputError(f"--level: {system.name} has no first integral; leave it out")
     level = None if options.level is None else exact_number("--level", options.level)
@@ -115,12 +128,56 @@ def run(options: argparse.Namespace) -> int:
         except PeriodicFailure as failure:
             report.error(f"{system.name}: {failure}")
             return 1
-        complete = True
+        complete, lines = True, []
+        if along is not None:
+            try:
+                lines = _continued(options, orbits[0], along, report)
+            except PeriodicFailure as failure:
+                report.error(f"{system.name}: {failure}")
+                complete = False
         if options.output is not None:
-            complete = _write(options, orbits, kept, report)
+            complete = _write(options, orbits, kept, report) and complete
     for orbit in orbits:
         print("\n".join(described(orbit)))
+    print("\n".join(lines), end="\n" if lines else "")
     return 0 if complete else 1
+
+
+def _along(options: argparse.Namespace, system: System) -> tuple[str | None, float, float] | None:
+    """The parameter (`None`: the level) and the interval of ``--along``. Raises `InputError`."""
+    if options.csv is not None:
+        if options.along is None:
+            raise InputError("--csv: belongs to --along; give that too")
+        check_writable(options.csv)
+    if options.along is None:
+        return None
+    name, *ends = options.along
+    low, high = (float(exact_number(f"--along {name}", text)) for text in ends)
+    if not low < high:
+        raise InputError(f"--along {name}: an empty interval; give the smaller value first")
+    if name in system.parameters:
+        return name, low, high
+    if name == "level" and system.first_integral_program is not None:
+        return None, low, high
+    known = ", ".join([*system.parameters, *(["level"] if system.first_integral_program is not None else [])])
+    raise InputError(f"--along {name}: there is nothing of that name to vary; there are {known or 'none'}")
+
+
+def _continued(
+    options: argparse.Namespace, orbit: FoundOrbit, along: tuple[str | None, float, float], report: Any
+) -> list[str]:
+    """The family of an orbit, in lines; written as a table if that is asked for."""
+    from orbitproof.explore.periodic import continue_orbit, family_csv, family_described
+
+    name, low, high = along
+    report.stage(f"following the family in {name or 'the level'}")
+    family = continue_orbit(
+        orbit.problem, orbit.orbit, name, (low, high), progress=lambda done: report.update("", done)
+    )
+    if options.csv is not None:
+        write_text(options.csv, family_csv(family))
+        report.message(f"{len(family.members)} orbits are in {options.csv}")
+    return family_described(family)
 
 
 def _write(options: argparse.Namespace, orbits: list[FoundOrbit], kept: list[BoxClaim], report: Any) -> bool:

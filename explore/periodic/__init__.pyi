@@ -1,3 +1,13 @@
+from .continuation import BRANCH as BRANCH
+from .continuation import DOUBLING as DOUBLING
+from .continuation import FOLD as FOLD
+from .continuation import TORUS as TORUS
+from .continuation import Bifurcation as Bifurcation
+from .continuation import PeriodicFamily as PeriodicFamily
+from .continuation import StepControl as StepControl
+from .continuation import continue_orbit as continue_orbit
+from .continuation import family_csv as family_csv
+from .continuation import family_described as family_described
 from .correction import ClosedOrbit as ClosedOrbit
 from .correction import PeriodicFailure as PeriodicFailure
 from .correction import PeriodicProblem as PeriodicProblem
