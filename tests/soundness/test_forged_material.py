@@ -319,7 +319,7 @@ def test_a_place_is_open_without_its_curve(point: Certificate) -> None:
     found = recheck(placed)
     assert (found.stands, found.stands_without_place, found.word) == (False, True, "cannot be checked here")
     assert found.passed is Level.FORM
-    assert "--curve" in found.open_place
+    assert "`curve`" in found.open_place
     (from_python,) = verify.recheck(placed, quiet=True)
     assert not from_python.stands
     assert recheck(placed.with_place(None)).stands

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 STOPS = frozenset((
-    "bifurcations", "collision", "complete", "crossing count", "derived parameter", "distance", "evaluation",
-    "exact checks", "half-orbit", "integration", "level", "level-box", "memory", "multiplicity", "newton",
-    "piece", "precision", "process", "radii", "results", "section", "singularity", "size", "stability", "steps",
-    "system", "theorem", "time", "tube", "unfinished", "verification",
+    "bifurcations", "collision", "complete", "crossing count", "derivatives", "derived parameter", "distance",
+    "evaluation", "exact checks", "half-orbit", "integration", "level", "level-box", "memory", "multiplicity",
+    "newton", "piece", "precision", "process", "radii", "results", "section", "singularity", "size",
+    "stability", "start", "steps", "system", "theorem", "time", "tube", "unfinished", "verification",
 ))  # fmt: skip
 """A certificate gives one of these, or a hypothesis, where something is not proved (section 13.1)."""
