@@ -25,6 +25,7 @@ from orbitproof.explore.engines import Progress
 from orbitproof.explore.families import Family, in_fixed_space, tangency
 from orbitproof.explore.flow import Vector
 from orbitproof.shared.formats import Atlas, Claim, Covers, Piece
+from orbitproof.shared.wording import counted
 
 BEYOND = Fraction(1, 1000)
 """Part by which an arc goes beyond the ends of the range that it has to cover."""
@@ -47,6 +48,7 @@ class AtlasRequest:
         increasing: coordinates claimed to increase along the curve.
         tube: half-width of the tubes in units of the distance from the nearest primary (1 in other systems).
         coordinates: in which the orbits are followed; `None`: whatever is cheaper.
+        arc: which one, counted from 1, where the family runs through the range several times.
         provenance: for the file.
     """
 
@@ -58,14 +60,23 @@ class AtlasRequest:
     tube: float = 1e-9
     control: CoverControl = field(default_factory=CoverControl)
     coordinates: Coordinates | None = None
+    arc: int = 1
     provenance: Mapping[str, Any] = field(default_factory=dict)
 
 
+class IncompleteAtlas(CoverFailure):
+    """The pieces end before the curve does; `atlas` is of the part that they cover."""
+
+    def __init__(self, reason: str, atlas: Atlas) -> None:
+        super().__init__(reason)
+        self.atlas = atlas
+
+
 def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atlas:
-    """The atlas of a family. Raises `CoverFailure`."""
+    """The atlas of a family. Raises `CoverFailure`, with what there is as `IncompleteAtlas`."""
     family = _directed(request)
     system, problem = family.problem.system, family.problem
-    curve = Curve(family, system.family_parameter is not None)
+    curve = Curve(family, system.family_parameter is not None and not _turns(family))
     coverer = Coverer(curve, request.control, request.coordinates)
     overlap = request.control.overlap
     symmetry = next(
@@ -96,6 +107,11 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
     expansions = [item for item in (first, *middle, last) if item is not None]
     kind = "arc" if first is None else "symmetric-arc" if last is None else "symmetric-loop"
     covers = request.covers
+    if coverer.failure is not None:
+        last, kind = None, "arc" if first is None else "symmetric-arc"
+        expansions = [item for item in (first, *middle) if item is not None]
+        reached = expansions[-1].point(1 - overlap)
+        covers = _shortened(covers, reached, coverer.failure, system.centre_coordinates)
     if covers is not None and first is not None:
         covers = replace(
             covers, start=max(covers.start, _rounded_start(first.point(0.0), covers, system.centre_coordinates))
@@ -104,7 +120,7 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
         _piece(f"p{number:03d}", expansion, expansion in (first, last), request.tube)
         for number, expansion in enumerate(expansions, start=1)
     ]
-    return Atlas(
+    atlas = Atlas(
         id=request.id,
         title=request.title,
         system=system,
@@ -113,6 +129,18 @@ def build_atlas(request: AtlasRequest, progress: Progress | None = None) -> Atla
         pieces=tuple(pieces),
         provenance=request.provenance,
     )
+    if coverer.failure is not None:
+        raise IncompleteAtlas(coverer.failure, atlas)
+    return atlas
+
+
+def _shortened(covers: Covers | None, end: Vector, failure: str, names: Sequence[str]) -> Covers:
+    """The part of a range up to a point of the curve. Raises `CoverFailure` where nothing is left of it."""
+    reached = None if covers is None else Fraction(float(end[list(names).index(covers.coordinate)]))
+    if covers is None or reached is None or reached <= covers.start:
+        raise CoverFailure(failure)
+    unit = Fraction(1, 2**40)
+    return replace(covers, end=(reached - abs(reached) * BEYOND) // unit * unit)
 
 
 def _crossings(family: Family, start: float, end: float) -> int:
@@ -131,7 +159,52 @@ def _directed(request: AtlasRequest) -> Family:
     if covers is None:
         return family
     index = family.problem.system.centre_coordinates.index(covers.coordinate)
-    return family if family.orbits[0].unknowns[index] < family.orbits[-1].unknowns[index] else family.turned()
+    if any(in_fixed_space(family.problem, family.orbits[end]) for end in (0, -1)):
+        return family if family.orbits[0].unknowns[index] < family.orbits[-1].unknowns[index] else family.turned()
+    return _arc(family, covers, request.arc)
+
+
+def _turns(family: Family) -> bool:
+    """Whether the family parameter has an extremum along a family."""
+    steps = np.diff([orbit.unknowns[0] for orbit in family.orbits])
+    return bool(np.any(steps > 0) and np.any(steps < 0))
+
+
+def _arc(family: Family, covers: Covers, number: int) -> Family:
+    """The part of the family on which the coordinate goes from one value of the range to the other.
+
+    A family that turns back in the coordinate has several; `number` counts those on which orbits keep the number of
+    their crossings, or else all. Raises `CoverFailure`.
+    """
+    index = family.problem.system.centre_coordinates.index(covers.coordinate)
+    arcs: list[Family] = []
+    for way in (family, family.turned()):
+        values = [float(orbit.unknowns[index]) for orbit in way.orbits]
+        low, high = _beyond(covers.start, -1), _beyond(covers.end, 1)
+        start: int | None = None
+        for place, value in enumerate(values):
+            if value <= low:
+                start = place
+            elif value >= high and start is not None:
+                part = slice(start, place + 1)
+                arcs.append(replace(way, orbits=way.orbits[part], tangents=way.tangents[part]))
+                start = None
+    if not arcs:
+        values = [float(orbit.unknowns[index]) for orbit in family.orbits]
+        raise CoverFailure(
+            f"the family does not go from {covers.coordinate} = {float(covers.start):.6g} to {float(covers.end):.6g}; "
+            f"along it {covers.coordinate} lies between {min(values):.8g} and {max(values):.8g}: cover less of it, or "
+            "cover another coordinate where it turns"
+        )
+    even = [arc for arc in arcs if len({orbit.crossings for orbit in arc.orbits}) == 1] or arcs
+    if number > len(even):
+        raise CoverFailure(f"the family has {counted(len(even), 'such arc')}; give --arc a smaller number")
+    return even[number - 1]
+
+
+def _beyond(value: Fraction, sign: int) -> float:
+    """A little beyond an end of a range."""
+    return float(value + sign * abs(value) * BEYOND)
 
 
 def _symmetric(coverer: Coverer, symmetry: str, index: int) -> Expansion:
@@ -152,7 +225,7 @@ def _symmetric(coverer: Coverer, symmetry: str, index: int) -> Expansion:
 def _place(curve: Curve, covers: Covers, value: Fraction) -> float:
     """The family's arclength a little beyond where a coordinate takes a value of the range."""
     sign = -1 if value == covers.start else 1
-    target = float(value + sign * abs(value) * BEYOND)
+    target = _beyond(value, sign)
     index = curve.family.problem.system.centre_coordinates.index(covers.coordinate)
     values = np.array([orbit.unknowns[index] for orbit in curve.family.orbits])
     beyond = np.flatnonzero(sign * (values - target) >= 0)

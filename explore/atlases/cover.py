@@ -69,11 +69,13 @@ class Coverer:
     Attributes:
         curve: what is covered.
         coordinates: in which the orbits are followed; `None`: whatever is cheaper.
+        failure: why the pieces end before the curve does, if they do.
     """
 
     curve: Curve
     control: CoverControl
     coordinates: Coordinates | None = None
+    failure: str | None = None
     _times: dict[Coordinates, float] = field(default_factory=dict)
     _resting: dict[Coordinates, int] = field(default_factory=dict)
     _returns: dict[Coordinates, HalfReturns] = field(default_factory=dict)
@@ -170,7 +172,7 @@ class Coverer:
             if result.chart.half_width == chart.half_width and NARROWER * best <= chart.half_width <= WIDER * best:
                 return result
             chart = replace(chart, half_width=best)
-        raise CoverFailure(f"no piece about the symmetric point {_text(point.point)}")
+        raise CoverFailure(f"no piece about the symmetric point {self._text(point.point)}")
 
     def pieces(
         self,
@@ -183,12 +185,19 @@ class Coverer:
     ) -> list[Expansion]:
         """Pieces from the point `start` to the point `end`, both on the curve; `width` is a first guess.
 
-        `start_place` and `end_place` are their arclengths on the family, roughly. Raises `CoverFailure`.
+        `start_place` and `end_place` are their arclengths on the family, roughly. Where no further piece is found,
+        those so far, and `failure` says why. Raises `CoverFailure` if there is none.
         """
         result: list[Expansion] = []
         left, place = start, start_place
         while True:
-            piece, centre, last = self._next(left, place, end, end_place, width)
+            try:
+                piece, centre, last = self._next(left, place, end, end_place, width)
+            except CoverFailure as error:
+                if not result:
+                    raise
+                self.failure = str(error)
+                return result
             result.append(piece)
             if progress is not None:
                 progress(counted(len(result), "piece"), (centre - start_place) / (end_place - start_place))
@@ -244,7 +253,11 @@ class Coverer:
             if wide and (last or attempt > ATTEMPTS // 2 or chart.half_width >= NARROWER * best):
                 return piece, centre.place, last
             width = 0.97 * best
-        raise CoverFailure(f"no piece beyond {_text(left)}")
+        raise CoverFailure(f"no piece beyond {self._text(left)}")
+
+    def _text(self, point: Vector) -> str:
+        names = self.curve.family.problem.system.centre_coordinates
+        return ", ".join(f"{name} = {value:.8g}" for name, value in zip(names, point, strict=True))
 
     def _chart(self, left: Vector, here: CurvePoint, width: float) -> tuple[CurvePoint, Chart]:
         """The chart whose left end, s = -1, is `left`, about `width` wide."""
@@ -256,7 +269,7 @@ class Coverer:
             try:
                 centre = curve.at(min(place, limit))
             except CorrectionFailure as error:
-                raise CoverFailure(f"the family is lost beyond {_text(left)}: {error}") from None
+                raise CoverFailure(f"the family is lost beyond {self._text(left)}: {error}") from None
             chart = Chart(centre.point, curve.frame(centre.tangent), width, curve.scale(centre.point))
             found = -float(chart.local(left)[0])
             chart = replace(chart, half_width=found)
@@ -264,7 +277,3 @@ class Coverer:
                 break
             place = here.place + (place - here.place) * (width / found if found > 0.1 * width else 0.5)
         return centre, chart
-
-
-def _text(point: Vector) -> str:
-    return "(" + ", ".join(f"{value:.6g}" for value in point) + ")"

@@ -6,7 +6,7 @@ import argparse
 import time
 from fractions import Fraction
 
-from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, build_atlas
+from orbitproof.explore.atlases.build import BEYOND, AtlasRequest, IncompleteAtlas, build_atlas
 from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
 from orbitproof.explore.atlases.request import Source, check_names
 from orbitproof.explore.engines import Reporter
@@ -38,10 +38,15 @@ def run_source(source: Source, options: argparse.Namespace) -> int:
                 tube=options.tube,
                 control=CoverControl(options.degree, options.decay, options.overlap),
                 coordinates=None if options.coordinates == "auto" else options.coordinates,
+                arc=options.arc,
                 provenance={"family": name, "degree": options.degree, "decay": options.decay},
             )
             report.stage("covering")
             atlas = build_atlas(request, report.update)
+        except IncompleteAtlas as error:
+            write_atlas(options.output, error.atlas)
+            report.error(f"{error}; {options.output} holds the part up to there: {summary(error.atlas)}")
+            return 1
         except (FamilyFailure, CorrectionFailure, CoverFailure) as error:
             report.error(f"{error}")
             return 1

@@ -110,6 +110,14 @@ def add_parser(commands: Any) -> None:
         "starts at its symmetric point, whatever FROM is (default: all of the family)",
     )
     parser.add_argument(
+        "--arc",
+        type=common.index,
+        default=1,
+        metavar="N",
+        help="which of the arcs, where the family turns back in that coordinate and runs through the range several "
+        "times (default: the first)",
+    )
+    parser.add_argument(
         "--increasing", nargs="+", default=[], metavar="NAME", help="coordinates claimed to increase along the curve"
     )
     limits = parser.add_argument_group("limits of a family that is traced here, each optional")

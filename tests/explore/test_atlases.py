@@ -7,6 +7,7 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.atlases.build import AtlasRequest, build_atlas
 from orbitproof.explore.atlases.check import check_joint, check_piece, first_returns
 from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
-from orbitproof.explore.atlases.cover import CoverControl, CoverFailure
+from orbitproof.explore.atlases.cover import CoverControl, Coverer, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, coefficient_transform, expand
 from orbitproof.explore.families import Family, Limits, TracedFamily, family_record, trace_family
@@ -23,6 +24,7 @@ from orbitproof.explore.records import write_families
 from orbitproof.shared.claims import Atlas, Covers
 from orbitproof.shared.formats import read_atlas, write_atlas
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.verify.__main__ import main as verify_main
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 
@@ -187,7 +189,7 @@ def test_an_expansion_predicts_the_curve_in_the_chart_of_another_point(halo_fami
 
 
 def test_a_range_beyond_the_family_is_refused(odd_family: Family) -> None:
-    with pytest.raises(CoverFailure, match="does not reach beta"):
+    with pytest.raises(CoverFailure, match="does not go from beta"):
         build_atlas(AtlasRequest("x", "x", odd_family, Covers("beta", Fraction(2), Fraction(500))))
 
 
@@ -267,3 +269,52 @@ def test_written_atlas_is_read_back_unchanged(tmp_path: Path, halo_atlas: Atlas)
     path = tmp_path / "halo.json"
     write_atlas(path, halo_atlas)
     assert read_atlas(path).pieces == halo_atlas.pieces
+
+
+@pytest.fixture(scope="module")
+def turning(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Michelson's family across its fold, where y goes up and comes down again."""
+    place = tmp_path_factory.mktemp("turning")
+    system = str(Path(__file__).resolve().parents[2] / "docs" / "examples" / "michelson.py")
+    words = ["family", "--system", system, "--start", "c=1.0", "y=1.526", "--parameter-min", "c", "0.95", "--quiet"]
+    assert main([*words, "-o", str(place / "family.json")]) == 0
+    return place / "family.json"
+
+
+def test_an_arc_across_a_fold_in_the_parameter_is_one_atlas_and_proved(turning: Path, tmp_path: Path) -> None:
+    atlas, certificate = tmp_path / "atlas.json", tmp_path / "certificate.json"
+    words = ["atlas", "--from-family", str(turning), "--covers", "y", "1", "1.55", "--quiet", "-o", str(atlas)]
+    assert main(words) == 0
+    (found,) = [read_atlas(atlas)]
+    values = [float(piece.centre[0]) for piece in found.pieces]
+    assert max(values) > max(values[0], values[-1])
+    assert verify_main(["atlas", str(atlas), "-o", str(certificate), "--jobs", "1", "--quiet"]) == 0
+
+
+def test_a_range_that_a_turning_family_does_not_run_through_names_what_there_is(
+    turning: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["atlas", "--from-family", str(turning), "--covers", "c", "1.1", "1.3", "-o", str(tmp_path / "never.json")]
+    assert main(words) == 1
+    assert "c lies between" in capsys.readouterr().err
+
+
+def test_pieces_that_end_early_are_kept_and_the_place_is_named(
+    turning: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = Coverer._next
+
+    def lost_after_one(self: Coverer, *given: Any) -> Any:
+        if given[1] > self.curve.family.arclengths[0] + 0.3:
+            raise CoverFailure(f"no piece beyond {self._text(given[0])}")
+        return asked(self, *given)
+
+    monkeypatch.setattr(Coverer, "_next", lost_after_one)
+    atlas = tmp_path / "atlas.json"
+    words = ["atlas", "--from-family", str(turning), "--covers", "y", "0.9", "1.55", "-o", str(atlas)]
+    assert main(words) == 1
+    assert "no piece beyond c = " in capsys.readouterr().err
+    covers = read_atlas(atlas).claim.covers
+    assert covers is not None
+    assert covers.start == Fraction("0.9")
+    assert 0.9 < covers.end < 1.55
