@@ -11,8 +11,9 @@ import pytest
 from flint import acb, arb, ctx
 from support import periodic_cases as cases
 
-from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.formats import PeriodicOrbit, define_system
 from orbitproof.verify.certificate import certify
+from orbitproof.verify.claim import is_free_of_divergence
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, NotProved, Outcome, Proved, guarded
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.periodic import (
@@ -308,6 +309,38 @@ def test_multipliers_are_counted(matrix: list[list[arb]], volume: bool, counts: 
         assert found.undecided >= 1
     else:
         assert (found.inside, found.on, found.outside, found.undecided) == counts
+
+
+@pytest.mark.parametrize(
+    ("matrix", "trivial", "attracting", "hyperbolic"),
+    [
+        (_matrix([0.5, 0], [0, -0.5]), 1, True, True),
+        (_matrix([0.5, 0], [0, -0.5]), 2, False, True),
+        (_matrix([0.5, 0], [0, -2]), 1, False, True),
+        (_matrix([0.5, 0], [0, -1]), 1, False, False),
+        (_matrix([0, -1], [1, 0]), 1, False, False),
+    ],
+)
+def test_an_orbit_attracts_if_all_multipliers_but_the_first_are_inside(
+    matrix: list[list[arb]], trivial: int, attracting: bool, hyperbolic: bool
+) -> None:
+    found = multipliers_of(matrix, trivial, False)
+    assert (found.is_attracting, found.is_hyperbolic) == (attracting, hyperbolic)
+
+
+@pytest.mark.parametrize(
+    ("field", "free"),
+    [
+        ({"x": "x + y", "y": "x - y", "z": "x*y"}, True),
+        ({"x": "x + y", "y": "x + y", "z": "x*y"}, False),
+        ({"x": "x*z", "y": "y*z", "z": "-z**2"}, True),
+        ({"x": "x*z", "y": "y*z", "z": "z**2"}, False),
+        ({"x": "x*y/2", "y": "-y**2/4", "z": "y"}, True),
+    ],
+)
+def test_the_divergence_is_the_sum_of_its_terms(field: dict[str, str], free: bool) -> None:
+    system = define_system({"name": "any", "state": "x y z", "field": field})
+    assert is_free_of_divergence(system.program, 3) is free
 
 
 def test_a_multiplier_known_to_be_real_has_no_imaginary_part() -> None:

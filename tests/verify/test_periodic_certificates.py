@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,11 @@ from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import write_candidates
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of
+from orbitproof.verify.certificate.kinds import contradictions
 from orbitproof.verify.certificate.rechecking import derived, recheck
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.periodic import Linearised, PeriodicEnclosures, enclose_periodic
+from orbitproof.verify.poincare import IntegratorSettings
 
 CLAIMS = {"AB": cases.lorenz("AB"), "level": cases.oscillators()}
 
@@ -139,6 +144,28 @@ def test_false_enclosures_are_refused_by_integration(proved: dict[str, Certifica
     found = recheck(forged, integrate=True)
     assert not found.stands
     assert found.passed is Level.CONCLUSION
+
+
+def _each_changed(found: PeriodicEnclosures) -> Iterator[PeriodicEnclosures]:
+    """The same with one number moved, for each number."""
+    for number, each in enumerate(found.returns):
+        for place, function in enumerate((*each.image, each.time)):
+            balls = list(function.balls)
+            for position in range(len(balls)):
+                centre, *slopes = (ball + (index == position) for index, ball in enumerate(balls))
+                functions = [*each.image, each.time]
+                functions[place] = Linearised(centre, tuple(slopes))
+                changed = replace(each, image=tuple(functions[:-1]), time=functions[-1])
+                yield replace(found, returns=(*found.returns[:number], changed, *found.returns[number + 1 :]))
+
+
+def test_every_number_that_a_certificate_carries_is_compared() -> None:
+    found = enclose_periodic(CLAIMS["AB"], IntegratorSettings(200), ORACLE)
+    assert not list(contradictions(found, found, "tables"))
+    changed = list(_each_changed(found))
+    assert len(changed) == 2 * 3 * 3
+    for other in changed:
+        assert len(list(contradictions(found, other, "tables"))) == 1
 
 
 def test_what_is_not_available_for_such_orbits_says_so(
