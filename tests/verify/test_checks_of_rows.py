@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any, Literal
@@ -32,6 +32,7 @@ from orbitproof.verify.certificate import rechecking as chapter
 from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.certificate.kinds import contradictions, prove, too_narrow, unconfirmed
 from orbitproof.verify.certificate.levels import not_finished
+from orbitproof.verify.certificate.row_kind import all_numbers
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.evidence import (
     Checklist,
@@ -225,6 +226,23 @@ def test_enclosures_are_of_as_many_numbers(point: Certificate) -> None:
     for old, new in ((stored, fewer), (fewer, stored), (stored, springs("once")[1])):
         with pytest.raises(ValueError, match="do not belong to each other"):
             list(contradictions(old, new, "again"))
+
+
+class TwoOfOneName:
+    """A kind of claim whose enclosures have two numbers of one name."""
+
+    def tables(self, found: Any) -> Iterator[Any]:
+        yield from ()
+
+    def numbers(self, found: Any) -> Iterator[tuple[str, arb]]:
+        yield from (("time", arb(number)) for number in found)
+
+
+def test_no_number_hides_behind_the_name_of_another() -> None:
+    kind: Any = TwoOfOneName()
+    assert all_numbers(kind, [1]) == {"time": arb(1)}
+    with pytest.raises(ValueError, match="one name"):
+        all_numbers(kind, [1, 2])
 
 
 def test_a_table_may_be_exceeded_by_its_own_width_and_no_more(point: Certificate) -> None:

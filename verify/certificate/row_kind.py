@@ -76,14 +76,17 @@ class RowKind(Protocol[Claim, Found, Results]):
 
 
 def all_numbers(kind: RowKind[Any, Found, Results], found: Found) -> dict[str, arb]:
-    """Every number of what was enclosed, by name."""
-    derivatives = {
-        f"{derivative_name(index)} of {name}, {part}": ball
+    """Every number of what was enclosed, by name. Raises `ValueError` if one would hide another of its name."""
+    derivatives = [
+        (f"{derivative_name(index)} of {name}, {part}", ball)
         for name, table in kind.tables(found)
         for part, source in (("box", table.box), ("centre", table.centre))
         for index, ball in source.items()
-    }
-    return {**derivatives, **dict(kind.numbers(found))}
+    ]
+    named = [*derivatives, *kind.numbers(found)]
+    if len(dict(named)) != len(named):
+        raise ValueError("two of the numbers that are enclosed have one name")
+    return dict(named)
 
 
 def of_iterates(iterates: tuple[tuple[DerivativeTable, ...], ...]) -> Iterator[tuple[str, DerivativeTable]]:
