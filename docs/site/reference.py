@@ -129,7 +129,10 @@ PYTHON = """\
 
 .. automodule:: orbitproof.verify
    :members:
-   :exclude-members: InputError
+   :exclude-members: InputError, enclose
+
+.. automodule:: orbitproof.verify.enclose
+   :members:
 
 .. automodule:: orbitproof.figures
    :members:

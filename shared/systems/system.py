@@ -136,9 +136,9 @@ class System:
 
 @dataclass(frozen=True, repr=False)
 class ReversibleSystem(System):
-    """A system that is reversible under the involution R = diag(reversing_symmetry).
+    """A system that is reversible under the involution R = diag(reversing_symmetry): a `System` with more attributes.
 
-    Attributes, beside those of `System`:
+    Attributes:
         reversing_symmetry: m signs; f(R x) = -R f(x).
         symmetries: further symmetries, by name, m signs each; f(S x) = S f(x), S commutes with R.
         section: the state coordinate whose vanishing defines the Poincare section; R negates it.

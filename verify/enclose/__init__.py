@@ -8,3 +8,19 @@ for wrong input.
 from orbitproof.verify.enclose.maps import fixed_point_functions, flow, interval_newton, poincare_map
 from orbitproof.verify.enclose.results import Enclosure, Function, NotEnclosed, Values, Zero
 from orbitproof.verify.enclose.sets import Box, Section, box, section
+
+__all__ = [
+    "Box",
+    "Enclosure",
+    "Function",
+    "NotEnclosed",
+    "Section",
+    "Values",
+    "Zero",
+    "box",
+    "fixed_point_functions",
+    "flow",
+    "interval_newton",
+    "poincare_map",
+    "section",
+]

@@ -119,7 +119,6 @@ class Enclosure:
         system, box: what was asked about.
         order: largest order of the derivatives.
         precision: bits of the integration.
-        steps: of the integration.
         section: the section on which the states are; `None` for the flow over a given time.
     """
 
