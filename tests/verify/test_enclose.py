@@ -20,7 +20,7 @@ from support.independent_flow import extrapolated_flow
 from orbitproof.shared import CR3BP, EARTH_MOON, System, define_system
 from orbitproof.verify import enclose
 from orbitproof.verify.enclose import Box, Enclosure, NotEnclosed
-from orbitproof.verify.evidence import IntegrationFailure
+from orbitproof.verify.evidence import IntegrationFailure, indices_up_to
 from orbitproof.verify.oracle import ORACLE
 
 DIGITS = 40
@@ -87,6 +87,7 @@ def jets_contained(found: Enclosure, image: Any, where: Sequence[Any], tolerance
     """Derivatives up to the order asked for, by differences of the closed form at a point of the box."""
     near = found.over([_ball(x) for x in where])
     for place, name in enumerate(found.system.given_state):
+        assert set(found.derivatives[name]) == set(indices_up_to(len(where), found.order))
         for index, ball in found.derivatives[name].items():
             if sum(index) == 0:
                 continue
@@ -467,6 +468,30 @@ def test_nothing_is_said_outside_the_box() -> None:
             function.over([arb(0), arb(0)], derivative)
 
 
+def test_derivatives_of_the_time_of_a_crossing() -> None:
+    box = enclose.box({"x": 1, "v": "1/2"}, radii={"x": "1e-3", "v": "1e-3"})
+    found = enclose.poincare_map(CIRCLE, box, enclose.section("v"), derivatives=2)
+    assert isinstance(found, Enclosure)
+    # The angle of (x, v) is atan(v/x): its derivatives at (1, 1/2).
+    centre = found.centre.time_derivatives
+    for index, value in {(0, 0): mpmath.atan("0.5"), (1, 0): "-0.4", (0, 1): "0.8", (1, 1): "-0.48"}.items():
+        assert holds(centre[index], mpmath.mpf(value))
+        assert holds(found.on_box.time_derivatives[index], mpmath.mpf(value))
+
+
+def test_a_zero_is_shown_for_each_value_of_the_independent_variables() -> None:
+    box = enclose.box({"x": 1, "v": 0}, radii={"x": "1e-2", "v": "1e-3"})
+    image = enclose.flow(CIRCLE, box, 1, precision=96)
+    assert isinstance(image, Enclosure)
+    # At the centre the zero is there, and leaves the box in v as x moves by less than its radius.
+    found = enclose.interval_newton([image.function({"x": 1}, "-0.5403023")])
+    assert isinstance(found, NotEnclosed)
+    assert "may lie outside" in found.reason.message
+    function = image.function({"x": 1})
+    with pytest.raises(ValueError, match="as many at most"):
+        enclose.interval_newton([function] * 3)
+
+
 def test_backwards_the_time_that_was_reached_is_negative() -> None:
     box = enclose.box({"x": -1, "y": 0}, radii={"x": "1e-3"})
     found = enclose.flow(BLOW_UP, box, -2)
@@ -515,6 +540,10 @@ def test_what_progress_raises_passes_through() -> None:
         (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("v"), direction=2), "none"),
         (lambda: enclose.poincare_map(CIRCLE, POINT, enclose.section("v"), crossings=0), "crossings"),
         (lambda: enclose.flow(CR3BP, enclose.box({**dict.fromkeys(CR3BP.state, 1), "mu": 2}), 1), "outside"),
+        (lambda: enclose.flow(
+            CR3BP, enclose.box({**dict.fromkeys(CR3BP.state, 1), "mu": "1/100"}, {"mu": [1, -1]}, ["1/2", "1/2"]), 1
+        ), "outside"),
+        (lambda: enclose.flow(CIRCLE, POINT, 1, derivatives=-1), "derivatives"),
         (lambda: enclose.interval_newton([]), "functions"),
         (lambda: enclose.flow(PENDULUM, enclose.box({"q": 1, "v": 0, "g": 1, "sin_q": 0}), 1), "has no sin_q"),
         (lambda: enclose.section("sin_q").of(PENDULUM), "given"),
