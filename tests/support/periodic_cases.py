@@ -29,6 +29,17 @@ HOPF = define_system(
 )
 """The unit circle, period 2 pi, multipliers exp(-4 pi) and exp(-2 pi c)."""
 
+PLANAR = define_system(
+    {
+        "name": "planar",
+        "state": "x y",
+        "parameters": "w",
+        "where": {"s": "1 - x**2 - y**2"},
+        "field": {"x": "x*s/4 - w*y", "y": "w*x + y*s/4"},
+    }
+)
+"""The unit circle, period 2 pi/w, multiplier exp(-pi/w)."""
+
 TURNING = define_system(
     {
         "name": "turning",
@@ -55,7 +66,7 @@ PRODUCT = define_system(
         "name": "product",
         "state": "x y u v",
         "field": {"x": "y", "y": "-x", "u": "v", "v": "-2*u"},
-        "first_integral": "(x**2 + y**2)*(1 + x**2 + y**2)",
+        "first_integral": "(x**2 + y**2)*(1 + (x**2 + y**2)**2)",
     }
 )
 """The same with another first integral."""
@@ -90,6 +101,23 @@ def hopf(**more: Any) -> PeriodicOrbit:
     """The unit circle through (1, 0, 0), where y = 0 is crossed upwards."""
     given: dict[str, Any] = {"parameters": {"c": Fraction(1, 4)}, **more}
     return in_plane(HOPF, 1, [ONE, ZERO, ZERO], Fraction(1, 2**90), **given)
+
+
+def planar(w: Fraction, **more: Any) -> PeriodicOrbit:
+    """The unit circle of `PLANAR` through (3/5, 4/5), on the section 4 x = 3 y."""
+    return PeriodicOrbit(
+        id="planar",
+        system=PLANAR,
+        parameters={"w": w},
+        normal=(Fraction(4), Fraction(-3)),
+        offset=ZERO,
+        direction=-1,
+        crossings=1,
+        centre=(Fraction(3, 5), Fraction(4, 5)),
+        frame=((Fraction(3),), (Fraction(4),)),
+        radii=(Fraction(1, 2**90),),
+        **more,
+    )
 
 
 def turning(a: Fraction, **more: Any) -> PeriodicOrbit:

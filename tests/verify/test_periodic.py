@@ -85,6 +85,20 @@ def test_a_limit_cycle_is_proved_with_its_period_and_multipliers() -> None:
     assert found.level is None
 
 
+@pytest.mark.parametrize("w", [Fraction(1, 2), Fraction(3)])
+def test_a_planar_cycle_has_its_floquet_exponent(w: Fraction) -> None:
+    claim = cases.planar(w)
+    outcome = _outcome(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE))
+    assert isinstance(outcome, Proved), outcome.reason
+    found = outcome.results
+    with ctx.workprec(500):
+        turn = 2 * arb.pi() * w.denominator / w.numerator
+        assert _contains(found.period, turn)
+        (value,) = found.multipliers.values
+        assert _contains(value, (-turn / 2).exp())
+    assert found.multipliers.is_attracting
+
+
 @pytest.mark.parametrize(("a", "outside"), [(Fraction(-1, 10), 0), (Fraction(1, 10), 2)])
 def test_a_complex_pair_is_enclosed_and_counted(a: Fraction, outside: int) -> None:
     claim = cases.turning(a)
@@ -158,7 +172,7 @@ def test_what_is_found_does_not_depend_on_the_centre(place: int) -> None:
 
 
 def test_on_a_level_the_point_is_that_of_the_level() -> None:
-    level, shift = Fraction(4 * 5), Fraction(1, 2**92)
+    level, shift = Fraction(4 * 17), Fraction(1, 2**92)
     claim = cases.shifted(cases.oscillators(level=level, system=cases.PRODUCT, point=Fraction(2)), 0, shift)
     outcome = _outcome(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE))
     assert isinstance(outcome, Proved), outcome.reason
