@@ -156,7 +156,11 @@ def test_a_box_beside_the_orbit_is_refused(by: Fraction, place: int) -> None:
 
 def test_an_orbit_on_the_edge_of_the_box_is_not_proved() -> None:
     claim = cases.shifted(cases.hopf(), 0, Fraction(1, 2**90))
-    assert _refused(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE)) == "periodic"
+    outcome = _outcome(claim, enclose_periodic(claim, IntegratorSettings(BITS), ORACLE))
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "periodic"
+    assert not outcome.reason.excluded
+    assert outcome.reason.needs_precision
 
 
 @pytest.mark.parametrize("place", [0, 1])
