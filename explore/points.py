@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from orbitproof.explore.engines import Reporter
@@ -23,6 +24,7 @@ def refine_at(
     symmetry: str | None = None,
     crossings: int = 1,
     digits: int = 50,
+    radii: Sequence[Fraction | float] | None = None,
     id: str | None = None,
     quiet: bool = False,
 ) -> Candidate:
@@ -37,6 +39,7 @@ def refine_at(
         symmetry: for symmetry breaking, the symmetry that breaks; by default the only one.
         crossings: how often the half orbit, from Fix(R) to Fix(R), meets the section, its end included.
         digits: decimal digits of the centre.
+        radii: half-widths of the box along p_0, p_1, ..; by default such as suit the branch, for a proof.
         id: of the claim; by default system and k.
         quiet: nothing on standard error.
 
@@ -50,6 +53,9 @@ def refine_at(
         raise ValueError(f"digits: {digits!r} is not positive")
     if kind is not None and kind not in KINDS:
         raise ValueError(f"kind: {kind!r} is unknown; there are {', '.join(KINDS)}")
+    widths = None if radii is None else tuple(Fraction(float(each)) for each in radii)
+    if widths is not None and (len(widths) != len(wanted) or not all(each > 0 for each in widths)):
+        raise ValueError(f"radii: {len(widths)} numbers; give {len(wanted)} positive ones, for p_0, p_1, ..")
     texts = {key: str(MASS_PARAMETERS.get(str(value), value)) for key, value in (parameters or {}).items()}
     words = [f"{key}={text}" for key, text in texts.items()]
     try:
@@ -75,4 +81,4 @@ def refine_at(
         result = refine_task(task, report.update)
     if result.candidate is None:
         raise RefinementFailure(f"{name}: not refined: {result.failure}")
-    return result.candidate
+    return result.candidate if widths is None else replace(result.candidate, radii=widths)

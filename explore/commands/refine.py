@@ -50,6 +50,13 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--digits", type=common.digits, default=50, metavar="N", help="decimal digits (default: %(default)s)"
     )
+    parser.add_argument(
+        "--radii",
+        nargs="+",
+        type=common.positive,
+        metavar="R",
+        help="half-widths of the box along p_0, p_1, ..: what a failed proof asks for (default: such as suit it)",
+    )
     parser.add_argument("--id", metavar="NAME", help="of the candidate (default: system and K)")
     common.add_output(parser, "candidates file")
     parser.add_argument("--append", action="store_true", help="keep what the output file already holds")
@@ -65,6 +72,9 @@ def run(options: argparse.Namespace) -> int:
     system = system_named(options.system)
     parameters = given_parameters(system, options.mass, options.parameter)
     place = place_of(system, "--point", options.point, complete=True)
+    if options.radii is not None and len(options.radii) != len(system.centre_coordinates):
+        count = len(system.centre_coordinates)
+        raise InputError(f"--radii: {len(options.radii)} numbers; {system.name} needs {count}, for p_0, p_1, ..")
     label = label_of(system, options.mass, options.parameter) or system.name
     kept = read_candidates(options.output) if options.append and options.output.exists() else []
     name = options.id or f"{label}-{short_name(options.kind, options.k)}"
@@ -85,6 +95,7 @@ def run(options: argparse.Namespace) -> int:
             symmetry=options.symmetry,
             crossings=options.crossings,
             digits=options.digits,
+            radii=options.radii,
             id=name,
             quiet=options.quiet,
         )

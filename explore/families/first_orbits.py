@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -11,7 +13,7 @@ from orbitproof.explore.families.continuation import Family, crossings
 from orbitproof.explore.families.named import FamilyFailure
 from orbitproof.explore.families.step_control import StepControl
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
-from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem
+from orbitproof.explore.orbits import Correction, CorrectionFailure, ShootingProblem
 from orbitproof.explore.seeds import FirstOrbit
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -20,6 +22,9 @@ MOST_CROSSINGS = 12
 """So many crossings of the section are looked at for the half period."""
 
 _AT_START = 1e-6
+_NEAR = 0.2
+"""An orbit with the value of the parameter that was given may lie so far from the guess, relative to its size."""
+
 _RESTING = 1e-9
 """So little, relative to the size of a state, an equilibrium moves in double precision."""
 
@@ -43,10 +48,7 @@ def first_family(
             along = direction is None or not np.any(direction[odd])
             if problem.symmetry is None and odd and not np.any(unknowns[odd]) and along:
                 problem = ShootingProblem(system, problem.parameters, name, tolerance=control.tolerance)
-        if direction is None:
-            # Newton's steps then go the shortest way to the family.
-            direction = problem.tangent(problem.evaluate(unknowns)[1], np.ones(problem.size))
-        correction = problem.correct(unknowns, direction)
+        correction, direction = _corrected(problem, unknowns, direction)
         tangent = problem.tangent(correction.jacobian, direction)
         states = problem.samples(correction.unknowns)
         if _rests(states):
@@ -58,6 +60,23 @@ def first_family(
             raise FamilyFailure(_equilibrium(problem, start)) from None
         raise FamilyFailure(f"no first orbit: {error}; give a point closer to one, and its half period") from None
     return Family(problem, (orbit,), (tangent,), "limit", "started")
+
+
+def _corrected(problem: ShootingProblem, unknowns: Vector, direction: Vector | None) -> tuple[Correction, Vector]:
+    """The orbit near the guess, and a direction along the family: with the value of the family parameter that was given
+    if there is one, and otherwise the shortest way to the family.
+    """
+    if direction is not None:
+        return problem.correct(unknowns, direction), direction
+    direction = problem.tangent(problem.evaluate(unknowns)[1], np.ones(problem.size))
+    if problem.system.family_parameter is not None:
+        with suppress(CorrectionFailure):
+            correction = problem.correct(unknowns, np.eye(problem.size)[0])
+            if float(np.linalg.norm(correction.unknowns - unknowns)) <= _NEAR * (1 + float(np.linalg.norm(unknowns))):
+                exact = correction.unknowns.copy()
+                exact[0] = unknowns[0]
+                return replace(correction, unknowns=exact), direction
+    return problem.correct(unknowns, direction), direction
 
 
 def _rests(states: Matrix) -> bool:

@@ -74,7 +74,8 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
     lower.set_xlabel(axis.label)
     figure.text(0.1, 0.965, heading_of(found.curve.atlas), color=INK, fontweight="bold", va="center")
     upper.set_title(f"(a)  stability parameters, with all resonances up to 1:{found.order}", color=INK)
-    lower.set_title(f"(b)  {'half period' if axis.is_parameter else 'the level of the orbits'}", color=INK)
+    title = "half period" if axis.is_parameter else f"{_parameter(found)} of the orbits"
+    lower.set_title(f"(b)  {title}", color=INK)
     for number, row in enumerate(rows):
         legend_row(figure, row, 0.06 + _ROW * number)
     return figure
@@ -124,3 +125,8 @@ def _look(point: ListedPoint) -> dict[str, Any]:
 
 def _mark(axes: Axes, x: float, y: float, point: ListedPoint) -> None:
     axes.plot([x], [y], gid=f"listed {point.k} {point.j}", **_look(point))
+
+
+def _parameter(found: CertifiedStability) -> str:
+    """What orbits are told apart by: the family parameter, or the level of the first integral."""
+    return "the parameter" if found.curve.system.family_parameter is not None else "the level"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from orbitproof.figures.model import read_families as sampled
 from orbitproof.figures.pictures import draw_family
 from orbitproof.figures.style import close, label_of, use_style
 from orbitproof.shared import CR3BP, define_system
+from orbitproof.shared.formats import read_candidates
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
 MICHELSON = (EXAMPLES / "michelson.py").read_text("utf-8")
@@ -134,3 +136,17 @@ def test_a_picture_of_ones_own_system_knows_nothing_of_its_units(tmp_path: Path)
         said = [text.get_text() for text in figure.findobj(Text)]
         close(figure)
     assert not any("nondimensional" in text for text in said)
+
+
+def test_an_orbit_keeps_the_parameter_that_was_given(capsys: pytest.CaptureFixture[str]) -> None:
+    assert explore(["orbit", "--system", str(EXAMPLES / "michelson.py"), *START]) == 0
+    assert "point        c = 0.1, y = 0.196593739345" in capsys.readouterr().out
+
+
+def test_the_box_of_a_claim_may_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["refine", "--system", str(EXAMPLES / "michelson.py"), "-k", "3", "--point", "c=0.27634", "y=0.52554"]
+    file = tmp_path / "one.json"
+    assert explore([*words, "--radii", "1e-19", "1e-18", "--quiet", "-o", str(file)]) == 0
+    (claim,) = read_candidates(file)
+    assert claim.radii == (Fraction(1e-19), Fraction(1e-18))
+    assert "needs 2" in refused([*words, "--radii", "1e-9", "-o", str(file)], capsys, 2)
