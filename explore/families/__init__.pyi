@@ -5,7 +5,6 @@ from .continuation import in_fixed_space as in_fixed_space
 from .continuation import tangency as tangency
 from .conversion import family_of as family_of
 from .conversion import family_record as family_record
-from .detection import SAMPLING_TIMEOUT as SAMPLING_TIMEOUT
 from .detection import LocatedResonance as LocatedResonance
 from .detection import detect as detect
 from .detection import kind_of as kind_of
@@ -18,6 +17,7 @@ from .named import trace_family as trace_family
 from .stability_curve import largest_changes as largest_changes
 from .step_control import CONTROL as CONTROL
 from .step_control import DEFAULT as DEFAULT
+from .step_control import SAMPLING_TIMEOUT as SAMPLING_TIMEOUT
 from .step_control import StepControl as StepControl
 from .tracing import Traced as Traced
 from .tracing import TracedFamily as TracedFamily

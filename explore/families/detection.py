@@ -19,6 +19,7 @@ import numpy as np
 
 from orbitproof.explore.families.continuation import Course, Family, Start, Stop, describe, trace
 from orbitproof.explore.families.stability_curve import Extremum, StabilityCurve
+from orbitproof.explore.families.step_control import SAMPLING_TIMEOUT
 from orbitproof.explore.flow import FlowFailure, Matrix, Vector
 from orbitproof.explore.names import resonant_values
 from orbitproof.explore.numerics import Samples, Touch, bracketed_zero, find_zeros
@@ -32,9 +33,6 @@ from orbitproof.explore.orbits import (
 from orbitproof.shared.formats import FOLD
 
 BREAKS = "the symmetry breaks"
-
-SAMPLING_TIMEOUT = 600.0
-"""Seconds for sampling the stability along a family, unless told otherwise."""
 
 _LOST_RANK = 1e-2
 """Smallest singular value beside that of the orbits on both sides; it falls in proportion to the distance."""

@@ -1,4 +1,4 @@
-"""Steps and tolerances of the continuation of a family."""
+"""Steps and tolerances of the continuation of a family, and how long its stability is sampled."""
 
 from __future__ import annotations
 
@@ -32,3 +32,6 @@ DEFAULT = StepControl()
 
 CONTROL = StepControl(initial=2e-3, minimum=1e-8, maximum=0.1, turning=0.12)
 """For tracing families by name: coordinates are measured in the distance of the libration point from a primary."""
+
+SAMPLING_TIMEOUT = 600.0
+"""Seconds for sampling the stability along a family, unless told otherwise; options are declared with it."""

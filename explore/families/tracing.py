@@ -9,11 +9,11 @@ from fractions import Fraction
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
 from orbitproof.explore.families.continuation import Family
-from orbitproof.explore.families.detection import SAMPLING_TIMEOUT, Detection, detect
+from orbitproof.explore.families.detection import Detection, detect
 from orbitproof.explore.families.first_orbits import first_family
 from orbitproof.explore.families.limits import Limits
 from orbitproof.explore.families.named import FamilyFailure, continue_both_ways, continue_family, trace_family
-from orbitproof.explore.families.step_control import CONTROL, StepControl
+from orbitproof.explore.families.step_control import CONTROL, SAMPLING_TIMEOUT, StepControl
 from orbitproof.explore.names import mirrored_name
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.seeds import FirstOrbit
