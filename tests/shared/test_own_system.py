@@ -292,7 +292,7 @@ def test_a_search_asks_for_the_symmetry(tmp_path: Path, capsys: pytest.CaptureFi
 
 
 WAVES = {
-    "name": "waves", "state": "x y z", "parameters": "a", "where": {"r": "exp(-x**2)", "u": "r*y"},
+    "name": "waves", "state": "x y z", "parameters": "a", "where": {"r": "exp(-x**2)", "u": "r*y/(2 + z)"},
     "field": {"x": "sin(u) + cos( u )", "y": "log(2 + cos(0.12345678901234567890123*x))", "z": "exp(sin(a)*z)/2"},
     "first_integral": "z + sin(z)",
 }  # fmt: skip
@@ -302,7 +302,7 @@ def true_values(state: list[float], a: float) -> tuple[dict[str, float], list[fl
     """The functions that stand in the formulas, and the field, in floating point."""
     x, y, z = state
     angle, r = 0.12345678901234567890123 * x, exp(-(x**2))
-    u = r * y
+    u = r * y / (2 + z)
     field = [sin(u) + cos(u), log(2 + cos(angle)), exp(sin(a) * z) / 2]
     return {"sin": sin(u), "cos": cos(u), "exp": r, "log": field[1]}, field
 
