@@ -250,7 +250,7 @@ def test_a_claim_that_is_wrong_or_breaks_the_verifier_is_not_proved_and_raises_n
     [
         ({"centre": (Fraction(1, 3), Fraction(1))}, "centre: 1/3 is neither dyadic nor decimal; round it"),
         ({"centre": (340.2, Fraction(1))}, "centre: 340.2 is no exact number"),
-        ({"centre": (Fraction(1),)}, "centre: 1 numbers"),
+        ({"centre": (Fraction(1),)}, "centre: 1 number"),
         ({"radii": (Fraction(1), Fraction(0))}, "radii[1]: not positive"),
         ({"frame": ((Fraction(1),),)}, "frame: wrong shape"),
         ({"kind": "pitchfork"}, "kind: 'pitchfork' is unknown; give one of"),
