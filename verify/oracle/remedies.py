@@ -24,6 +24,7 @@ _SHARE = {1: "as much", 2: "its square"}
 """How P_0 follows P_1, by the order of p_0 in p_1."""
 _TOO_WIDE = 100
 """P_0 may be so many times wider than the branch needs before that is taken for the reason of a failure."""
+_WHERE = "`radii` of the search, for one point"
 _LARGE = 1e300
 _LOST = 10**15
 """Where an enclosure is so many times wider than its midpoint is large, its scale says nothing."""
@@ -90,7 +91,7 @@ def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction], order: 
     along = f" and P_0 by {_SHARE[order]}" if (axis, over) == (2, 1) else ""
     return (
         f"P_{axis} is too narrow for P_{over}: widen P_{axis} by a factor of {_times(factor)}, or make P_{over} "
-        f"narrower by {_times(narrower)}{along}"
+        f"narrower by {_times(narrower)}{along} ({_WHERE})"
     )
 
 
@@ -105,7 +106,8 @@ def of_sign(ball: arb, order: int) -> str | None:
         return None
     others = "P_0 and P_2 by its square" if order == 2 else f"P_0 by {_SHARE[order]}, P_2 by its square"
     return (
-        f"the box is too large: make P_1 narrower by a factor of about {_times(2 * spread / offset)}, {others}; "
+        f"the box is too large: make P_1 narrower by a factor of about {_times(2 * spread / offset)}, {others} "
+        f"({_WHERE}); "
         "a value that vanishes belongs to a degenerate bifurcation"
     )
 
@@ -118,7 +120,7 @@ def of_shape(hypotheses: Sequence[Hypothesis], radius: Fraction, order: int) -> 
         return None
     return (
         f"P_0 is too wide for P_1: make P_0 narrower by a factor of up to {_times(excess)}, or P_1 wider by up to "
-        f"{_times(excess.sqrt() if order == 2 else excess)}"
+        f"{_times(excess.sqrt() if order == 2 else excess)} ({_WHERE})"
     )
 
 
