@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cache
@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_
 
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational, parse_exact
-from orbitproof.shared.stored import Rational
+from orbitproof.shared.stored import Rational, Rules, Unread
 
 Json = Any
 Schema = dict[str, Any]
@@ -67,9 +67,13 @@ def schema_of(kind: Any) -> tuple[Schema, Definitions]:
 _registered: dict[Any, Form] = {}
 
 
-def register(kind: Any, encode: Callable[[Any], Json], decode: Callable[[Json], Any], schema: Schema) -> None:
-    """Say how a type stands in JSON that is no dataclass; `decode` raises `ValueError` for what is none."""
-    _registered[kind] = _leaf(encode, decode, schema)
+def register(kind: Any, encode: Callable[[Any], Json], decode: Callable[[Json], Any], like: Any) -> None:
+    """Say how a type stands in JSON; `decode` raises `ValueError` for what is none.
+
+    `like`: a schema, or another type that stands in JSON in the same way.
+    """
+    form = _leaf(encode, decode, like)
+    _registered[kind] = form if isinstance(like, dict) else replace(form, schema=form_of(like).schema)
 
 
 def _leaf(encode: Callable[[Any], Json], decode: Callable[[Json], Any], schema: Schema, name: str = "") -> Form:
@@ -85,7 +89,8 @@ def _leaf(encode: Callable[[Any], Json], decode: Callable[[Json], Any], schema: 
 def _named(name: str, schema: Schema, definitions: Definitions) -> Schema:
     if not name:
         return schema
-    definitions[name] = schema
+    if definitions.setdefault(name, schema) != schema:
+        raise TypeError(f"two types are called {name!r}")
     return {"$ref": f"#/$defs/{name}"}
 
 
@@ -112,12 +117,10 @@ def form_of(kind: Any) -> Form:
         return known
     origin, arguments = get_origin(kind), get_args(kind)
     if origin is Annotated:
-        inner, said = form_of(arguments[0]), arguments[1]
-        return Form(
-            inner.encode,
-            inner.decode,
-            lambda definitions: _named(said.name, inner.schema(definitions) | dict(said.keywords), definitions),
-        )
+        form = form_of(arguments[0])
+        for said in arguments[1:]:
+            form = replace(form, schema=_with(form.schema, said))
+        return form
     if origin is Literal:
         return _leaf(_itself, _itself, {"enum": list(arguments)})
     if isinstance(kind, type) and issubclass(kind, Enum):
@@ -137,6 +140,13 @@ def form_of(kind: Any) -> Form:
     raise TypeError(f"{kind!r} has no form in JSON")
 
 
+def _with(schema: Callable[[Definitions], Schema], said: Rules | Unread) -> Callable[[Definitions], Schema]:
+    """A schema with what an annotation says."""
+    if isinstance(said, Unread):
+        return form_of(said.kind).schema
+    return lambda definitions: _named(said.name, schema(definitions) | dict(said.keywords), definitions)
+
+
 def _union(kinds: tuple[Any, ...]) -> Form:
     """Of a type and nothing; of dataclasses that say in their ``kind`` which of them it is, or have other fields."""
     others = tuple(kind for kind in kinds if kind is not NoneType)
@@ -145,7 +155,7 @@ def _union(kinds: tuple[Any, ...]) -> Form:
         return Form(
             lambda value: None if value is None else inner.encode(value),
             lambda entry, place: None if entry is None else inner.decode(entry, place),
-            lambda definitions: {"anyOf": [inner.schema(definitions), {"type": "null"}]},
+            lambda definitions: {"anyOf": [*_alternatives(inner.schema(definitions)), {"type": "null"}]},
         )
     forms = [form_of(kind) for kind in others]
     by_kind = {_constant(kind).get("kind"): form for kind, form in zip(others, forms, strict=True)}
@@ -161,6 +171,10 @@ def _union(kinds: tuple[Any, ...]) -> Form:
         lambda entry, place: (by_kind.get(entry["kind"]) or by_kind[None]).decode(entry, place),
         lambda definitions: _union_schema(forms, definitions),
     )
+
+
+def _alternatives(schema: Schema) -> list[Schema]:
+    return schema["anyOf"] if schema.keys() == {"anyOf"} else [schema]
 
 
 def _by_fields(kinds: tuple[Any, ...], entry: Mapping[str, Json], place: str) -> Form:
@@ -220,12 +234,13 @@ def _object(names: Form, inner: Form) -> Form:
     return Form(
         lambda value: {name: inner.encode(item) for name, item in value.items()},
         lambda entry, place: {name: inner.decode(item, f"{place}.{name}") for name, item in entry.items()},
-        lambda definitions: {
-            "type": "object",
-            "propertyNames": names.schema(definitions),
-            "additionalProperties": inner.schema(definitions),
-        },
+        lambda definitions: _object_schema(names.schema(definitions), inner.schema(definitions)),
     )
+
+
+def _object_schema(names: Schema, inner: Schema) -> Schema:
+    named = {} if names == {"type": "string"} else {"propertyNames": names}
+    return {"type": "object", **named, **({"additionalProperties": inner} if inner else {})}
 
 
 @dataclass(frozen=True)
@@ -294,30 +309,29 @@ def _read(kind: type, entry: Mapping[str, Json], place: str) -> Any:
 
 
 def _record_schema(kind: type, definitions: Definitions) -> Schema:
+    words, properties = _described(kind), {key: {"const": value} for key, value in _constant(kind).items()}
+    required = list(properties)
+    for each in _stored_fields(kind):
+        found = form_of(each.kind).schema(definitions)
+        if each.flat:
+            inner = definitions[found["$ref"].rpartition("/")[2]]
+            properties |= inner["properties"]
+            required += inner["required"]
+            continue
+        properties[each.key] = found | ({"description": words[each.name]} if each.name in words else {})
+        properties |= {each.beside[0]: {"const": each.beside[1]}} if each.beside else {}
+        required += [each.key] if each.default is MISSING else []
+    closed = {"type": "object", "additionalProperties": False, **getattr(kind, "stored_rules", {})}
     name = re.sub(r"(?<!^)(?=[A-Z])", "_", kind.__name__).lower()
-    if name not in definitions:
-        words, properties = _described(kind), {key: {"const": value} for key, value in _constant(kind).items()}
-        required = list(properties)
-        for each in _stored_fields(kind):
-            found = form_of(each.kind).schema(definitions)
-            if each.flat:
-                inner = definitions[found["$ref"].rpartition("/")[2]]
-                properties |= inner["properties"]
-                required += inner["required"]
-                continue
-            properties[each.key] = found | ({"description": words[each.name]} if each.name in words else {})
-            properties |= {each.beside[0]: {"const": each.beside[1]}} if each.beside else {}
-            required += [each.key] if each.default is MISSING else []
-        closed = {"type": "object", "additionalProperties": False}
-        definitions[name] = {**closed, "required": required, "properties": properties}
-    return {"$ref": f"#/$defs/{name}"}
+    return _named(name, {**closed, "required": required, "properties": properties}, definitions)
 
 
 def _described(kind: type) -> dict[str, str]:
-    """What the docstring says of each attribute."""
-    _, _, listed = (kind.__doc__ or "").partition("Attributes:\n")
+    """What the docstrings say of each attribute."""
     found: dict[str, str] = {}
-    for entry in re.split(r"\n        (?! )", "\n" + listed.partition("\n\n")[0].rstrip())[1:]:
-        names, _, words = entry.partition(": ")
-        found |= dict.fromkeys(names.split(", "), " ".join(words.split()))
+    for each in reversed(kind.__mro__):
+        _, _, listed = (each.__doc__ or "").partition("Attributes:\n")
+        for entry in re.split(r"\n        (?! )", "\n" + listed.partition("\n\n")[0].rstrip())[1:]:
+            names, _, words = entry.partition(": ")
+            found |= dict.fromkeys(names.split(", "), " ".join(words.split()))
     return found

@@ -23,6 +23,13 @@ def rules(name: str = "", **keywords: Any) -> Rules:
     return Rules(name, tuple(keywords.items()))
 
 
+@dataclass(frozen=True)
+class Unread:
+    """JSON that stays as it is, and fits the schema of a type: ``Annotated[Any, Unread(Kind)]``."""
+
+    kind: Any
+
+
 def stored(
     key: str = "",
     *,

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Annotated
 
 from orbitproof.shared.stored import rules
-from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE
+from orbitproof.shared.systems import ID, IDENTIFIER, LINE, PIECE, TITLE
 
 Vector = tuple[Fraction, ...]
 Matrix = tuple[Vector, ...]
@@ -23,3 +23,5 @@ Id = Annotated[str, rules("id", pattern=ID)]
 Crossings = Annotated[int, rules(minimum=1, maximum=100)]
 PieceId = Annotated[str, rules("piece_id", pattern=PIECE)]
 Line = Annotated[str, rules("line", pattern=LINE)]
+Short = Annotated[str, rules("short", pattern=LINE, maxLength=60)]
+Title = Annotated[str, rules("title", pattern=TITLE)]

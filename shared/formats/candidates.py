@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 from orbitproof.shared.claims import ONCE, ORBIT, PERIODIC, BoxClaim, Candidate, PeriodicOrbit
 from orbitproof.shared.codec import from_json, register, to_json
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.formats.documents import read_document, write_document
 from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import (
+    SYSTEM,
     SYSTEMS,
     DescriptionError,
     ReversibleSystem,
@@ -52,7 +54,8 @@ def read_candidates(path: Path) -> list[Candidate]:
 
 
 for _kind in (System, ReversibleSystem):
-    register(_kind, describe, lambda system: system, {"anyOf": [{"$ref": "#/$defs/system"}, {"type": "object"}]})
+    _like = Annotated[str, rules("system", pattern=SYSTEM)] | Mapping[str, Any]
+    register(_kind, describe, lambda system: system, _like)
 """Which systems are known is for the reader to say: it puts the system in place of its name."""
 
 

@@ -219,7 +219,8 @@ def surface_certificate(results: Sequence[dict[str, Any]]) -> AtlasCertificate:
 
 
 def test_pieces_of_a_surface_stand_over_their_parameters_as_high_as_their_orbits_reach(tmp_path: Path) -> None:
-    parts = [{"interval": ends, "point": [], "side": "above"} for ends in (["-0x1", "0x0"], ["0x0", "0x1"])]
+    part = {"point": [], "side": "above", "hypotheses": {}}
+    parts = [{"interval": ends, **part} for ends in (["-0x1", "0x0"], ["0x0", "0x1"])]
     result = {
         "piece": "m1",
         "interval": ["-0x1", "0x1"],

@@ -321,7 +321,8 @@ def test_results_in_another_order_than_along_the_curve_are_found(curve: Document
 
 
 def test_a_result_of_a_curve_has_nothing_of_one_of_a_surface(curve: Document, surface: Document) -> None:
-    parts, stability = surface["results"][0]["parts"], {"reason": {"message": "it was not tried"}}
+    reason = {"condition": "stability", "message": "it was not tried", "remedy": ""}
+    parts, stability = surface["results"][0]["parts"], {"reason": reason}
     for document, key, value in ((curve, "parts", parts), (curve, "parts", []), (surface, "stability", stability)):
         found = checked(forged(document, lambda d, key=key, value=value: d["results"][0].update({key: value})))
         assert (found.level, found.findings[0].place) == (Level.NONE, f"results[0].{key}")

@@ -41,7 +41,7 @@ def failing(argument: Argument, report: Report) -> dict[str, Any]:
         "piece": argument["piece"]["id"],
         "interval": list(argument["interval"]),
         "verdict": "not proved",
-        "reason": {"message": "the tube is empty", "remedy": "give another piece"},
+        "reason": {"condition": "tube", "message": "the tube is empty", "remedy": "give another piece"},
         "computation": {**argument["integrator"], "seconds": 0.5},
     }
 

@@ -105,9 +105,8 @@ def test_a_contradiction_is_not_mended_by_a_second_integration() -> None:
 
 def test_sides_that_differ_contradict_each_other() -> None:
     result = document()["results"][1]
-    above, below = (
-        {**result, "parts": [{"interval": ["-0x1", "0x1"], "point": [], "side": side}]} for side in ("above", "below")
-    )
+    part = {"interval": ["-0x1", "0x1"], "point": [], "hypotheses": {}}
+    above, below = ({**result, "parts": [{**part, "side": side}]} for side in ("above", "below"))
     assert not list(_contradictions(value_of(above), value_of(above)))
     assert [finding.place for finding in _contradictions(value_of(above), value_of(below))] == [
         "piece p001, s in [-0x1, 0x1], part [-0x1, 0x1], side"

@@ -173,7 +173,7 @@ def _drop(pieces: list[SurfacePiece], results: list[dict[str, Any]]) -> None:
 
 def _unproved(pieces: list[SurfacePiece], results: list[dict[str, Any]]) -> None:
     # With its parts: they do not count.
-    results[1] = {**results[1], "verdict": "not proved", "reason": {"message": "no", "remedy": ""}}
+    results[1] = {**results[1], "verdict": "not proved", "reason": {"condition": "C2", "message": "no", "remedy": ""}}
 
 
 def _gap(pieces: list[SurfacePiece], results: list[dict[str, Any]]) -> None:
@@ -297,7 +297,7 @@ def test_a_parameter_increases_only_if_it_does_so_everywhere() -> None:
 def test_at_the_joint_of_two_parts_a_point_may_be_that_of_either() -> None:
     piece = three()[0]
     left, right = (tuple(arb(sign * value, 2**-40) for value in (1, 0, 2)) for sign in (-1, 1))
-    parts = (ProvedPart((-ONE, Fraction(0)), left, "below"), ProvedPart((Fraction(0), ONE), right, "below"))
+    parts = (ProvedPart((-ONE, Fraction(0)), left, "below", {}), ProvedPart((Fraction(0), ONE), right, "below", {}))
     sheet = Sheet(piece, piece.parameters["h"], parts)
     for edges, points in (
         ((-ONE / 2, -ONE / 4), [left]), ((ONE / 4, ONE), [right]), ((-ONE / 4, ONE / 4), [left, right]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -22,6 +22,7 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import record
 from orbitproof.shared.wording import counted
+from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, Names, Total
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, results_from_json
 from orbitproof.verify.certificate import Certificate, digest, system_names
@@ -34,31 +35,33 @@ SCHEMA = "atlas-certificate"
 T = TypeVar("T")
 
 
-def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: bool = False) -> dict[str, Any]:
-    """The claim in full: the atlas without provenance, and the system that it is about.
+def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: bool = False) -> BranchStatement:
+    """The claim in full, but for the theorem: the atlas without provenance, and the system that it is about.
 
     `with_distance`, `with_variations`: with the distance that the system names, and the stiffness out of the plane of
     motion, if there are any.
     """
     system, symmetry = atlas.system, atlas.claim.symmetry
-    integral, distance = system.first_integral_program, system.squared_distance_program
-    across = system.stiffness_across_program
-    given = system.fixed_parameters
-    derived = {
-        name: record(parameter.equation, (name,), given).text() for name, parameter in system.derived_parameters.items()
-    }
-    return {
-        "atlas": atlas_to_json(atlas, provenance=False),
-        "vector_field": system.program.text(),
-        "first_integral": None if integral is None else integral.text(),
-        **({"derived_parameters": derived} if derived else {}),
-        "reversing_symmetry": list(system.reversing_symmetry),
-        "symmetry": None if symmetry is None else list(system.symmetries[symmetry]),
-        "section": system.section,
-        "names": system_names(system, with_distance),
-        **({"squared_distance": distance.text()} if with_distance and distance is not None else {}),
-        **({"stiffness_across": across.text()} if with_variations and across is not None else {}),
-    }
+    integral, distance = system.first_integral_program, system.squared_distance_program if with_distance else None
+    across = system.stiffness_across_program if with_variations else None
+    return BranchStatement(
+        atlas=atlas_to_json(atlas, provenance=False),
+        vector_field=system.program.text(),
+        first_integral=None if integral is None else integral.text(),
+        derived_parameters={
+            name: record(parameter.equation, (name,), system.fixed_parameters).text()
+            for name, parameter in system.derived_parameters.items()
+        },
+        reversing_symmetry=system.reversing_symmetry,
+        symmetry=None if symmetry is None else system.symmetries[symmetry],
+        section=system.section,
+        names=Names(**system_names(system, with_distance)),
+        squared_distance=None if distance is None else distance.text(),
+        stiffness_across=None if across is None else across.text(),
+    )
+
+
+_UNFINISHED = Reason("unfinished", "not all intervals were tried", "run the same command again; it goes on from here")
 
 
 def make_atlas_certificate(
@@ -82,30 +85,30 @@ def make_atlas_certificate(
         any(getattr(functions, name) is not None for functions in known) for name in ("distance", "out_of_plane")
     )
     statement = statement_of(atlas, with_distance, with_variations)
-    if conclusion is None:
-        verdict = "not proved"
-        message, remedy = "not all intervals were tried", "run the same command again; it goes on from here"
-        reason: Any = {"condition": "unfinished", "message": message, "remedy": remedy}
-    else:
-        verdict, reason = conclusion["verdict"], conclusion["reason"]
-        if verdict == "proved":
-            statement["theorem"] = conclusion["statement"]
-            statement["in_full"] = branch_in_full(atlas, conclusion["statement"])
-    certificate: dict[str, Any] = {
-        "format": "orbitproof-atlas-certificate",
+    found = conclusion or {"verdict": "not proved", "reason": to_json(_UNFINISHED)}
+    if found["verdict"] == "proved":
+        theorem = found["statement"]
+        statement = replace(statement, theorem=theorem, in_full=branch_in_full(atlas, theorem))
+    certificate = {
+        "format": f"orbitproof-{SCHEMA}",
         "version": 1,
-        "id": atlas.id,
-        "verdict": verdict,
-        "reason": reason,
-        "statement": statement,
-        "results": [as_json(result) for result in ordered],
-        "conclusion": conclusion,
-        "rests_on": [entry.without_place().to_json() for entry in rests_on],
-        "computation": {
-            "intervals": sum(result.is_proved for result in ordered),
-            "seconds": round(sum(result.computation.seconds for result in ordered), 3),
-        },
-        "software": software(),
+        **to_json(
+            BranchDocument(
+                id=atlas.id,
+                verdict=found["verdict"],
+                reason=found["reason"],
+                statement=statement,
+                results=[as_json(result) for result in ordered],
+                conclusion=conclusion,
+                rests_on=tuple(entry.without_place().to_json() for entry in rests_on),
+                computation=Total(
+                    sum(result.is_proved for result in ordered),
+                    round(sum(result.computation.seconds for result in ordered), 3),
+                ),
+                software=software(),
+                digest="",
+            )
+        ),
     }
     return {**certificate, "digest": digest(certificate)}
 

@@ -6,12 +6,14 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 from flint import arb
 
+from orbitproof.shared.claims.fields import Line, PieceId
 from orbitproof.shared.errors import InputError
+from orbitproof.shared.stored import rules
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -23,7 +25,10 @@ from orbitproof.verify.evidence import (
     without_result,
 )
 
+PROVED, NOT_PROVED = "proved", "not proved"
 Interval = tuple[Fraction, Fraction]
+Bounds = Annotated[tuple[Fraction, ...], rules("bounds", minItems=1, maxItems=32)]
+Setting = Annotated[int, rules("setting", minimum=0, maximum=4096)]
 Account = dict[str, Any]
 """What becomes a `Computation`, by name, as long as it goes on."""
 
@@ -42,13 +47,13 @@ class Computation:
         coordinates: those that were integrated.
     """
 
-    seconds: float
-    precision: int | None = None
-    order: int | None = None
-    width: int | None = None
-    top: int | None = None
-    steps: int | None = None
-    coordinates: str | None = None
+    seconds: Annotated[float, rules(minimum=0)]
+    precision: Setting | None = None
+    order: Setting | None = None
+    width: Setting | None = None
+    top: Setting | None = None
+    steps: Annotated[int, rules(minimum=0)] | None = None
+    coordinates: Annotated[Line, rules(maxLength=200)] | None = None
 
 
 @dataclass(frozen=True)
@@ -65,14 +70,20 @@ class IntervalResult:
         time: half periods of the orbits.
     """
 
-    piece: str
+    piece: PieceId
     interval: Interval
-    verdict: str
+    verdict: Annotated[str, rules(enum=(PROVED, NOT_PROVED))]
     computation: Computation
     reason: Reason | None = None
-    deviation: tuple[Fraction, ...] = ()
-    slope_deviation: tuple[Fraction, ...] = ()
+    deviation: Bounds = ()
+    slope_deviation: Bounds = ()
     time: arb | None = None
+
+    stored_rules: ClassVar = {
+        "if": {"properties": {"verdict": {"const": PROVED}}},
+        "then": {"not": {"required": ["reason"]}},
+        "else": {"required": ["reason"]},
+    }
 
     def __post_init__(self) -> None:
         if self.verdict != (PROVED if self.reason is None else NOT_PROVED):
@@ -82,9 +93,6 @@ class IntervalResult:
     def is_proved(self) -> bool:
         """Whether the claim of the piece is proved on the interval."""
         return self.reason is None
-
-
-PROVED, NOT_PROVED = "proved", "not proved"
 
 
 class Results(Protocol):

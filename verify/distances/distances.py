@@ -11,10 +11,12 @@ from enum import Enum, unique
 from fractions import Fraction
 from functools import cache, cached_property
 from math import comb, floor, lcm, log2
+from typing import Annotated
 
 import numpy as np
 from flint import arb
 
+from orbitproof.shared.stored import rules
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import (
     Floats,
@@ -86,7 +88,7 @@ class DistanceFunctions:
 
     here: StoredFunction
     there: StoredFunction
-    parts: tuple[Extremes, ...]
+    parts: Annotated[tuple[Extremes, ...], rules(maxItems=64)]
 
 
 @dataclass(frozen=True)

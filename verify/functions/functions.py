@@ -10,9 +10,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import ceil, log2
+from typing import Annotated
 
 from flint import arb, arb_poly
 
+from orbitproof.shared.stored import rules
 from orbitproof.verify.algebra import Series, WideArithmetic, ball_polynomial, correct_power, values_around
 from orbitproof.verify.evidence import IntegrationFailure, is_below, symmetric, total
 
@@ -197,7 +199,7 @@ class StoredFunction:
         error: bound of the l1 norm of the rest.
     """
 
-    coefficients: tuple[Fraction, ...]
+    coefficients: Annotated[tuple[Fraction, ...], rules(maxItems=1000)]
     error: Fraction
 
     @classmethod

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from orbitproof.shared.stored import rules
 from orbitproof.verify.curve import IntervalResult
 from orbitproof.verify.distances import DistanceFunctions
 from orbitproof.verify.evidence import NotKnown
@@ -21,7 +23,7 @@ class StabilityFunctions:
         out_of_plane: V of variations out of the plane, or why not; `None` if the system is none in a plane.
     """
 
-    characteristic: tuple[StoredFunction, ...]
+    characteristic: Annotated[tuple[StoredFunction, ...], rules(minItems=1, maxItems=8)]
     level: StoredFunction
     half_period: StoredFunction
     first_factor: StoredFunction

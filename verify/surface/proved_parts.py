@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Annotated
 
 from flint import arb
 
 from orbitproof.shared.errors import InputError
-from orbitproof.shared.stored import stored
+from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.curve import PROVED, Computation, Interval, IntervalResult
 
 
@@ -25,9 +26,9 @@ class ProvedPart:
     """
 
     interval: Interval
-    point: tuple[arb, ...]
-    side: str
-    enclosures: Mapping[str, Mapping[str, arb]] = stored("hypotheses", always=True, default_factory=dict)
+    point: Annotated[tuple[arb, ...], rules(minItems=1, maxItems=32)]
+    side: Annotated[str, rules(enum=("above", "below"))]
+    enclosures: Mapping[str, Mapping[str, arb]] = stored("hypotheses")
 
     @property
     def start(self) -> Fraction:

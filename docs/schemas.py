@@ -1,0 +1,49 @@
+"""Write the schemas of all formats whose values are read by `shared.codec`, from the types that describe them.
+
+python docs/schemas.py
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any
+
+from orbitproof.shared.claims import Atlas, BoxClaim
+from orbitproof.shared.formats.schemas import document_schema, schema_text
+from orbitproof.shared.stored import rules
+from orbitproof.verify.atlas.document import BranchDocument
+
+COORDINATES = (
+    "the family parameter of the system, if it has one, then the state coordinates fixed by R, in the system's order."
+)
+
+
+@dataclass(frozen=True)
+class Candidates:
+    candidates: Annotated[tuple[BoxClaim, ...], rules(minItems=1, maxItems=100000)]
+
+
+def schemas() -> dict[str, dict[str, Any]]:
+    """The schemas by the names of their formats."""
+    words = {
+        "candidates": "Boxes that are claimed to contain a bifurcation of symmetric periodic orbits, or one orbit. "
+        f"Coordinates: {COORDINATES[:-1]}; of a periodic orbit without symmetry the state coordinates.",
+        "atlas": "A curve of symmetric periodic orbits, or a surface of them over the mass parameter, as pieces in "
+        f"order along it. Coordinates of a point: {COORDINATES}",
+        "atlas-certificate": "What was claimed of a curve or surface, what is proved on each interval of each piece, "
+        "and what follows.",
+    }
+    kinds = (Candidates, Atlas, BranchDocument)
+    return {
+        # The parameters of a surface stand in its pieces.
+        name: document_schema(name, words[name], kind, ["parameters"] if kind is Atlas else [])
+        for name, kind in zip(words, kinds, strict=True)
+    }
+
+
+if __name__ == "__main__":
+    folder = Path(str(resources.files("orbitproof.shared").joinpath("schemas")))
+    for name, schema in schemas().items():
+        folder.joinpath(f"{name}.schema.json").write_text(schema_text(schema), "utf-8")

@@ -1,0 +1,156 @@
+"""What the certificate of a branch holds, as values: its JSON and its schema follow from their types (section 15)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal
+
+from flint import arb
+
+from orbitproof.shared.claims.fields import Id, Identifier, Line, Short, Title
+from orbitproof.shared.stored import Unread, rules, stored
+from orbitproof.verify.evidence import Reason
+from orbitproof.verify.stability import StabilityResult
+from orbitproof.verify.surface import SurfaceResult
+
+Verdict = Literal["proved", "not proved"]
+Signs = tuple[Annotated[int, rules(enum=(1, -1))], ...]
+Digest = Annotated[str, rules("digest", pattern=r"^sha256:[0-9a-f]{64}(?![\s\S])")]
+Version = Annotated[str, rules("software", pattern=r"^(not installed|[A-Za-z0-9][A-Za-z0-9.:+_-]{0,99})(?![\s\S])")]
+
+
+@dataclass(frozen=True)
+class Names:
+    """What a theorem calls a system, its first integral, and the body that distances are from."""
+
+    system: Title
+    first_integral: Title | None = None
+    distance_from: Title | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class BranchStatement:
+    """A claim in full.
+
+    Attributes:
+        atlas: without provenance; see atlas.schema.json.
+        vector_field, first_integral, squared_distance: as straight-line programs; the square of a distance only if the
+            results are about it.
+        derived_parameters: for each parameter that follows from the others the function whose zero it is.
+        reversing_symmetry, symmetry: the signs of R and S.
+        names: what the theorem calls the system, its first integral, and the body that distances are from.
+        stiffness_across: g, if the results are about variations w out of the plane of motion, which obey w'' = -g w.
+        theorem: what is proved, in words; absent if it is nothing.
+        in_full: the same so that it stands alone, with the system as formulas.
+    """
+
+    atlas: Mapping[str, Any]
+    vector_field: str
+    first_integral: str | None
+    derived_parameters: Mapping[str, str] = stored(default_factory=dict)
+    reversing_symmetry: Signs
+    symmetry: Signs | None
+    section: Identifier
+    names: Names
+    squared_distance: str | None = None
+    stiffness_across: str | None = None
+    theorem: str | None = None
+    in_full: str | None = None
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """What was checked; balls that are not finite are left out."""
+
+    name: Short
+    statement: Line
+    section: Short
+    holds: bool
+    enclosures: Mapping[str, arb]
+
+
+@dataclass(frozen=True)
+class AnyResult(StabilityResult, SurfaceResult):
+    """What was found on an interval of a piece, of a curve or of a surface, for the schema."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """What is said in any case of a list: the largest k."""
+
+    order: Annotated[int, rules(minimum=1, maximum=99)]
+
+    stored_rules: ClassVar = {"additionalProperties": True}
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredConclusion:
+    """What the results give together."""
+
+    verdict: Verdict
+    reason: Reason | None
+    hypotheses: tuple[Hypothesis, ...]
+    statement: str
+    stretches: tuple[Mapping[str, Any], ...]
+    joints: tuple[Mapping[str, Any], ...]
+    ends: Mapping[str, Any]
+    bifurcations: tuple[Annotated[Mapping[str, Any], rules(required=("id", "on_curve"))], ...]
+    complete: Order | None = None
+
+
+@dataclass(frozen=True)
+class Total:
+    """Proved intervals, and the time that all tried intervals took together on one core."""
+
+    intervals: int
+    seconds: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class BranchDocument:
+    """What was claimed of a curve or surface, what is proved on each interval of each piece, and what follows.
+
+    Attributes:
+        id: of the atlas.
+        reason: why the claim is not proved. Failure to verify is not a proof that the claim is false.
+        statement: the claim in full, and the system it is about.
+        results: what was found on intervals of pieces, in order along the curve.
+        conclusion: what the results give together: hypotheses, how the pieces are glued, ends, bifurcations, the list
+            of resonances if one was asked for. Null if a run was not finished.
+        rests_on: the certificates of the bifurcations that were asked about, whole, each with its digest; see
+            certificates.schema.json.
+        computation: proved intervals, and the time that all tried intervals took together on one core.
+        software: names and versions of what made this certificate, with a digest of the sources.
+        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
+    """
+
+    id: Id
+    verdict: Verdict
+    reason: Annotated[Any, Unread(Reason | None)]
+    statement: BranchStatement
+    results: Annotated[Any, Unread(Annotated[tuple[AnyResult, ...], rules(maxItems=1000000)])]
+    conclusion: Annotated[Any, Unread(StoredConclusion | None)]
+    rests_on: Annotated[
+        tuple[Annotated[Mapping[str, Any], rules(required=("id", "digest"))], ...], rules(maxItems=10000)
+    ]
+    computation: Total
+    software: Mapping[Version, Version]
+    digest: Digest
+
+    stored_rules: ClassVar = {
+        "if": {"properties": {"verdict": {"const": "proved"}}},
+        "then": {
+            "properties": {
+                "statement": {"required": ["theorem", "in_full"]},
+                "reason": {"type": "null"},
+                "conclusion": {"type": "object", "properties": {"verdict": {"const": "proved"}}},
+            }
+        },
+        "else": {
+            "properties": {
+                "statement": {"allOf": [{"not": {"required": [name]}} for name in ("theorem", "in_full")]},
+                "reason": {"type": "object"},
+            }
+        },
+    }
