@@ -270,6 +270,8 @@ def test_interval_newton_proves_a_periodic_orbit_of_lorenz() -> None:
     assert holds(image.over(zero.at).time, mpmath.mpf("1.55865221071617"), 1e-14)
     assert zero.point["x"].contains(zero.point["x"].mid())
     assert zero.point["x"].rad() < 1e-15
+    # The centre is 2e-13 away from it.
+    assert holds(zero.point["x"], mpmath.mpf("-13.763610682134200525"), 1e-18)
     away = enclose.box({**centre, "x": "-13.76361"}, radii={"x": "1e-10", "y": "1e-10"})
     image = enclose.poincare_map(LORENZ, away, section, direction=1, crossings=2, derivatives=2)
     assert isinstance(image, Enclosure)
@@ -563,6 +565,17 @@ def test_fixed_points_are_asked_for_on_the_section_only() -> None:
         assert isinstance(found, Enclosure)
         with pytest.raises(ValueError, match="section"):
             enclose.fixed_point_functions(found)
+
+
+def test_functions_with_common_zeros_are_on_one_box() -> None:
+    images = [
+        enclose.flow(CIRCLE, enclose.box({"x": 0, "v": 0}, radii={"x": radius, "v": radius}), 1, precision=64)
+        for radius in ("1e-3", "1e-4")
+    ]
+    first, second = (image.function({name: 1}) for image, name in zip(images, "xv", strict=True))
+    with pytest.raises(ValueError, match="one box"):
+        enclose.interval_newton([first, second])
+    assert enclose.interval_newton([images[0].function({name: 1}) for name in "xv"])
 
 
 def test_a_centre_of_the_circle_is_no_isolated_orbit() -> None:
