@@ -578,6 +578,14 @@ def test_functions_with_common_zeros_are_on_one_box() -> None:
     assert enclose.interval_newton([images[0].function({name: 1}) for name in "xv"])
 
 
+def test_more_bits_are_taken_until_there_are_the_digits_asked_for() -> None:
+    few, many = (enclose.flow(CIRCLE, POINT, 1, digits=digits) for digits in (15, 60))
+    assert isinstance(few, Enclosure)
+    assert isinstance(many, Enclosure)
+    assert few.precision == 128 < many.precision
+    assert few.centre.value["x"].rad() > 1e-60 > many.centre.value["x"].rad()
+
+
 def test_a_centre_of_the_circle_is_no_isolated_orbit() -> None:
     box = enclose.box({"x": 1, "v": 0}, radii={"x": "1e-3"})
     image = enclose.poincare_map(CIRCLE, box, enclose.section("v"), direction=-1, precision=64)
