@@ -66,9 +66,9 @@ class PeriodicOrbit:
         if self.system.defined:
             functions = ", ".join(each.name for each in self.system.defined)
             _refuse("system", f"{functions} are functions of other coordinates", "write it in plain arithmetic")
-        if self.direction not in (1, -1):
+        if type(self.direction) is not int or self.direction not in (1, -1):
             _refuse("direction", f"{self.direction!r} is no direction", "give 1 or -1")
-        if not isinstance(self.crossings, int) or self.crossings < 1:
+        if type(self.crossings) is not int or self.crossings < 1:
             _refuse("crossings", f"{self.crossings!r} is no number of crossings", "give an integer, at least 1")
         if set(self.parameters) != set(self.system.parameters):
             known = ", ".join(self.system.parameters) or "none"

@@ -108,7 +108,7 @@ def prove_periodic(
 
 
 def _checked(checklist: Checklist, claim: PeriodicOrbit, found: PeriodicEnclosures | None) -> PeriodicEnclosures:
-    """Every enclosure that is used is there and finite, and times are positive and grow."""
+    """Every enclosure that is used is there and finite, and times are positive."""
     size, stops = len(claim.radii), stops_of(claim.crossings)
     count = "1 crossing" if claim.crossings == 1 else f"{claim.crossings} crossings"
     statement = f"the return map of {count} in the direction exists on the box, with finite enclosures"

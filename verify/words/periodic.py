@@ -29,15 +29,17 @@ def periodic_in_words(theorem: PeriodicTheorem) -> str:
     level = ""
     if claim.level is not None:
         level = f" and {_integral(claim)} = {exact_text(claim.level)}"
+    near = "" if claim.level is None else " of its level"
+    moved = "the parameters" if claim.level is None else "the parameters and the level"
     times = "exactly once" if m == 1 else f"in exactly {m} points"
     return (
         f"In the box, which lies in the section, there is exactly one point that comes back to itself at crossing "
         f"number {m} of the section in the direction of the candidate{level}, under the flow of the {where}. Its orbit "
         f"is periodic, and within its least period it crosses the section in that direction {times}. At the point the "
-        "derivative of these equations is regular: the orbit is "
-        f"{'isolated on its level' if claim.level is not None else 'isolated'}, and persists with the parameters. The "
-        "results enclose what they name for this orbit. That the box contains no point of other periodic orbits, with "
-        "another number of crossings, is not said."
+        f"derivative of the equations that say so is regular: near it no other point{near} comes back to itself at "
+        f"that crossing, and the orbit persists for neighbouring values of {moved}. Whether orbits near it close after "
+        "more crossings is not said. The results enclose what they name for this orbit. That the box contains no "
+        "point of other periodic orbits, with another number of crossings, is not said."
     )
 
 
@@ -85,7 +87,7 @@ def _multipliers(found: Multipliers) -> Iterator[str]:
             "direction of the flow, once for the levels."
         )
     if not found.values:
-        yield "The other multipliers are not enclosed."
+        yield "The other multipliers are not enclosed." if found.undecided else "There are no other multipliers."
         return
     yield f"The other multipliers, with multiplicity, lie in: {'; '.join(map(_complex, found.values))}."
     counts = [(found.inside, "inside"), (found.on, "on"), (found.outside, "outside")]
