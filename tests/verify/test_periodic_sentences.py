@@ -95,7 +95,7 @@ def test_an_oblique_section_gives_the_same_orbit() -> None:
 
 def test_with_a_frame_turned_round_the_level_singles_out_the_same_orbit() -> None:
     frame = ((-ONE, ZERO, ZERO), (ZERO, ZERO, ZERO), (ONE, ONE, ZERO), (ZERO, ZERO, ONE))
-    claim = cases.shifted(cases.oscillators(frame=frame), 1, WIDTH / 4)
+    claim = cases.shifted(cases.shifted(cases.oscillators(frame=frame), 0, WIDTH / 4), 1, WIDTH / 4)
     results = _proof(claim).results
     assert results.multipliers.on == 2
     with guarded(BITS):
@@ -153,3 +153,9 @@ def test_derivatives_are_enclosed_up_to_the_edges_of_the_box(side: Fraction) -> 
 def test_multipliers_are_finite_where_it_is_not_known_whether_they_are_real() -> None:
     found = multipliers_of([[arb(0.5), arb(0, 1e-9)], [arb(1e-3), arb(0.5)]], 1, False)
     assert all(value.is_finite() for value in found.values)
+
+
+def test_the_level_may_replace_the_last_equation() -> None:
+    frame = ((ZERO, ZERO, ONE), (ZERO, ZERO, ZERO), (ONE, ZERO, ZERO), (ZERO, ONE, ZERO))
+    found = _proof(cases.oscillators(frame=frame)).results.multipliers
+    assert (found.inside, found.on, found.outside) == (0, 2, 0)
