@@ -148,3 +148,17 @@ def test_a_constant_in_the_form_of_a_power_0_does_not_change_the_derivatives_of_
     results = _results(_outcome(cases.in_plane(system, 1, point, WIDTH, direction=-1, level=Fraction(5))))
     assert results.point["x"].contains(2)
     assert results.point["x"].rad() < 1e-40
+
+
+@pytest.mark.parametrize(("integral", "shown"), [("x**2 + y**2", True), ("(x**2 + y**2)/(1 + x**2 + y**2)", False)])
+def test_a_first_integral_that_is_not_recognised_is_not_called_wrong(integral: str, shown: bool) -> None:
+    """Both are constant along orbits; the second divides by what the vector field does not."""
+    system = define_system({**_OSCILLATOR, "first_integral": integral})
+    level = Fraction(4) if shown else Fraction(4, 5)
+    claim = cases.in_plane(system, 1, [Fraction(2), ZERO], WIDTH, direction=-1, level=level)
+    outcome = _outcome(claim)
+    assert isinstance(outcome, Proved) == shown
+    if isinstance(outcome, NotProved):
+        assert outcome.reason.condition == "first-integral"
+        assert not outcome.reason.excluded
+        assert "if H is constant along orbits, write it without divisors and roots" in outcome.reason.remedy

@@ -60,7 +60,11 @@ def _product(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:
 def check_integral(checklist: Checklist, claim: PeriodicOrbit) -> None:
     """H is a first integral, by the identity grad H . f = 0 (section 1.4)."""
     statement = "grad H . f = 0 identically, H the first integral whose level is claimed (1.4)"
-    with checklist.hypothesis("first-integral", "24.1", statement, "correct the description of the system") as evidence:
+    remedy = (
+        "correct the description of the system; if H is constant along orbits, write it without divisors and roots "
+        "that the vector field does not have: for such an H this may be true and not be recognised"
+    )
+    with checklist.hypothesis("first-integral", "24.1", statement, remedy) as evidence:
         integral = claim.system.first_integral_program
         evidence.require(integral is not None, "the system has no first integral")
         if integral is not None:
