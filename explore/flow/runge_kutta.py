@@ -21,7 +21,7 @@ ABSOLUTE_TOLERANCE = 1e-14
 MAX_STEPS = 5000
 """Attempted steps. Some 4200 lead through the orbits closest to a primary that shooting in float64 reaches."""
 
-VARIATION_WEIGHT = 1e-2
+VARIATION_WEIGHT = 1e-3
 """Of the errors of derivatives of an orbit, each relative to the size of its row, beside those of the orbit itself: the
 same steps for most orbits, but shorter ones where nearby orbits move faster than the orbit, as across a linear mode."""
 
