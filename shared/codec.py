@@ -158,8 +158,8 @@ def _union(kinds: tuple[Any, ...]) -> Form:
             lambda definitions: {"anyOf": [*_alternatives(inner.schema(definitions)), {"type": "null"}]},
         )
     forms = [form_of(kind) for kind in others]
-    by_kind = {_constant(kind).get("kind"): form for kind, form in zip(others, forms, strict=True)}
-    if set(by_kind) == {None}:
+    by_kind = {name: form for kind, form in zip(others, forms, strict=True) for name in _kinds(kind)}
+    if not by_kind:
         return Form(
             to_json,
             lambda entry, place: _by_fields(others, entry, place).decode(entry, place),
@@ -167,8 +167,7 @@ def _union(kinds: tuple[Any, ...]) -> Form:
         )
     return Form(
         to_json,
-        # Of one of them it may be a field with several values.
-        lambda entry, place: (by_kind.get(entry["kind"]) or by_kind[None]).decode(entry, place),
+        lambda entry, place: by_kind[entry["kind"]].decode(entry, place),
         lambda definitions: _union_schema(forms, definitions),
     )
 
@@ -281,6 +280,14 @@ def _constant(kind: type) -> dict[str, str]:
     """What tells a dataclass from others of a union, if it is no field."""
     name = kind.__dict__.get("kind")
     return {"kind": name} if isinstance(name, str) and "kind" not in {each.name for each in fields(kind)} else {}
+
+
+def _kinds(kind: Any) -> tuple[str, ...]:
+    """What entries of a dataclass say as their ``kind``: its constant, or the values of that field."""
+    if not is_dataclass(kind):
+        return ()
+    constant = _constant(cast(type, kind))
+    return (constant["kind"],) if constant else get_args(get_type_hints(kind).get("kind"))
 
 
 def _entries(kind: type, value: Any) -> Iterator[tuple[str, Json]]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 
-from orbitproof.shared.formats import Atlas, BoxClaim, Candidate, InputError, PeriodicOrbit
+from orbitproof.shared.formats import Atlas, BoxClaim, Candidate, InputError, InSection
 from orbitproof.verify.atlas import AtlasCertificate, Placed, kind_of, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
 from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
@@ -71,9 +71,9 @@ def certify(
     >>> proof.reason.condition
     'family'
     """
-    candidates = [claims] if isinstance(claims, (Candidate, PeriodicOrbit)) else list(claims)
+    candidates = [claims] if isinstance(claims, (Candidate, InSection)) else list(claims)
     for claim in candidates:
-        if not isinstance(claim, (Candidate, PeriodicOrbit)):
+        if not isinstance(claim, (Candidate, InSection)):
             raise TypeError(
                 f"claims: {type(claim).__name__} is no Candidate; explore.refine and read_candidates give some"
             )

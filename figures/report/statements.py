@@ -14,7 +14,7 @@ from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.claims.fields import Matrix, Vector
-from orbitproof.shared.formats import KINDS, SURFACE, Candidate, PeriodicOrbit, as_options
+from orbitproof.shared.formats import KINDS, SURFACE, Candidate, InSection, as_options
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import atlas_in_words, claim_in_words, keyed_in_words, names_in_words
@@ -30,6 +30,10 @@ _KINDS = {
     "touch_and_go": "Touch-and-go of order {k}",
     "orbit": "One symmetric periodic orbit",
     "periodic": "One periodic orbit",
+    "periodic-fold": "A fold of periodic orbits",
+    "periodic-doubling": "A period doubling of periodic orbits",
+    "periodic-pitchfork": "A symmetry breaking of periodic orbits",
+    "periodic-torus": "A torus bifurcation of periodic orbits",
 }
 _BRANCHES = {
     "arc": "A curve of symmetric periodic orbits",
@@ -181,7 +185,7 @@ def _tube_margin(deviations: Sequence[str], tube: Sequence[Fraction]) -> str:
 
 def box_table(entry: CheckedRow) -> Table:
     """Parameters and box of a claim, exactly; with a level form also the candidate's own box."""
-    if isinstance(entry.candidate, PeriodicOrbit):
+    if isinstance(entry.candidate, InSection):
         return _box_in_section(entry.candidate)
     assert isinstance(entry.claim, Candidate)
     claim, candidate = claim_in_words(entry.claim), claim_in_words(entry.candidate)
@@ -196,7 +200,7 @@ def box_table(entry: CheckedRow) -> Table:
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
 
 
-def _box_in_section(claim: PeriodicOrbit) -> Table:
+def _box_in_section(claim: InSection) -> Table:
     """The same of a claim about a periodic orbit without symmetry, with the section and the level."""
     names = names_in_words(claim.system)
     coordinates = [names.get(name, name) for name in claim.coordinates]

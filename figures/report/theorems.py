@@ -14,7 +14,7 @@ from orbitproof.shared.formats import (
     Atlas,
     BoxClaim,
     InputError,
-    PeriodicOrbit,
+    InSection,
     claim_from_json,
     read_document,
     select_ids,
@@ -189,5 +189,5 @@ def _checked(path: Path, entry: Certificate | Mapping[str, Any], check: Recheck)
     statement = entry.statement
     stated = statement["candidate"]
     candidate = claim_from_json(stated, "statement.candidate", systems_with(SYSTEMS, statement, stated))
-    form = None if "level_form" not in statement or isinstance(candidate, PeriodicOrbit) else level_form(candidate)
+    form = None if "level_form" not in statement or isinstance(candidate, InSection) else level_form(candidate)
     return CheckedRow(path, entry, candidate, form or candidate, check)

@@ -15,6 +15,14 @@ from orbitproof.shared.claims.candidate import (
     Equation,
 )
 from orbitproof.shared.claims.periodic import PERIODIC, PeriodicOrbit
+from orbitproof.shared.claims.periodic_bifurcation import (
+    PERIODIC_BIFURCATIONS,
+    PERIODIC_DOUBLING,
+    PERIODIC_FOLD,
+    PERIODIC_PITCHFORK,
+    PERIODIC_TORUS,
+    PeriodicBifurcation,
+)
 from orbitproof.shared.claims.pieces import (
     COORDINATES,
     AnyPiece,
@@ -25,5 +33,8 @@ from orbitproof.shared.claims.pieces import (
     is_regular,
 )
 
-BoxClaim = Candidate | PeriodicOrbit
+InSection = PeriodicOrbit | PeriodicBifurcation
+"""A claim of which no symmetry of a reversible system is used: its box lies in a section."""
+
+BoxClaim = Candidate | InSection
 """What a row of a candidates file claims of a box."""

@@ -7,7 +7,17 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
-from orbitproof.shared.claims import ONCE, ORBIT, PERIODIC, BoxClaim, Candidate, PeriodicOrbit
+from orbitproof.shared.claims import (
+    ONCE,
+    ORBIT,
+    PERIODIC,
+    PERIODIC_BIFURCATIONS,
+    BoxClaim,
+    Candidate,
+    InSection,
+    PeriodicBifurcation,
+    PeriodicOrbit,
+)
 from orbitproof.shared.codec import from_json, register, to_json
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.formats.documents import read_document, write_document
@@ -41,13 +51,14 @@ def read_claims(path: Path) -> list[BoxClaim]:
 
 
 _WITHOUT_SYMMETRY = "is about a periodic orbit without symmetry"
+_KINDS_WITHOUT_SYMMETRY = (PERIODIC, *PERIODIC_BIFURCATIONS)
 
 
 def read_candidates(path: Path) -> list[Candidate]:
     """The same of a file whose claims are all about symmetric orbits. Raises `InputError` for others too."""
     candidates: list[Candidate] = []
     for claim in read_claims(path):
-        if isinstance(claim, PeriodicOrbit):
+        if isinstance(claim, InSection):
             raise InputError(f"{path}: {claim.id!r} {_WITHOUT_SYMMETRY}, which is not available here; leave it out")
         candidates.append(claim)
     return candidates
@@ -103,7 +114,7 @@ def claim_from_json(
     entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
 ) -> BoxClaim:
     """The claim of a schema-valid JSON object, about one of `systems` or one that it describes. Raises `InputError`."""
-    if entry["kind"] != PERIODIC:
+    if entry["kind"] not in _KINDS_WITHOUT_SYMMETRY:
         return candidate_from_json(entry, source, systems)
     system: System
     described_alone = entry["system"]
@@ -114,7 +125,9 @@ def claim_from_json(
             raise InputError(f"{source}.system.{error}") from None
     else:
         system = find_system(described_alone, f"{source}.system", systems)
-    return from_json(PeriodicOrbit, {**entry, "system": system}, source)
+    if entry["kind"] == PERIODIC:
+        return from_json(PeriodicOrbit, {**entry, "system": system}, source)
+    return from_json(PeriodicBifurcation, {**entry, "system": system}, source)
 
 
 def candidate_from_json(
@@ -125,7 +138,7 @@ def candidate_from_json(
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    if entry["kind"] == PERIODIC:
+    if entry["kind"] in _KINDS_WITHOUT_SYMMETRY:
         refuse("kind", f"{_WITHOUT_SYMMETRY}, which is not available here", "leave it out")
     system, _ = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]

@@ -17,12 +17,11 @@ from typing import Any, Literal, Protocol
 from flint import arb
 
 from orbitproof.shared.formats import (
-    PERIODIC,
     ArgumentError,
     BoxClaim,
     Candidate,
     InputError,
-    PeriodicOrbit,
+    InSection,
     candidate_to_json,
     claim_from_json,
     read_document,
@@ -219,7 +218,7 @@ def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
     try:
         candidate = entry["statement"]["candidate"]
         kind = str(candidate["kind"])
-        k = 1 if kind == PERIODIC else int(candidate["k"])
+        k = int(candidate.get("k", 1))
         place = "hypotheses"
         hypotheses = tuple(
             Hypothesis(item["name"], item["statement"], item["section"], item["holds"], _balls(item["enclosures"]))
@@ -265,7 +264,7 @@ def statement(candidate: BoxClaim, form: Candidate | None = None) -> dict[str, A
     `form` is the candidate rewritten with the level of the first integral as parameter, if its box and
     coordinates are those that the hypotheses are about.
     """
-    if isinstance(candidate, PeriodicOrbit):
+    if isinstance(candidate, InSection):
         return without_symmetry(candidate)
     system, kind = candidate.system, kind_of(candidate)
     integral = system.first_integral_program

@@ -13,6 +13,7 @@ from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.bifurcation_rows import BIFURCATIONS
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.orbit_rows import ORBITS
+from orbitproof.verify.certificate.periodic_bifurcation_rows import BIFURCATIONS_OF_PERIODIC_ORBITS
 from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
 from orbitproof.verify.certificate.row_kind import Progress, RowKind, all_numbers
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
@@ -23,7 +24,7 @@ from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 Found = Enclosures | OrbitEnclosures | PeriodicEnclosures
 Results = BifurcationResults | OrbitResults | PeriodicResults
 
-_ALL: tuple[RowKind[Any, Any, Any], ...] = (BIFURCATIONS, ORBITS, PERIODIC_ORBITS)
+_ALL: tuple[RowKind[Any, Any, Any], ...] = (BIFURCATIONS, ORBITS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS)
 
 KINDS: Mapping[str, RowKind[Any, Any, Any]] = {name: kind for kind in _ALL for name in kind.names}
 """By the kinds of claims as candidates say them."""

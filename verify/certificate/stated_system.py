@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.formats import PERIODIC, PeriodicOrbit, candidate_to_json
+from orbitproof.shared.formats import PERIODIC, PERIODIC_BIFURCATIONS, InSection, candidate_to_json
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem, is_title, program_from_text, program_function
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
@@ -29,7 +29,7 @@ def system_names(system: ReversibleSystem, with_distance: bool = False) -> dict[
     return {**names, **{key: name for key, name in optional.items() if name is not None}}
 
 
-def without_symmetry(claim: PeriodicOrbit) -> dict[str, Any]:
+def without_symmetry(claim: InSection) -> dict[str, Any]:
     """The statement of a claim that uses no symmetry: the claim, and the system that it is about."""
     system = claim.system
     integral = None if claim.level is None else system.first_integral_program
@@ -58,7 +58,7 @@ def systems_with(
         ValueError: if what it says cannot be a reversible system.
     """
     name = claim["system"]
-    if claim.get("kind") == PERIODIC and isinstance(name, str) and name not in known:
+    if claim.get("kind") in (PERIODIC, *PERIODIC_BIFURCATIONS) and isinstance(name, str) and name not in known:
         raise CannotBeCheckedError(
             f"the system {name!r} is not known here: a claim without symmetry describes it in full"
         )

@@ -11,7 +11,7 @@ from math import ceil, floor, isfinite
 
 from flint import arb
 
-from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicOrbit
+from orbitproof.shared.formats import BoxClaim, Candidate, InSection
 from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
 from orbitproof.verify.evidence import (
     IntegrationFailure,
@@ -99,7 +99,7 @@ def first_precision(candidate: BoxClaim, digits: int, steps: int = 0) -> int:
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
-def periodic_precision(claim: PeriodicOrbit, digits: int) -> int:
+def periodic_precision(claim: InSection, digits: int) -> int:
     """Bits to begin with for a periodic orbit without symmetry.
 
     Derivatives are known to the error of the image divided by the half-widths of the box.

@@ -159,7 +159,7 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     """The statement of one certificate. Raises `BadCertificate`, and `CannotFollow` for one of another form."""
     claim, words = "statement.candidate", read(certificate, "statement", dict)
     kind = read(certificate, f"{claim}.kind", str)
-    if kind == "periodic":
+    if kind.startswith("periodic"):
         raise CannotFollow("no theorem that is used here is about periodic orbits without symmetry")
     k = read(certificate, f"{claim}.k", operator.index)
     if not {

@@ -51,7 +51,7 @@ def in_full(candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults
 
     The decimals of the box are rounded outward where it is enclosed, and inward where something is said to lie in it.
     """
-    if isinstance(candidate, PeriodicOrbit) or isinstance(found, PeriodicResults):
+    if not isinstance(candidate, Candidate) or isinstance(found, PeriodicResults):
         if not (isinstance(candidate, PeriodicOrbit) and isinstance(found, PeriodicResults)):
             raise TypeError("the results are those of another kind of claim")
         with guarded(_BITS):
