@@ -10,6 +10,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any
 
+from orbitproof.explore.periodic import PeriodicFamilyRecord
 from orbitproof.shared.claims import Atlas, BoxClaim
 from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
@@ -34,8 +35,10 @@ def schemas() -> dict[str, dict[str, Any]]:
         f"order along it. Coordinates of a point: {COORDINATES}",
         "atlas-certificate": "What was claimed of a curve or surface, what is proved on each interval of each piece, "
         "and what follows.",
+        "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
+        "integral, from double precision, in the units of its system. Nothing is proved.",
     }
-    kinds = (Candidates, Atlas, BranchDocument)
+    kinds = (Candidates, Atlas, BranchDocument, PeriodicFamilyRecord)
     return {
         # The parameters of a surface stand in its pieces.
         name: document_schema(name, words[name], kind, ["parameters"] if kind is Atlas else [])

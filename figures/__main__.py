@@ -13,6 +13,7 @@ from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
 from orbitproof.figures.commands import data as data_command
 from orbitproof.figures.commands import interactive as interactive_command
+from orbitproof.figures.commands import periodic as periodic_command
 from orbitproof.figures.commands import tori as tori_command
 from orbitproof.figures.files import add_file_options, files_of
 from orbitproof.figures.scripting import draw_family, draw_resonances, print_path, tables_of, write_tables
@@ -123,7 +124,14 @@ def argument_parser() -> argparse.ArgumentParser:
     )
     tables.add_argument("--quiet", action="store_true", help="no messages on standard error")
     tables.set_defaults(run=_run_tables)
-    for command in (all_command, atlas_command, data_command, tori_command, interactive_command):
+    for command in (
+        all_command,
+        atlas_command,
+        data_command,
+        periodic_command,
+        tori_command,
+        interactive_command,
+    ):
         command.add_parser(commands)
     return parser
 

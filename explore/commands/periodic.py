@@ -24,7 +24,7 @@ examples:
   orbitproof explore periodic --system mine.json --parameter mu=1 --start x=1 y=0 --period 6.28 -o orbit.json
       from a guess of a point and the period
   orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \
-      --along c 1 4 --csv family.csv
+      --along c 1 4 --csv family.csv --family-output family.json
       its family in the parameter c, with folds, branch points, period doublings and Neimark-Sacker points
   orbitproof verify lorenz.json -o certificates.json
 
@@ -73,6 +73,9 @@ def add_parser(commands: Any) -> None:
         "ways until it leaves this interval; bifurcations are located in double precision",
     )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="with --along: the orbits of the family as a table")
+    parser.add_argument(
+        "--family-output", type=Path, metavar="FILE", help="with --along: the family as JSON, for orbitproof figures"
+    )
     parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
     parser.add_argument(
         "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
@@ -145,10 +148,11 @@ def run(options: argparse.Namespace) -> int:
 
 def _along(options: argparse.Namespace, system: System) -> tuple[str | None, float, float] | None:
     """The parameter (`None`: the level) and the interval of ``--along``. Raises `InputError`."""
-    if options.csv is not None:
-        if options.along is None:
-            raise InputError("--csv: belongs to --along; give that too")
-        check_writable(options.csv)
+    for option, path in (("--csv", options.csv), ("--family-output", options.family_output)):
+        if path is not None:
+            if options.along is None:
+                raise InputError(f"{option}: belongs to --along; give that too")
+            check_writable(path)
     if options.along is None:
         return None
     name, *ends = options.along
@@ -166,8 +170,8 @@ def _along(options: argparse.Namespace, system: System) -> tuple[str | None, flo
 def _continued(
     options: argparse.Namespace, orbit: FoundOrbit, along: tuple[str | None, float, float], report: Any
 ) -> list[str]:
-    """The family of an orbit, in lines; written as a table if that is asked for."""
-    from orbitproof.explore.periodic import continue_orbit, family_csv, family_described
+    """The family of an orbit, in lines; written as a table and as JSON if that is asked for."""
+    from orbitproof.explore.periodic import continue_orbit, family_csv, family_described, write_periodic_family
 
     name, low, high = along
     report.stage(f"following the family in {name or 'the level'}")
@@ -177,6 +181,9 @@ def _continued(
     if options.csv is not None:
         write_text(options.csv, family_csv(family))
         report.message(f"{len(family.members)} orbits are in {options.csv}")
+    if options.family_output is not None:
+        write_periodic_family(options.family_output, family)
+        report.message(f"{len(family.members)} orbits are in {options.family_output}")
     return family_described(family)
 
 

@@ -12,6 +12,12 @@ from .correction import ClosedOrbit as ClosedOrbit
 from .correction import PeriodicFailure as PeriodicFailure
 from .correction import PeriodicProblem as PeriodicProblem
 from .correction import correct as correct
+from .family_file import PERIODIC_FAMILY as PERIODIC_FAMILY
+from .family_file import BifurcationRecord as BifurcationRecord
+from .family_file import MemberRecord as MemberRecord
+from .family_file import PeriodicFamilyRecord as PeriodicFamilyRecord
+from .family_file import read_periodic_family as read_periodic_family
+from .family_file import write_periodic_family as write_periodic_family
 from .refinement import PeriodicTask as PeriodicTask
 from .refinement import refine_periodic as refine_periodic
 from .search import FOLLOWED as FOLLOWED

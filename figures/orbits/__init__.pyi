@@ -5,3 +5,5 @@ from .orbit import OrbitNotClosed as OrbitNotClosed
 from .orbit import orbit_through as orbit_through
 from .orbit import symmetric_orbit as symmetric_orbit
 from .orbit import symmetric_orbits as symmetric_orbits
+from .returning import ReturningOrbit as ReturningOrbit
+from .returning import returning_orbit as returning_orbit

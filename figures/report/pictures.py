@@ -8,13 +8,23 @@ from matplotlib.figure import Figure
 
 from orbitproof.figures.certified import CertifiedCurves, Curve
 from orbitproof.figures.files import file_name
-from orbitproof.figures.pictures import draw_curves, draw_orbit, draw_pieces, draw_surface, surface_of
+from orbitproof.figures.orbits import OrbitNotClosed
+from orbitproof.figures.pictures import (
+    draw_curves,
+    draw_orbit,
+    draw_periodic_orbit,
+    draw_pieces,
+    draw_surface,
+    surface_of,
+)
 from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
+from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.periodic import PeriodicResults
 
 _PNG_DPI = 130
 _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the true curve is not further than the tube"
@@ -29,8 +39,7 @@ def pictures_of(entry: Checked) -> tuple[Picture, ...]:
 def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     name = entry.certificate.id
     if entry.certificate.periodic is not None:
-        # No picture is drawn of orbits without symmetry.
-        return ()
+        return _of_periodic(entry, entry.certificate.periodic)
     if entry.certificate.orbit is not None:
         caption = (
             f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the marked "
@@ -46,6 +55,21 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         "the enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
     )
     return (_picture(f"box-{file_name(name)}", caption, figure),)
+
+
+def _of_periodic(entry: CheckedRow, found: PeriodicResults) -> tuple[Picture, ...]:
+    """An orbit without symmetry; none of one that is too unstable to be drawn in double precision."""
+    assert isinstance(entry.candidate, PeriodicOrbit)
+    name = entry.certificate.id
+    try:
+        figure = draw_periodic_orbit(entry.candidate, found.point)
+    except OrbitNotClosed:
+        return ()
+    caption = (
+        f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the certificate "
+        "encloses the filled point, far closer than can be seen"
+    )
+    return (_picture(f"orbit-{file_name(name)}", caption, figure),)
 
 
 def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:

@@ -12,6 +12,7 @@ from orbitproof.figures.scripting.pictures import (
     draw_all,
     draw_atlases,
     draw_family,
+    draw_periodic,
     draw_resonances,
     draw_tori,
 )

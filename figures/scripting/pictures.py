@@ -8,9 +8,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from flint import arb
+
+from orbitproof.explore.periodic import PERIODIC_FAMILY
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
-from orbitproof.shared.formats import ArgumentError, InputError, read_candidates, select_ids, stated_format, write_text
+from orbitproof.shared.formats import (
+    ArgumentError,
+    InputError,
+    PeriodicOrbit,
+    read_candidates,
+    read_claims,
+    select_ids,
+    stated_format,
+    write_text,
+)
 from orbitproof.shared.wording import counted
 
 
@@ -180,6 +192,62 @@ class Drawn:
     not_drawn: Mapping[str, str]
     bad_input: bool
     hollow: bool
+
+
+def draw_periodic(
+    sources: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
+) -> Drawn:
+    """Periodic orbits without symmetry, from candidates or certificates, and their families. Verdicts are copied."""
+    from orbitproof.explore.periodic import PeriodicFamilyRecord, read_periodic_family
+    from orbitproof.figures.files import save
+    from orbitproof.figures.orbits import OrbitNotClosed
+    from orbitproof.figures.pictures import draw_periodic_family, draw_periodic_orbit
+    from orbitproof.figures.style import close, use_style
+
+    remedy = "give candidates, certificates or a family of explore periodic"
+    drawings: list[tuple[str, PeriodicFamilyRecord | _Claimed]] = []
+    for path in map(Path, sources):
+        kind = stated_format(path, remedy)
+        if kind == PERIODIC_FAMILY:
+            drawings.append((f"family-{file_name(path.stem)}", read_periodic_family(path)))
+        else:
+            found = _certified(path) if kind == "certificates" else _numerical(path)
+            if not found:
+                raise InputError(f"{path}: holds no periodic orbits without symmetry; {remedy}")
+            drawings += [(f"orbit-{file_name(claim.id)}", (claim, point)) for claim, point in found]
+    target, names, written, not_drawn = folder_of(folder), Names(), Written(told), dict[str, str]()
+    with saved_as(files), use_style():
+        for name, drawing in drawings:
+            try:
+                if isinstance(drawing, PeriodicFamilyRecord):
+                    figure = draw_periodic_family(drawing)
+                else:
+                    figure = draw_periodic_orbit(*drawing)
+            except OrbitNotClosed as error:
+                not_drawn[name] = str(error)
+                continue
+            written.add(save(figure, target / names.new(name)))
+            close(figure)
+    return Drawn(tuple(written.paths), not_drawn, False, False)
+
+
+_Claimed = tuple[PeriodicOrbit, Mapping[str, arb] | None]
+
+
+def _numerical(path: Path) -> list[_Claimed]:
+    return [(claim, None) for claim in read_claims(path) if isinstance(claim, PeriodicOrbit)]
+
+
+def _certified(path: Path) -> list[_Claimed]:
+    """The claims of certificates, with the enclosed point where they say "proved"."""
+    from orbitproof.verify.certificate import read_certificates
+
+    entries = read_certificates(path).values()
+    return [
+        (entry.candidate, None if entry.periodic is None else entry.periodic.point)
+        for entry in entries
+        if isinstance(entry.candidate, PeriodicOrbit)
+    ]
 
 
 def draw_all(

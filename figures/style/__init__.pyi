@@ -5,5 +5,6 @@ from .style import close as close
 from .style import label_of as label_of
 from .style import level_label as level_label
 from .style import marker_of as marker_of
+from .style import symbol as symbol
 from .style import unit_of as unit_of
 from .style import use_style as use_style

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from orbitproof.shared.formats import FOLD, ORBIT
-from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem
+from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, System
 
 INK = "#222222"
 CURVE = "#3c6e91"
@@ -53,9 +53,9 @@ def marker_of(k: int, kind: str = "") -> tuple[str, str]:
     return _OF_KIND.get(kind) or _MARKERS.get(k, "*"), _COLOURS.get(k, "#8c510a")
 
 
-def label_of(system: ReversibleSystem, name: str, unit: bool = True) -> str:
+def label_of(system: System, name: str, unit: bool = True) -> str:
     """Axis label of a state coordinate or parameter of a system."""
-    known = _TEX.get(name, name) if is_built_in(system) else _symbol(name)
+    known = _TEX.get(name, name) if is_built_in(system) else symbol(name)
     return f"${known}${unit_of(system)}" if unit else f"${known}$"
 
 
@@ -66,17 +66,17 @@ def level_label(system: ReversibleSystem) -> str:
     return f"{system.first_integral_name or 'first integral'}{unit_of(system)}"
 
 
-def unit_of(system: ReversibleSystem) -> str:
+def unit_of(system: System) -> str:
     """What an axis says of the unit: that there is none, of equations that were made so; nothing of a user's own."""
     return "  (nondimensional)" if is_built_in(system) else ""
 
 
-def is_built_in(system: ReversibleSystem) -> bool:
+def is_built_in(system: System) -> bool:
     """Whether every installation knows the system, and this module what its names mean."""
     return BRANCH_SYSTEMS.get(system.name) == system
 
 
-def _symbol(name: str) -> str:
+def symbol(name: str) -> str:
     """A name of a user's own as mathematics: Greek letters, digits and what follows _ as index, words upright."""
     stem, _, index = name.partition("_")
     letters = stem.rstrip("0123456789")

@@ -52,6 +52,7 @@ from orbitproof.shared.formats.documents import (
     stated_format,
     validate_document,
     write_bytes,
+    write_document,
     write_text,
 )
 from orbitproof.shared.formats.pieces import piece_from_json

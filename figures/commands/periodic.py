@@ -1,0 +1,47 @@
+"""``orbitproof figures periodic``: pictures of periodic orbits without symmetry, and of their families."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from orbitproof.figures.files import add_file_options, files_of
+from orbitproof.figures.scripting import draw_periodic, print_path
+
+_EXAMPLES = """\
+examples:
+  orbitproof figures periodic lorenz-certificates.json -o figures-out/
+  orbitproof figures periodic lorenz.json -o figures-out/          (candidates: all of it is numerical)
+  orbitproof explore periodic --system roessler.py .. --along c 1 4 --family-output family.json
+  orbitproof figures periodic family.json -o figures-out/
+
+Of each orbit two projections with its points on the section (orbit-*), the point that is enclosed by a certificate
+filled; of each family the period and the multipliers over what varies, with the points where multipliers meet the unit
+circle, all numerical (family-*). Verdicts are copied.
+Exit codes: 0 written, 1 an orbit could not be drawn, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = commands.add_parser(
+        "periodic",
+        help="periodic orbits without symmetry, and their families",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    words = "candidates, certificates or families of explore periodic (JSON)"
+    parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help=words)
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="folder for the pictures")
+    add_file_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Read everything, then write the pictures; returns the exit code. Raises `InputError`."""
+    drawn = draw_periodic(options.files, options.output, files=files_of(options), told=print_path)
+    for name, reason in drawn.not_drawn.items():
+        print(f"{name}: not drawn: {reason}", file=sys.stderr)
+    return 1 if drawn.not_drawn else 0
