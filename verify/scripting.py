@@ -26,6 +26,7 @@ def certify(
     max_precision: int = Limits.max_precision,
     timeout: float | None = None,
     level: str = Limits.level,
+    other_boxes: int = Limits.other_boxes,
     output: str | Path | None = None,
     fresh: bool = False,
     scheduler: str | None = None,
@@ -43,6 +44,8 @@ def certify(
         max_precision: bits that are never exceeded.
         timeout: seconds for each claim, or `None`.
         level: parameter of Hamiltonian claims: "integral", "coordinates", or "auto" for what suits the claim.
+        other_boxes: so many boxes that failures ask for are tried where a claim is not proved; a certificate is about
+            the box in its statement.
         output: a file that keeps each certificate as soon as it is there; what is proved in it already is not proved
             again, so that the same call goes on after an interrupt.
         fresh: prove again all the same, and replace the file, whatever it holds.
@@ -78,7 +81,7 @@ def certify(
                 f"claims: {type(claim).__name__} is no Candidate; explore.refine and read_candidates give some"
             )
     names = _ids(candidates, "claims", "give each candidate its own id")
-    limits = Limits(max_precision, digits, timeout, level)
+    limits = Limits(max_precision, digits, timeout, level, other_boxes)
     run = RowRun(candidates, candidates, limits, None if output is None else Path(output), fresh, fresh)
     run.prove(Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet))
     return [run.done[name] for name in names]

@@ -12,11 +12,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from orbitproof.figures.orbits import Array, parameter_values, state_on_fixed_set
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, read_document
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.shared.systems import ReversibleSystem
 
 
@@ -216,7 +218,7 @@ def mark_candidates(
                 f"{where}.id: no candidate {identifier!r} in {candidates_path}; "
                 "give the candidates file that was verified"
             )
-        if not _same_claim(entry["statement"]["candidate"], by_id[identifier], f"{where}.statement.candidate"):
+        if not _same_claim(entry, by_id[identifier], f"{where}.statement.candidate"):
             raise InputError(
                 f"{where}.statement.candidate: differs from {identifier!r} in {candidates_path}; "
                 "verify these candidates again"
@@ -230,9 +232,12 @@ def mark_candidates(
     return marks
 
 
-def _same_claim(entry: Mapping[str, object], candidate: Candidate, where: str) -> bool:
+def _same_claim(entry: Mapping[str, Any], candidate: Candidate, where: str) -> bool:
+    """Whether a certificate is about this candidate, on its box or on one that was tried in its place."""
     try:
-        stated = candidate_from_json(entry, where)
+        stated = candidate_from_json(entry["statement"]["candidate"], where)
+        given = entry["computation"].get("given_radii")
+        stated = stated if given is None else replace(stated, radii=tuple(parse_exact(text) for text in given))
     except (KeyError, TypeError, ValueError, AttributeError):
         return False
     return replace(stated, provenance={}) == replace(candidate, provenance={})

@@ -1,6 +1,7 @@
 """Approximations, precisions, attempts (sections 3 and 10.3): whatever comes from this room, nothing false follows."""
 
 from orbitproof.verify.oracle.approximations import ORACLE
+from orbitproof.verify.oracle.boxes import box_asked_for
 from orbitproof.verify.oracle.precision import (
     GREATEST_PRECISION,
     LEAST_PRECISION,

@@ -65,12 +65,14 @@ class Limits:
         timeout: seconds, or `None`; looked at between integration steps.
         level: "coordinates" for candidates as they are, "integral" for the level of the first integral as
             parameter where there is such a form, "auto" for the better conditioned of both, then the other.
+        other_boxes: so many boxes that failures ask for are tried where a claim is not proved on its own.
     """
 
     max_precision: int = 1024
     digits: int = 30
     timeout: float | None = None
     level: str = "auto"
+    other_boxes: int = 4
 
     def __post_init__(self) -> None:
         if not LEAST_PRECISION <= self.max_precision <= GREATEST_PRECISION:
@@ -81,6 +83,8 @@ class Limits:
             raise ValueError(f"timeout: {self.timeout} is not a positive number of seconds")
         if self.level not in LEVELS:
             raise ValueError(f"level: {self.level!r} is none of {', '.join(LEVELS)}")
+        if self.other_boxes < 0:
+            raise ValueError(f"other_boxes: {self.other_boxes} is negative")
 
 
 def first_precision(candidate: BoxClaim, digits: int, steps: int = 0) -> int:

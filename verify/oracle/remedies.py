@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from math import ceil, isqrt
 
 from flint import arb
 
 from orbitproof.shared.formats import FOLD
-from orbitproof.verify.bifurcation import Failure
 from orbitproof.verify.evidence import Hypothesis, enclose, excludes_zero, is_inside, is_outside
 from orbitproof.verify.newton import is_regular
 
@@ -30,12 +30,27 @@ _LOST = 10**15
 """Where an enclosure is so many times wider than its midpoint is large, its scale says nothing."""
 
 
-def remedy_of(failure: Failure) -> str | None:
-    """What helps about the condition that failed, from its enclosures and those before; `None` if they do not tell."""
-    radii, last = failure.problem.radii, failure.hypotheses[-1]
-    order = 1 if failure.claim.kind == "touch_and_go" else 2
-    if last.name in _AT_THE_POINT or (last.name == "point" and failure.claim.kind == FOLD):
-        return of_shape(failure.hypotheses, radii[0], order)
+@dataclass(frozen=True)
+class Advice:
+    """What to change about a box.
+
+    Attributes:
+        words: the remedy.
+        factors: by what to multiply half-widths, by their position, for a box that follows it; none where it is not
+            the box that has to change.
+    """
+
+    words: str
+    factors: Mapping[int, arb] = field(default_factory=dict)
+
+
+def advice_on(kind: str, radii: Sequence[Fraction], hypotheses: Sequence[Hypothesis]) -> Advice | None:
+    """What helps about the condition that failed, the last, from its enclosures and those before; `None` if they do not
+    tell. `kind` is that of a bifurcation, `radii` the half-widths of the box that the hypotheses are about.
+    """
+    last, order = hypotheses[-1], 1 if kind == "touch_and_go" else 2
+    if last.name in _AT_THE_POINT or (last.name == "point" and kind == FOLD):
+        return of_shape(hypotheses, radii[0], order)
     entries = [ball for name, ball in last.enclosures.items() if name.startswith("d q_")]
     size = isqrt(len(entries))
     if entries and not is_regular([entries[size * row : size * (row + 1)] for row in range(size)]):
@@ -57,7 +72,7 @@ _IMAGE = re.compile(r"p_([0-9]+)(\^H|\(P_([0-9])\))?")
 """Enclosures that have to lie in the box, of p_i over P_j."""
 
 
-def _of_narrow_slope(enclosures: Mapping[str, arb], radii: Sequence[Fraction], order: int) -> str | None:
+def _of_narrow_slope(enclosures: Mapping[str, arb], radii: Sequence[Fraction], order: int) -> Advice | None:
     """Where P_0 is much too narrow for P_1, errors that the branch needs make the slope g_0 uncertain.
 
     They do if g(0, P_1) is wider than the errors of g_0 make it, which are what is bounded over the box in both.
@@ -71,7 +86,7 @@ def _of_narrow_slope(enclosures: Mapping[str, arb], radii: Sequence[Fraction], o
     return of_image(0, 1, likely, radii, order) if is_outside(arb(likely.abs_upper()), radii[0]) else None
 
 
-def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction], order: int) -> str | None:
+def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction], order: int) -> Advice | None:
     """What helps if p_`axis`, as a function over P_`over`, is only known to lie in `ball`, not inside P_`axis`.
 
     The ball contains 0 if the centre is the bifurcation point. Otherwise the centre has to be nearer to it than the
@@ -82,20 +97,21 @@ def of_image(axis: int, over: int, ball: arb, radii: Sequence[Fraction], order: 
     offset, spread, width = abs(arb(ball.mid())), arb(ball.rad()), enclose(radii[axis])
     if offset > 2 * spread:
         digits = max(1, ceil(float((offset / enclose(min(radii))).log() / arb(10).log())) + 1)
-        return (
+        return Advice(
             f"the centre is off by {_times(offset / width)} half-widths of P_{axis}: refine it to {digits} more digits "
             "(`digits` of the search); if they are right, are k and the kind?"
         )
     factor = (offset + spread) / width * enclose(_MARGIN)
     narrower = factor.sqrt() if over == 1 and (axis, order) != (0, 1) else factor
     along = f" and P_0 by {_SHARE[order]}" if (axis, over) == (2, 1) else ""
-    return (
+    words = (
         f"P_{axis} is too narrow for P_{over}: widen P_{axis} by a factor of {_times(factor)}, or make P_{over} "
         f"narrower by {_times(narrower)}{along} ({_WHERE})"
     )
+    return Advice(words, {axis: factor})
 
 
-def of_sign(ball: arb, order: int) -> str | None:
+def of_sign(ball: arb, order: int) -> Advice | None:
     """What helps if `ball` has to exclude 0, and encloses something over the whole box; `None` if it does not tell.
 
     It becomes narrower as P_1 does if all half-widths keep their orders: over the box G_01 varies by G_011 P_1 + G_001
@@ -105,23 +121,26 @@ def of_sign(ball: arb, order: int) -> str | None:
     if not ball.is_finite() or not spread < _LOST * offset:
         return None
     others = "P_0 and P_2 by its square" if order == 2 else f"P_0 by {_SHARE[order]}, P_2 by its square"
-    return (
-        f"the box is too large: make P_1 narrower by a factor of about {_times(2 * spread / offset)}, {others} "
+    narrower = 2 * spread / offset
+    words = (
+        f"the box is too large: make P_1 narrower by a factor of about {_times(narrower)}, {others} "
         f"({_WHERE}); "
         "a value that vanishes belongs to a degenerate bifurcation"
     )
+    return Advice(words, {0: narrower**-order, 1: 1 / narrower, 2: narrower**-2})
 
 
-def of_shape(hypotheses: Sequence[Hypothesis], radius: Fraction, order: int) -> str | None:
+def of_shape(hypotheses: Sequence[Hypothesis], radius: Fraction, order: int) -> Advice | None:
     """What helps if P_0, of this half-width, is much wider than the values p_0(P_1) that were found; else `None`."""
     found = [h.enclosures["p_0(P_1)"] for h in hypotheses if "p_0(P_1)" in h.enclosures]
     excess = enclose(radius) / found[-1].abs_upper() if found else arb(0)
     if not excess > _TOO_WIDE:
         return None
-    return (
+    words = (
         f"P_0 is too wide for P_1: make P_0 narrower by a factor of up to {_times(excess)}, or P_1 wider by up to "
         f"{_times(excess.sqrt() if order == 2 else excess)} ({_WHERE})"
     )
+    return Advice(words, {0: enclose(_MARGIN) / excess})
 
 
 def _times(factor: arb) -> str:

@@ -12,7 +12,7 @@ from flint import arb
 from orbitproof.verify.bifurcation import Failure, Problem
 from orbitproof.verify.evidence import DerivativeTable, NotEstablishedError, Reason
 from orbitproof.verify.newton import BoxFunction
-from orbitproof.verify.oracle.remedies import remedy_of
+from orbitproof.verify.oracle.remedies import advice_on
 
 _SAFETY = 2**10
 """An enclosure over the box may owe so many times more to rounding than the one at its centre."""
@@ -20,7 +20,8 @@ _SAFETY = 2**10
 
 def counsel(failure: Failure) -> Reason:
     """See `bifurcation.counsel`."""
-    reason = replace(failure.reason, remedy=remedy_of(failure) or failure.reason.remedy)
+    advice = advice_on(failure.claim.kind, failure.problem.radii, failure.hypotheses)
+    reason = failure.reason if advice is None else replace(failure.reason, remedy=advice.words)
     return for_want_of_size(reason) if fails_sharpened(failure) else reason
 
 

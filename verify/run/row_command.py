@@ -74,6 +74,11 @@ def _parser() -> ArgumentParser:
         "(integral); those of Fix(R) as they are (coordinates); or what suits the row (default: auto)"
     )
     parser.add_argument("--level", choices=LEVELS, default=Limits.level, help=words)
+    words = (
+        "where a candidate is not proved, try so many boxes that its failures ask for; a certificate is about the box "
+        "that it holds, and says if that is another than was given (default: %(default)s)"
+    )
+    parser.number("--other-boxes", "N", words, whole_number(0, 100), Limits.other_boxes)
     words = "certificate of a curve, from verify atlas: where on it the orbits of the candidates lie"
     parser.add_argument("--curve", type=Path, metavar="FILE", help=words)
     parser.run_options("candidates", "--row-timeout", "a candidate", CHECK_SECONDS)
@@ -97,7 +102,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     everything = read_claims(options.file)
     known = {candidate.id: candidate for candidate in everything}
     selected = [known[name] for name in select_ids(known, options.only, "candidate")]
-    limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level)
+    limits = Limits(options.max_precision, options.digits, options.row_timeout, options.level, options.other_boxes)
     # With --only, --fresh means the selected rows; those of the others stay in the file.
     run = RowRun(everything, selected, limits, options.output, options.fresh, options.fresh and options.only is None)
     ended = False

@@ -9,6 +9,7 @@ from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import MEANINGS, Certificate, Level, Recheck
 from orbitproof.verify.evidence import certain_digits
 from orbitproof.verify.run import aligned
+from orbitproof.verify.run.other_boxes import remark
 
 _SHOWN_DIGITS = 34
 _HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
@@ -17,7 +18,8 @@ _HEADERS = ("candidate", "k", "kind", "verdict", "side", "parameter", "time")
 def verdict_table(
     candidates: Sequence[BoxClaim], certificates: Mapping[str, Certificate], kept: frozenset[str] = frozenset()
 ) -> str:
-    """The verdicts in the order of the candidates, as plain text; then why what is not proved is not.
+    """The verdicts in the order of the candidates, as plain text; then which boxes are others than
+    were given, and why what is not proved is not.
 
     `kept` names the rows that an earlier run proved.
     """
@@ -34,6 +36,9 @@ def verdict_table(
         elapsed = "kept" if candidate.id in kept else f"{certificate.computation.seconds:.1f} s"
         name, side = shown(certificate.id), certificate.side or ""
         rows.append((name, str(candidate.k), candidate.kind, certificate.verdict, side, parameter, elapsed))
+        about_the_box = remark(certificate)
+        if about_the_box is not None:
+            reasons.append(f"{name}: {about_the_box}")
         reason = certificate.reason
         if reason is not None:
             remedy = as_options(reason.remedy, timeout="--row-timeout")

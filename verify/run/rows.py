@@ -23,8 +23,6 @@ from orbitproof.verify.certificate import (
     Certificate,
     Recheck,
     broken_off,
-    certify,
-    is_proof_of,
     not_checked,
     not_proved,
     read_certificates,
@@ -47,6 +45,8 @@ from orbitproof.verify.run import (
     Task,
     Workplace,
 )
+from orbitproof.verify.run.other_boxes import answers as is_answered
+from orbitproof.verify.run.other_boxes import certify_on_some_box
 
 Finished = Callable[[Certificate], None]
 
@@ -124,7 +124,7 @@ class RowRun:
             if output.exists() and not replace:
                 self.certificates = _earlier(output, everything)
         earlier = {} if again else self.certificates
-        self.kept = frozenset(c.id for c in selected if c.id in earlier and is_proof_of(earlier[c.id], c))
+        self.kept = frozenset(c.id for c in selected if c.id in earlier and is_answered(earlier[c.id], c))
         self.fresh: set[str] = set()
 
     @property
@@ -180,7 +180,7 @@ def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, An
     """What one process does: the certificate, or why there is none."""
     try:
         candidate = claim_from_json(argument["candidate"], "candidate")
-        return {"certificate": certify(candidate, Limits(**argument["limits"]), report).to_json()}
+        return {"certificate": certify_on_some_box(candidate, Limits(**argument["limits"]), report).to_json()}
     except Exception as error:
         return {"reason": asdict(broken_off("verification", error))}
 
