@@ -17,7 +17,7 @@ from orbitproof.verify.oracle.remedies import advice_on
 _OF_A_WIDE_BOX = ("tube", "crossing count", "section", "collision", "derivatives", "poincare-map", "return-map")
 """Conditions that fail where orbits of the box part too far, if no enclosure says more."""
 _NARROWER = arb(2) ** -8
-_SLACK = arb("1.05")
+_SLACK = 1 + arb(2) ** -4
 _ROOM = 4
 """A box that an image reaches out of becomes so many times as wide as the image."""
 _RADIUS_BITS = 12
