@@ -1,9 +1,17 @@
 """Periodic orbits of vector fields without symmetry: existence, least period, multipliers (section 24)."""
 
-from orbitproof.verify.periodic.box import SectionCoordinates, section_coordinates
+from orbitproof.verify.periodic.box import (
+    SectionCoordinates,
+    check_coordinates,
+    check_integral,
+    check_transversal,
+    gradient_on,
+    section_coordinates,
+    state_on_box,
+)
 from orbitproof.verify.periodic.enclosures import Linearised, PeriodicEnclosures, SectionReturn, stops_of
 from orbitproof.verify.periodic.following import enclose_periodic
-from orbitproof.verify.periodic.multipliers import Multipliers, multipliers_of
+from orbitproof.verify.periodic.multipliers import Multipliers, multipliers_of, on_level
 from orbitproof.verify.periodic.proved_periodic import (
     PeriodicResults,
     PeriodicTheorem,

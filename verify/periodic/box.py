@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import arb
 
-from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.formats import InSection, PeriodicBifurcation
 from orbitproof.shared.systems import Program
 from orbitproof.verify.claim import inverse, is_first_integral
 from orbitproof.verify.evidence import Checklist, dot, enclose, is_positive, power, symmetric, total
@@ -32,14 +32,14 @@ class SectionCoordinates:
         return [dot([enclose(value) for value in row], others) for row in self.rows]
 
 
-def section_coordinates(claim: PeriodicOrbit) -> SectionCoordinates | None:
+def section_coordinates(claim: InSection) -> SectionCoordinates | None:
     """p as a function of the state; `None` where the columns of the frame do not span the section."""
     pivot = max(range(len(claim.normal)), key=lambda i: abs(claim.normal[i]))
     rows = inverse([row for i, row in enumerate(claim.frame) if i != pivot])
     return None if rows is None else SectionCoordinates(pivot, tuple(map(tuple, rows)))
 
 
-def check_coordinates(checklist: Checklist, claim: PeriodicOrbit) -> None:
+def check_coordinates(checklist: Checklist, claim: InSection) -> None:
     """The box lies in the section, and p are coordinates of it, exactly (section 24.1)."""
     statement = "the normal is not 0, the centre lies on the section, and the columns of the frame span it"
     remedy = "put the centre and the frame onto the section"
@@ -57,7 +57,7 @@ def _product(left: Sequence[Fraction], right: Sequence[Fraction]) -> Fraction:
     return sum((a * b for a, b in zip(left, right, strict=True)), Fraction(0))
 
 
-def check_integral(checklist: Checklist, claim: PeriodicOrbit) -> None:
+def check_integral(checklist: Checklist, claim: InSection) -> None:
     """H is a first integral, by the identity grad H . f = 0 (section 1.4)."""
     statement = "grad H . f = 0 identically, H the first integral whose level is claimed (1.4)"
     remedy = (
@@ -72,7 +72,7 @@ def check_integral(checklist: Checklist, claim: PeriodicOrbit) -> None:
             evidence.require(shown, "H was not shown to be constant along orbits")
 
 
-def check_transversal(checklist: Checklist, claim: PeriodicOrbit) -> None:
+def check_transversal(checklist: Checklist, claim: InSection) -> None:
     """On the whole box the flow crosses the section in the direction of the claim (section 24.1)."""
     word = "positive" if claim.direction > 0 else "negative"
     statement, remedy = f"normal . f is {word} on the box", "claim the other direction, or give smaller radii"
@@ -83,7 +83,7 @@ def check_transversal(checklist: Checklist, claim: PeriodicOrbit) -> None:
         evidence.require(is_positive(claim.direction * across), "it may have the other sign", excluded=excluded)
 
 
-def state_on_box(claim: PeriodicOrbit, sides: Sequence[arb] | None = None) -> list[arb]:
+def state_on_box(claim: InSection, sides: Sequence[arb] | None = None) -> list[arb]:
     """Enclosures of the state at the points of the box with p in `sides`, by default the whole box."""
     where = [symmetric(radius) for radius in claim.radii] if sides is None else list(sides)
     return [
@@ -92,17 +92,25 @@ def state_on_box(claim: PeriodicOrbit, sides: Sequence[arb] | None = None) -> li
     ]
 
 
-def values_on(program: Program, claim: PeriodicOrbit, state: Sequence[arb]) -> list[arb]:
-    """Enclosures of functions of state and parameters at all points of balls."""
-    return program.evaluate([*state, *map(enclose, claim.values)], enclose, power)
+def values_on(program: Program, claim: InSection, state: Sequence[arb]) -> list[arb]:
+    """Enclosures of functions of state and parameters, the state in balls, at all parameters of the claim."""
+    return program.evaluate([*state, *parameters_on_box(claim)], enclose, power)
 
 
-def gradient_on(program: Program, claim: PeriodicOrbit, state: Sequence[arb]) -> list[arb]:
+def parameters_on_box(claim: InSection) -> list[arb]:
+    """Enclosures of the parameters on the box: their values, and all values of one that varies."""
+    balls = {name: enclose(value) for name, value in claim.parameters.items()}
+    if isinstance(claim, PeriodicBifurcation) and claim.parameter is not None:
+        balls[claim.parameter] = balls[claim.parameter] + symmetric(claim.parameter_radius)
+    return [balls[name] for name in claim.system.parameters]
+
+
+def gradient_on(program: Program, claim: InSection, state: Sequence[arb]) -> list[arb]:
     """Enclosures of the derivatives of a function of one value in the coordinates p, at all points of balls."""
     columns = list(zip(*claim.frame, strict=True))
     size = len(columns)
     arguments = [_Linear(ball, tuple(enclose(column[i]) for column in columns)) for i, ball in enumerate(state)] + [
-        _Linear(enclose(value), (arb(0),) * size) for value in claim.values
+        _Linear(ball, (arb(0),) * size) for ball in parameters_on_box(claim)
     ]
     (value,) = program.evaluate(arguments, lambda number: _Linear(enclose(number), (arb(0),) * size), _Linear.power)
     return list(value.slopes)

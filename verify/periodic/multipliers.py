@@ -121,3 +121,11 @@ def _with_real_ones(values: Sequence[acb]) -> list[acb]:
 def _is_pair(values: Sequence[acb]) -> bool:
     """Whether both eigenvalues of a real matrix are certain not to be real, hence conjugate."""
     return all(value.imag.is_finite() and not value.imag.contains(0) for value in values)
+
+
+def on_level(derivative: Matrix, slopes: Sequence[arb], dropped: int) -> list[list[arb]]:
+    """The derivative on the kernel of dH, in the coordinates but one, whose part follows from dH v = 0."""
+    kept = [i for i in range(len(slopes)) if i != dropped]
+    return [
+        [derivative[i][k] - derivative[i][dropped] * slopes[k] / slopes[dropped] for k in kept] for i in kept
+    ]  # fmt: skip

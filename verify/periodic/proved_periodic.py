@@ -40,7 +40,7 @@ from orbitproof.verify.periodic.box import (
     values_on,
 )
 from orbitproof.verify.periodic.enclosures import PeriodicEnclosures, SectionReturn, stops_of
-from orbitproof.verify.periodic.multipliers import Multipliers, multipliers_of
+from orbitproof.verify.periodic.multipliers import Multipliers, multipliers_of, on_level
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ def _results(
     if level_slopes is not None:
         dropped = _left_out(claim)
         assert dropped is not None
-        derivative = _on_level(derivative, level_slopes, dropped)
+        derivative = on_level(derivative, level_slopes, dropped)
     keeps_volume = is_free_of_divergence(system.program, len(system.state))
     trivial = 1 if level_slopes is None else 2
     return PeriodicResults(
@@ -239,11 +239,3 @@ def _point(claim: PeriodicOrbit, where: Sequence[arb]) -> list[arb]:
         enclose(origin) + dot([enclose(value) for value in row], where) if any(row) else enclose(Fraction(origin))
         for origin, row in zip(claim.centre, claim.frame, strict=True)
     ]
-
-
-def _on_level(derivative: Sequence[Sequence[arb]], slopes: Sequence[arb], dropped: int) -> list[list[arb]]:
-    """The derivative on the kernel of dH, in the coordinates but one, whose part follows from dH v = 0."""
-    kept = [i for i in range(len(slopes)) if i != dropped]
-    return [
-        [derivative[i][k] - derivative[i][dropped] * slopes[k] / slopes[dropped] for k in kept] for i in kept
-    ]  # fmt: skip

@@ -1,0 +1,10 @@
+"""Bifurcations of periodic orbits of vector fields: folds, period doublings, pitchforks (section 25)."""
+
+from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
+from orbitproof.verify.periodic_bifurcation.following import enclose_periodic_bifurcation
+from orbitproof.verify.periodic_bifurcation.proved_periodic_bifurcation import (
+    PeriodicBifurcationResults,
+    PeriodicBifurcationTheorem,
+    check_bifurcation_exactly,
+    prove_periodic_bifurcation,
+)
