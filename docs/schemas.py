@@ -15,6 +15,8 @@ from orbitproof.shared.claims import Atlas, BoxClaim
 from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
 from orbitproof.verify.atlas.document import BranchDocument
+from orbitproof.verify.certificate.document import Software
+from orbitproof.verify.certificate.entry import Entry
 
 COORDINATES = (
     "the family parameter of the system, if it has one, then the state coordinates fixed by R, in the system's order."
@@ -26,11 +28,24 @@ class Candidates:
     candidates: Annotated[tuple[BoxClaim, ...], rules(minItems=1, maxItems=100000)]
 
 
+@dataclass(frozen=True)
+class Certificates:
+    """Those of candidates.
+
+    Attributes:
+        software: names and versions of what last wrote the file: orbitproof, python, python-flint, FLINT, numpy.
+    """
+
+    software: Software
+    certificates: Annotated[tuple[Entry, ...], rules(minItems=1)]
+
+
 def schemas() -> dict[str, dict[str, Any]]:
     """The schemas by the names of their formats."""
     words = {
         "candidates": "Boxes that are claimed to contain a bifurcation of symmetric periodic orbits, or one orbit. "
         f"Coordinates: {COORDINATES[:-1]}; of a periodic orbit without symmetry the state coordinates.",
+        "certificates": "What was claimed, every hypothesis with its enclosure, and the verdict.",
         "atlas": "A curve of symmetric periodic orbits, or a surface of them over the mass parameter, as pieces in "
         f"order along it. Coordinates of a point: {COORDINATES}",
         "atlas-certificate": "What was claimed of a curve or surface, what is proved on each interval of each piece, "
@@ -38,7 +53,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
         "integral, from double precision, in the units of its system. Nothing is proved.",
     }
-    kinds = (Candidates, Atlas, BranchDocument, PeriodicFamilyRecord)
+    kinds = (Candidates, Certificates, Atlas, BranchDocument, PeriodicFamilyRecord)
     return {
         # The parameters of a surface stand in its pieces.
         name: document_schema(name, words[name], kind, ["parameters"] if kind is Atlas else [])

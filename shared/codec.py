@@ -177,11 +177,12 @@ def _alternatives(schema: Schema) -> list[Schema]:
 
 
 def _by_fields(kinds: tuple[Any, ...], entry: Mapping[str, Json], place: str) -> Form:
-    """The form of the one of these types whose necessary fields an object has."""
+    """The form of the one of these types that has the fields of an object."""
     for kind in kinds:
-        if all(each.key in entry for each in _stored_fields(kind) if each.default is MISSING):
+        needed, known = _keys(kind)
+        if needed <= entry.keys() <= known:
             return form_of(kind)
-    raise InputError(f"{place}: lacks fields; write the file again")
+    raise InputError(f"{place}: lacks fields, or has others; write the file again")
 
 
 def _one_of(kinds: tuple[Any, ...]) -> Any:
@@ -288,6 +289,21 @@ def _kinds(kind: Any) -> tuple[str, ...]:
         return ()
     constant = _constant(cast(type, kind))
     return (constant["kind"],) if constant else get_args(get_type_hints(kind).get("kind"))
+
+
+@cache
+def _keys(kind: Any) -> tuple[frozenset[str], frozenset[str]]:
+    """Those that the object of a dataclass has, and those that it may have."""
+    needed = frozenset(_constant(kind))
+    known = needed
+    for each in _stored_fields(kind):
+        if each.flat:
+            inner = _keys(each.kind)
+            needed, known = needed | inner[0], known | inner[1]
+            continue
+        known |= {each.key, *(each.beside or ())[:1]}
+        needed |= {each.key} if each.default is MISSING else set()
+    return needed, known
 
 
 def _entries(kind: type, value: Any) -> Iterator[tuple[str, Json]]:

@@ -15,7 +15,7 @@ class Rules:
     """What a schema says of a type beside it; with a name it becomes a definition."""
 
     name: str
-    keywords: tuple[tuple[str, Any], ...]
+    keywords: tuple[tuple[str, Any], ...] = field(hash=False)
 
 
 def rules(name: str = "", **keywords: Any) -> Rules:

@@ -32,7 +32,7 @@ from orbitproof.verify.bifurcation import (
     locate,
     reduced_function,
 )
-from orbitproof.verify.certificate import systems_with, tables_from_json
+from orbitproof.verify.certificate import Computation, systems_with, tables_from_json
 from orbitproof.verify.evidence import Checklist, NotEstablishedError, ball_from_json, enclose, guarded, meet
 from orbitproof.verify.poincare import Enclosures
 
@@ -81,7 +81,7 @@ class CertifiedCurves:
         try:
             if claim is None:
                 raise ValueError("there is no such level form")
-            stored = tables_from_json(entry, claim, computation)
+            stored = tables_from_json(entry, claim, from_json(Computation, computation, "computation"))
             assert isinstance(stored, Enclosures)
             with guarded(computation["precision"]):
                 checklist = Checklist()

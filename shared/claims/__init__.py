@@ -35,6 +35,7 @@ from orbitproof.shared.claims.pieces import (
 
 InSection = PeriodicOrbit | PeriodicBifurcation
 """A claim of which no symmetry of a reversible system is used: its box lies in a section."""
+KINDS_IN_SECTION = (PERIODIC, *PERIODIC_BIFURCATIONS)
 
 BoxClaim = Candidate | InSection
 """What a row of a candidates file claims of a box."""

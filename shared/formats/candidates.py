@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Annotated, Any, NoReturn
 
 from orbitproof.shared.claims import (
+    KINDS_IN_SECTION,
     ONCE,
     ORBIT,
     PERIODIC,
-    PERIODIC_BIFURCATIONS,
     BoxClaim,
     Candidate,
     InSection,
@@ -51,7 +51,6 @@ def read_claims(path: Path) -> list[BoxClaim]:
 
 
 _WITHOUT_SYMMETRY = "is about a periodic orbit without symmetry"
-_KINDS_WITHOUT_SYMMETRY = (PERIODIC, *PERIODIC_BIFURCATIONS)
 
 
 def read_candidates(path: Path) -> list[Candidate]:
@@ -114,7 +113,7 @@ def claim_from_json(
     entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = SYSTEMS
 ) -> BoxClaim:
     """The claim of a schema-valid JSON object, about one of `systems` or one that it describes. Raises `InputError`."""
-    if entry["kind"] not in _KINDS_WITHOUT_SYMMETRY:
+    if entry["kind"] not in KINDS_IN_SECTION:
         return candidate_from_json(entry, source, systems)
     system: System
     described_alone = entry["system"]
@@ -138,7 +137,7 @@ def candidate_from_json(
     def refuse(name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{source}.{name}: {why}; {remedy}")
 
-    if entry["kind"] in _KINDS_WITHOUT_SYMMETRY:
+    if entry["kind"] in KINDS_IN_SECTION:
         refuse("kind", f"{_WITHOUT_SYMMETRY}, which is not available here", "leave it out")
     system, _ = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]

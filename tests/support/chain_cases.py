@@ -168,6 +168,7 @@ def certificate(
     statement = {
         "candidate": candidate | changes,
         "vector_field": system.program.text() + after,
+        "first_integral": None,
         "reversing_symmetry": list(system.reversing_symmetry),
         "section": system.section,
         "symmetry": None if symmetry is None else list(system.symmetries[symmetry]),
@@ -190,7 +191,7 @@ def certificate(
             "reason": None if proved else {"condition": "C3", "message": "as the tests have it", "remedy": "none"},
             "hypotheses": [hypothesis],
             "results": results if proved else None,
-            "computation": {"precision": 64, "order": 16, "attempts": 1, "seconds": 0.0},
+            "computation": {"precision": 64, "order": 16, "steps": 1, "attempts": 1, "seconds": 0.0},
         }
     )
 

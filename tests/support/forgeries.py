@@ -21,7 +21,7 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, recheck_atlas
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.certificate import Certificate, Recheck, digest, recheck, rechecking
+from orbitproof.verify.certificate import Certificate, Computation, Recheck, digest, recheck, rechecking
 from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.run.branch_tasks import task_again
 from orbitproof.verify.surface import conclude_surface
@@ -104,7 +104,7 @@ def fabricated(point: Certificate, where: tuple[str, str], name: str) -> Certifi
     entry["statement"]["candidate"] = claim
     stated = rechecking._read(entry)
     outcome = rechecking._conclude(stated.claim, entry["computation"]["precision"], stated.enclosures)
-    return make_certificate(stated.candidate, outcome, entry["computation"], stated.enclosures)
+    return make_certificate(stated.candidate, outcome, Computation(**entry["computation"]), stated.enclosures)
 
 
 @cache

@@ -18,6 +18,7 @@ from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import candidate_from_json
 from orbitproof.verify.certificate import (
     Certificate,
+    Computation,
     certify,
     digest,
     is_proof_of,
@@ -51,7 +52,7 @@ def candidate(**changes: Any) -> Candidate:
     return candidate_from_json({**FALKNER_SKAN, **changes}, "test")
 
 
-COMPUTATION = {"precision": 64, "order": 16, "steps": 1, "attempts": 1, "seconds": 0.0}
+COMPUTATION = Computation(64, 16, 1, 1, 0.0)
 
 balls = st.builds(
     lambda m, e, r, s: arb((m, e), arb((r, e + s)) if r else 0),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any, Literal
@@ -17,6 +17,7 @@ from orbitproof.shared.processes import Failure
 from orbitproof.verify.certificate import (
     CannotBeCheckedError,
     Certificate,
+    Computation,
     Level,
     Limits,
     Recheck,
@@ -30,9 +31,8 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.certificate import rechecking as chapter
 from orbitproof.verify.certificate.certificate import make_certificate
-from orbitproof.verify.certificate.kinds import contradictions, prove, too_narrow, unconfirmed
+from orbitproof.verify.certificate.kinds import contradictions, numbers, prove, too_narrow, unconfirmed
 from orbitproof.verify.certificate.levels import not_finished
-from orbitproof.verify.certificate.row_kind import all_numbers
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.evidence import (
     Checklist,
@@ -193,11 +193,12 @@ def test_each_enclosure_of_a_hypothesis_is_found_again(kind: str, point: Certifi
 @pytest.mark.parametrize("group", ["point", "normal_form"])
 def test_numbers_of_results_are_those_that_are_found(group: str, point: Certificate) -> None:
     outcome, stored = found_in("bifurcation", point)
-    for change in (lambda e: e.update(more=ball_to_json(arb(1))), lambda e: e.pop(next(iter(e)))):
+    first = next(iter(stored["results"][group]))
+    for name, change in (("more", lambda e: e.update(more=ball_to_json(arb(1)))), (first, lambda e: e.pop(first))):
         _, changed = found_in("bifurcation", point)
         change(changed["results"][group])
         (finding,) = unconfirmed(changed, outcome, "again")
-        assert (finding.place, finding.message) == (f"again, {group}", "has other numbers than are found")
+        assert (finding.place, finding.message) == ("again", f"other results are found: {group} {name}")
     assert not list(unconfirmed(stored, outcome, "again"))
 
 
@@ -228,21 +229,10 @@ def test_enclosures_are_of_as_many_numbers(point: Certificate) -> None:
             list(contradictions(old, new, "again"))
 
 
-class TwoOfOneName:
-    """A kind of claim whose enclosures have two numbers of one name."""
-
-    def tables(self, found: Any) -> Iterator[Any]:
-        yield from ()
-
-    def numbers(self, found: Any) -> Iterator[tuple[str, arb]]:
-        yield from (("time", arb(number)) for number in found)
-
-
 def test_no_number_hides_behind_the_name_of_another() -> None:
-    kind: Any = TwoOfOneName()
-    assert all_numbers(kind, [1]) == {"time": arb(1)}
+    assert numbers({"time": {"1": arb(1)}}) == {"time 1": arb(1)}
     with pytest.raises(ValueError, match="one name"):
-        all_numbers(kind, [1, 2])
+        numbers({"time": {"1": arb(1)}, "time 1": arb(2)})
 
 
 def test_a_table_may_be_exceeded_by_its_own_width_and_no_more(point: Certificate) -> None:
@@ -329,7 +319,7 @@ def stated(change: Callable[[dict[str, Any]], Any]) -> Any:
     return systems_with({}, statement, statement["candidate"])["somebody-elses"]
 
 
-COMPUTATION = {"precision": 64, "order": 16, "steps": 1, "attempts": 1, "seconds": 0.0}
+COMPUTATION = Computation(64, 16, 1, 1, 0.0)
 STATEMENTS: dict[str, tuple[Callable[[dict[str, Any]], Any], str]] = {
     "signs without a symmetry": (lambda s: s.update(symmetry=[1, 1, 1, 1]), "its signs are missing"),
     "a symmetry without signs": (lambda s: s["candidate"].update(symmetry="S"), "its signs are missing"),

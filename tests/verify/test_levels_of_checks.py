@@ -24,6 +24,7 @@ from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate import (
     CannotBeCheckedError,
     Certificate,
+    Computation,
     Finding,
     Level,
     Limits,
@@ -191,7 +192,7 @@ def test_no_number_of_the_tables_is_left_out(point: Certificate) -> None:
     # period, the level, the distance at both ends; four of the second half; two numbers of each extremum in between.
     for claim, tables, count in ((candidate, entry, 8 * 20 + 4 + 2 * 4), (point.candidate, own, 3 * 20 + 3)):
         stored, other = (
-            tables_from_json(each, claim, {"order": 20, "precision": 128}) for each in (tables, moved(tables))
+            tables_from_json(each, claim, Computation(128, 20, 0, 1, 0.0)) for each in (tables, moved(tables))
         )
         assert not list(contradictions(stored, stored, "again"))
         assert len(list(contradictions(stored, other, "again"))) == count
@@ -307,16 +308,16 @@ def test_a_hypothesis_less_of_what_is_not_proved_is_found() -> None:
 
 def test_tables_of_another_kind_or_of_other_sizes_are_not_read(point: Certificate) -> None:
     candidate, enclosures = springs("once")
-    computation = {"order": 20, "precision": 128}
+    computation = Computation(128, 20, 0, 1, 0.0)
     entry, own = tables_to_json(enclosures), point.to_json()["enclosures"]
     assert entry is not None
     for claim, tables in ((candidate, own), (point.candidate, entry)):
         with pytest.raises(ValueError, match="another kind of claim"):
             tables_from_json(tables, claim, computation)
-    for number in (1, 9, 11):
+    for number in (1, 4, 9, 11, 20):
         texts = (entry["half_period"]["box"] * 2)[:number]
         changed = {**entry, "half_period": {**entry["half_period"], "box": texts}}
-        with pytest.raises(ValueError, match=f"half period, box: {number} derivatives up to order 3, not 10"):
+        with pytest.raises(ValueError, match=r"half_period.* derivative"):
             tables_from_json(changed, candidate, computation)
     half_period = {**entry["half_period"], "more": "it is proved"}
     for changed in ({**entry, "more": "it is proved"}, {**entry, "half_period": half_period}):
@@ -335,7 +336,7 @@ def unknown(change: Callable[[dict[str, Any]], Any] = lambda statement: None) ->
     return dict(claim)
 
 
-COMPUTATION = {"precision": 64, "order": 16, "steps": 1, "attempts": 1, "seconds": 0.0}
+COMPUTATION = Computation(64, 16, 1, 1, 0.0)
 
 
 FUNCTIONS = {

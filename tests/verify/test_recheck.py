@@ -25,6 +25,7 @@ from orbitproof.shared.systems import shown
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import (
     Certificate,
+    Computation,
     Level,
     Recheck,
     certify,
@@ -324,11 +325,11 @@ def test_tables_of_another_box_are_found_by_integrating(proved: Certificate) -> 
     stored = MODULE._stored_enclosures(entry, candidate)
     assert stored is not None
     outcome = MODULE._conclude(candidate, entry["computation"]["precision"], stored)
-    consistent = MODULE.make_certificate(candidate, outcome, entry["computation"], stored)
+    consistent = MODULE.make_certificate(candidate, outcome, Computation(**entry["computation"]), stored)
     assert recheck(consistent).stands
     result = recheck(consistent, integrate=True)
     assert not result.stands
-    assert "q_1(P" in places(result)
+    assert "iterates 1 1 box" in places(result)
 
 
 def test_a_second_integration_that_is_off_is_found(proved: Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -341,7 +342,7 @@ def test_a_second_integration_that_is_off_is_found(proved: Certificate, monkeypa
 
     monkeypatch.setattr(MODULE, "enclose", moved)
     result = recheck(proved, integrate=True)
-    assert "d^(1,1) of q_1(P^2), centre" in places(result)
+    assert "iterates 2 1 centre (1, 1)" in places(result)
 
 
 def test_a_certificate_without_digest_does_not_stand(proved: Certificate) -> None:

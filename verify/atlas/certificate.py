@@ -22,10 +22,10 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import record
 from orbitproof.shared.wording import counted
-from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, Names, Total
+from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, Total
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, results_from_json
-from orbitproof.verify.certificate import Certificate, digest, system_names
+from orbitproof.verify.certificate import Certificate, digest, stated
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Reason, software
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
@@ -42,22 +42,15 @@ def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: boo
     motion, if there are any.
     """
     system, symmetry = atlas.system, atlas.claim.symmetry
-    integral, distance = system.first_integral_program, system.squared_distance_program if with_distance else None
     across = system.stiffness_across_program if with_variations else None
     return BranchStatement(
-        atlas=atlas_to_json(atlas, provenance=False),
-        vector_field=system.program.text(),
-        first_integral=None if integral is None else integral.text(),
+        claim=atlas_to_json(atlas, provenance=False),
         derived_parameters={
             name: record(parameter.equation, (name,), system.fixed_parameters).text()
             for name, parameter in system.derived_parameters.items()
         },
-        reversing_symmetry=system.reversing_symmetry,
-        symmetry=None if symmetry is None else system.symmetries[symmetry],
-        section=system.section,
-        names=Names(**system_names(system, with_distance)),
-        squared_distance=None if distance is None else distance.text(),
         stiffness_across=None if across is None else across.text(),
+        **stated(system, symmetry, with_distance),
     )
 
 

@@ -4,70 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
-from flint import arb
-
-from orbitproof.shared.claims.fields import Id, Identifier, Line, Short, Title
+from orbitproof.shared.claims.fields import Id
 from orbitproof.shared.stored import Unread, rules, stored
-from orbitproof.verify.evidence import Reason
+from orbitproof.verify.certificate.document import (
+    Digest,
+    Software,
+    StatedWithSymmetry,
+    Verdict,
+    by_verdict,
+)
+from orbitproof.verify.evidence import Hypothesis, Reason
 from orbitproof.verify.stability import StabilityResult
 from orbitproof.verify.surface import SurfaceResult
 
-Verdict = Literal["proved", "not proved"]
-Signs = tuple[Annotated[int, rules(enum=(1, -1))], ...]
-Digest = Annotated[str, rules("digest", pattern=r"^sha256:[0-9a-f]{64}(?![\s\S])")]
-Version = Annotated[str, rules("software", pattern=r"^(not installed|[A-Za-z0-9][A-Za-z0-9.:+_-]{0,99})(?![\s\S])")]
-
-
-@dataclass(frozen=True)
-class Names:
-    """What a theorem calls a system, its first integral, and the body that distances are from."""
-
-    system: Title
-    first_integral: Title | None = None
-    distance_from: Title | None = None
-
 
 @dataclass(frozen=True, kw_only=True)
-class BranchStatement:
-    """A claim in full.
+class BranchStatement(StatedWithSymmetry):
+    """That of an atlas; see atlas.schema.json.
 
     Attributes:
-        atlas: without provenance; see atlas.schema.json.
-        vector_field, first_integral, squared_distance: as straight-line programs; the square of a distance only if the
-            results are about it.
         derived_parameters: for each parameter that follows from the others the function whose zero it is.
-        reversing_symmetry, symmetry: the signs of R and S.
-        names: what the theorem calls the system, its first integral, and the body that distances are from.
         stiffness_across: g, if the results are about variations w out of the plane of motion, which obey w'' = -g w.
-        theorem: what is proved, in words; absent if it is nothing.
-        in_full: the same so that it stands alone, with the system as formulas.
     """
 
-    atlas: Mapping[str, Any]
-    vector_field: str
-    first_integral: str | None
+    claim: Mapping[str, Any] = stored("atlas")
     derived_parameters: Mapping[str, str] = stored(default_factory=dict)
-    reversing_symmetry: Signs
-    symmetry: Signs | None
-    section: Identifier
-    names: Names
-    squared_distance: str | None = None
     stiffness_across: str | None = None
-    theorem: str | None = None
-    in_full: str | None = None
-
-
-@dataclass(frozen=True)
-class Hypothesis:
-    """What was checked; balls that are not finite are left out."""
-
-    name: Short
-    statement: Line
-    section: Short
-    holds: bool
-    enclosures: Mapping[str, arb]
 
 
 @dataclass(frozen=True)
@@ -135,22 +99,9 @@ class BranchDocument:
         tuple[Annotated[Mapping[str, Any], rules(required=("id", "digest"))], ...], rules(maxItems=10000)
     ]
     computation: Total
-    software: Mapping[Version, Version]
+    software: Software
     digest: Digest
 
-    stored_rules: ClassVar = {
-        "if": {"properties": {"verdict": {"const": "proved"}}},
-        "then": {
-            "properties": {
-                "statement": {"required": ["theorem", "in_full"]},
-                "reason": {"type": "null"},
-                "conclusion": {"type": "object", "properties": {"verdict": {"const": "proved"}}},
-            }
-        },
-        "else": {
-            "properties": {
-                "statement": {"allOf": [{"not": {"required": [name]}} for name in ("theorem", "in_full")]},
-                "reason": {"type": "object"},
-            }
-        },
-    }
+    stored_rules: ClassVar = by_verdict(
+        {"conclusion": {"type": "object", "properties": {"verdict": {"const": "proved"}}}}, {}
+    )

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 from flint import arb
 
+from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import FOLD, ONCE, Candidate
-from orbitproof.shared.stored import stored
+from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.bifurcation.conditions import (
     Problem,
     check_enclosures,
@@ -57,9 +59,9 @@ class BifurcationResults:
     """
 
     point: Mapping[str, arb]
-    parameter_name: str
+    parameter_name: Title
     parameter: arb
-    side: str
+    side: Annotated[str, rules(enum=("above", "below", "both"))]
     normal_form: Mapping[str, arb]
     local: tuple[arb, ...] = stored(hidden=True, default=())
 

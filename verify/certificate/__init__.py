@@ -2,7 +2,6 @@
 
 from orbitproof.verify.certificate.certificate import (
     Certificate,
-    Computation,
     digest,
     is_proof_of,
     read_certificates,
@@ -10,6 +9,7 @@ from orbitproof.verify.certificate.certificate import (
     write_certificates,
 )
 from orbitproof.verify.certificate.certifying import broken_off, certify, not_proved
+from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.kinds import tables_from_json
 from orbitproof.verify.certificate.levels import (
     MEANINGS,
@@ -37,5 +37,5 @@ from orbitproof.verify.certificate.rechecking import (
     digest_findings,
     recheck,
 )
-from orbitproof.verify.certificate.stated_system import named_as, system_names, systems_with
+from orbitproof.verify.certificate.stated_system import named_as, stated, systems_with
 from orbitproof.verify.oracle.precision import GREATEST_PRECISION, LEAST_PRECISION, LEVELS, Limits

@@ -6,7 +6,7 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from html import escape
 from pathlib import Path
@@ -21,34 +21,23 @@ from orbitproof.shared.formats import (
     BoxClaim,
     Candidate,
     InputError,
-    InSection,
-    candidate_to_json,
     claim_from_json,
     read_document,
     validate_document,
     write_text,
 )
-from orbitproof.verify.certificate.kinds import (
-    Found,
-    Results,
-    kind_named,
-    kind_of,
-    level_form,
-    tables_to_json,
-    theorem_of,
-)
-from orbitproof.verify.certificate.stated_system import system_names, without_symmetry
-from orbitproof.verify.certificate.stored_balls import to_json
-from orbitproof.verify.claim import level_program, quadratic_coefficient
+from orbitproof.verify.certificate.document import AnyStatement, Computation
+from orbitproof.verify.certificate.entry import Entry
+from orbitproof.verify.certificate.kinds import KINDS, Found, Results, kind_of, level_form, tables_to_json, theorem_of
+from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import (
     Hypothesis,
     Outcome,
     Proved,
     Reason,
+    Theorem,
     as_said,
-    ball_from_json,
     certain_digits,
-    outcome_to_json,
     software,
 )
 from orbitproof.verify.orbit import OrbitResults
@@ -57,27 +46,6 @@ from orbitproof.verify.words import in_full, theorem_in_words
 
 _SHOWN_DIGITS = 34
 _SYMBOLS = {"Jacobi constant": "C"}
-
-
-@dataclass(frozen=True)
-class Computation:
-    """How a verdict was found.
-
-    Attributes:
-        precision: bits of the last attempt, 0 if there was none.
-        order: time order of its Taylor expansions.
-        steps: its integration steps.
-        attempts: how many there were.
-        seconds: what all of it took.
-        coordinates: in which the orbits were followed, if the certificate says so.
-    """
-
-    precision: int
-    order: int
-    steps: int
-    attempts: int
-    seconds: float
-    coordinates: str | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -102,9 +70,8 @@ class Certificate:
             starts, by name; empty if not proved.
         side: "above", "below" or "both": parameter values at which the new orbits exist; `None` if not proved, or for
             an orbit.
-        orbit: what is proved of a symmetric orbit; `None` for other claims, or if nothing is proved.
-        periodic: the same of a periodic orbit without symmetry.
         normal_form: enclosures of the coefficients of the bifurcation function, by name; empty if not proved.
+        results: all that is proved, as the chapter of its kind has it; `None` if nothing is.
         hypotheses: those that were looked at, in order, with their enclosures; their statements are the maker's words.
         reason: why it is not proved, in words of the run that made it; `None` if it is.
         computation: how the verdict was found.
@@ -125,8 +92,7 @@ class Certificate:
     reason: Reason | None = field(compare=False)
     computation: Computation = field(compare=False)
     software: Mapping[str, str] = field(compare=False)
-    orbit: OrbitResults | None = field(compare=False)
-    periodic: PeriodicResults | None = field(compare=False)
+    results: Results | None = field(compare=False)
     _text: str
 
     @classmethod
@@ -144,6 +110,16 @@ class Certificate:
     def proved(self) -> bool:
         """Whether the verdict is "proved"."""
         return self.verdict == "proved"
+
+    @property
+    def orbit(self) -> OrbitResults | None:
+        """What is proved of a symmetric orbit; `None` for other claims, or if nothing is proved."""
+        return self.results if isinstance(self.results, OrbitResults) else None
+
+    @property
+    def periodic(self) -> PeriodicResults | None:
+        """The same of a periodic orbit without symmetry."""
+        return self.results if isinstance(self.results, PeriodicResults) else None
 
     @property
     def statement(self) -> dict[str, Any]:
@@ -203,7 +179,7 @@ class Certificate:
 
     @property
     def _claim(self) -> str:
-        return kind_named(self.kind).said(self.k, self.kind)
+        return KINDS[self.kind].said(self.k, self.kind)
 
     def _shown_parameter(self) -> str:
         if self.parameter is None or self.parameter_name is None:
@@ -214,106 +190,61 @@ class Certificate:
 
 def _fields(entry: Mapping[str, Any], source: str) -> dict[str, Any]:
     """The attributes of a certificate from its JSON, which fits the schema. Raises `InputError`."""
-    place = "statement.candidate"
-    try:
-        candidate = entry["statement"]["candidate"]
-        kind = str(candidate["kind"])
-        k = int(candidate.get("k", 1))
-        place = "hypotheses"
-        hypotheses = tuple(
-            Hypothesis(item["name"], item["statement"], item["section"], item["holds"], _balls(item["enclosures"]))
-            for item in entry["hypotheses"]
-        )
-        place = "results"
-        results = entry.get("results") or {}
-        attributes = {**_NOTHING, **(kind_named(kind).attributes(results, source) if results else {})}
-        point, normal_form = _balls(results.get("point", {})), _balls(results.get("normal_form", {}))
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{source}: field {place}: {error}; verify the candidate again") from None
-    reason, made = entry.get("reason"), entry["computation"]
-    return {
-        "id": entry["id"],
-        "kind": kind,
-        "k": k,
-        "verdict": entry["verdict"],
-        "theorem": entry["statement"].get("theorem"),
-        "point": point,
-        "normal_form": normal_form,
-        **attributes,
-        "hypotheses": hypotheses,
-        "reason": None if reason is None else Reason(reason["condition"], reason["message"], reason["remedy"]),
-        "computation": Computation(
-            made["precision"], made["order"], made.get("steps", 0), made["attempts"], made["seconds"],
-            made.get("coordinates"),
-        ),
-        "software": MappingProxyType(entry.get("software", {})),
-    }  # fmt: skip
-
-
-_NOTHING = {"parameter_name": None, "parameter": None, "side": None, "orbit": None, "periodic": None}
-"""What a certificate says of what is not proved."""
-
-
-def _balls(entries: Mapping[str, Mapping[str, str]]) -> Mapping[str, arb]:
-    return MappingProxyType({name: ball_from_json(entry) for name, entry in entries.items()})
-
-
-def statement(candidate: BoxClaim, form: Candidate | None = None) -> dict[str, Any]:
-    """The claim in full: the candidate without provenance, and the system that it is about.
-
-    `form` is the candidate rewritten with the level of the first integral as parameter, if its box and
-    coordinates are those that the hypotheses are about.
-    """
-    if isinstance(candidate, InSection):
-        return without_symmetry(candidate)
-    system, kind = candidate.system, kind_of(candidate)
-    integral = system.first_integral_program
-    claim: dict[str, Any] = {
-        "candidate": candidate_to_json(candidate, provenance=False),
-        "vector_field": system.program.text(),
-        "first_integral": None if integral is None else integral.text(),
-        "reversing_symmetry": list(system.reversing_symmetry),
-        "symmetry": None if candidate.symmetry is None else list(system.symmetries[candidate.symmetry]),
-        "section": system.section,
-        "names": system_names(system, kind.with_distance),
+    stored = from_json(Entry, entry, source)
+    candidate, results = stored.statement.claim, stored.results
+    kind = KINDS[candidate["kind"]]
+    if results is not None and not isinstance(results, kind.results):
+        raise InputError(f"{source}.results: are not those of such a claim; verify the candidate again")
+    same = ("id", "verdict", "hypotheses", "reason", "results", "computation", "software")
+    found = {
+        "kind": candidate["kind"],
+        "k": candidate.get("k", 1),
+        "theorem": stored.statement.theorem,
+        **{name: getattr(stored, name) for name in same},
+        **_NOTHING,
+        **({} if results is None else {"point": results.point, **kind.attributes(results)}),
     }
-    if kind.with_distance and system.squared_distance_program is not None:
-        claim["squared_distance"] = system.squared_distance_program.text()
-    if form is not None:
-        claim["level_form"] = candidate_to_json(form, provenance=False)
-    fixed = system.fixed_level
-    sign = (form or candidate).level_sign if fixed is None else fixed.sign
-    if sign is not None and quadratic_coefficient(system):
-        claim["level_coordinate"] = level_program(system, sign).text()
-    return claim
+    return {name: MappingProxyType(value) if isinstance(value, dict) else value for name, value in found.items()}
+
+
+_NOTHING: Mapping[str, Any] = {"point": {}, "parameter_name": None, "parameter": None, "side": None, "normal_form": {}}
+"""What a certificate says of what is not proved."""
 
 
 def make_certificate(
     candidate: BoxClaim,
     outcome: Outcome[Results],
-    computation: Mapping[str, Any],
+    computation: Computation,
     enclosures: Found | None = None,
     form: Candidate | None = None,
 ) -> Certificate:
-    """The certificate of one candidate; `computation` is the object of that name in the schema.
+    """The certificate of one candidate.
 
-    `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `statement`.
+    `enclosures` are what the conditions were evaluated from, if it came to that; `form` as in `RowKind.statement`.
     """
-    claim = statement(candidate, form)
-    results = None
+    claim, reason, results = kind_of(candidate).statement(candidate, form), None, None
     if isinstance(outcome, Proved):
-        claim["theorem"], results = theorem_in_words(outcome.theorem), to_json(outcome.results)
-        claim["in_full"] = in_full(candidate, outcome.theorem, outcome.results)
-    certificate = {
-        "id": candidate.id,
-        "statement": claim,
-        **outcome_to_json(outcome),
-        "results": results,
-        "enclosures": None if enclosures is None else tables_to_json(enclosures),
-        "computation": dict(computation),
-        "software": software(),
-    }
-    return Certificate.from_json({**certificate, "digest": digest(certificate)}, f"certificate {candidate.id!r}")
+        claim, results = _told(claim, candidate, outcome.theorem, outcome.results), outcome.results
+    else:
+        reason = outcome.reason
+    certificate = Entry(
+        id=candidate.id,
+        statement=claim,
+        verdict="proved" if reason is None else "not proved",
+        reason=reason,
+        hypotheses=outcome.hypotheses,
+        results=results,
+        enclosures=None if enclosures is None else tables_to_json(enclosures),
+        computation=computation,
+        software=software(),
+    )
+    entry = to_json(certificate)
+    return Certificate.from_json({**entry, "digest": digest(entry)}, f"certificate {candidate.id!r}")
+
+
+def _told(claim: AnyStatement, candidate: BoxClaim, theorem: Theorem, results: Results) -> AnyStatement:
+    """The claim in full with its theorem."""
+    return replace(claim, theorem=theorem_in_words(theorem), in_full=in_full(candidate, theorem, results))
 
 
 def digest(entry: Mapping[str, Any]) -> str:
@@ -328,15 +259,12 @@ def is_proof_of(certificate: Certificate, candidate: BoxClaim) -> bool:
     entry = certificate.to_json()
     form = level_form(candidate) if "level_form" in entry["statement"] else None
     theorem = theorem_of(candidate, form)
-    if isinstance(theorem, Reason) or not certificate.proved:
+    if isinstance(theorem, Reason) or not isinstance(certificate.results, kind_of(candidate).results):
         return False
-    words = {
-        "theorem": theorem_in_words(theorem),
-        "in_full": in_full(candidate, theorem, certificate.periodic or certificate.orbit or certificate),
-    }
+    told = _told(kind_of(candidate).statement(candidate, form), candidate, theorem, certificate.results)
     return (
         entry.get("digest") == digest(entry)
-        and entry["statement"] == {**statement(candidate, form), **words}
+        and entry["statement"] == to_json(told)
         and entry.get("software") == software()
         and tuple(hypothesis.name for hypothesis in certificate.hypotheses) == theorem.hypotheses
         and all(hypothesis.holds is True for hypothesis in certificate.hypotheses)

@@ -20,6 +20,7 @@ from orbitproof.verify.bifurcation import (
     level_spread,
 )
 from orbitproof.verify.certificate.certificate import Certificate, make_certificate
+from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.kinds import Found, check_exactly, enclose, kind_of, level_form, prove, theorem_of
 from orbitproof.verify.evidence import (
     Checklist,
@@ -90,8 +91,7 @@ def certify(
 
 def not_proved(candidate: BoxClaim, reason: Reason, seconds: float) -> Certificate:
     """The certificate of a candidate of which nothing but a reason is known."""
-    computation = {"precision": 0, "order": 0, "steps": 0, "attempts": 1, "seconds": round(seconds, 3)}
-    return make_certificate(candidate, NotProved(reason), computation)
+    return make_certificate(candidate, NotProved(reason), Computation(0, 0, 0, 1, round(seconds, 3)))
 
 
 def broken_off(stage: str, error: Exception) -> Reason:
@@ -122,15 +122,9 @@ def _certify(
         if not _another_form_may_do(best.outcome.reason):
             break
     form, best = tried[-1] if isinstance(tried[-1][1].outcome, Proved) else tried[0]
-    computation: dict[str, float | str] = {
-        "precision": best.precision,
-        "order": best.order,
-        "steps": best.steps,
-        "attempts": attempts,
-        "seconds": round(time.monotonic() - start, 3),
-    }
-    if best.enclosures is not None:
-        computation["coordinates"] = best.enclosures.coordinates
+    coordinates = None if best.enclosures is None else best.enclosures.coordinates
+    seconds = round(time.monotonic() - start, 3)
+    computation = Computation(best.precision, best.order, best.steps, attempts, seconds, coordinates)
     return make_certificate(candidate, best.outcome, computation, best.enclosures, form)
 
 

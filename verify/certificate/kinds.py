@@ -3,36 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 from flint import arb
 
 from orbitproof.shared.claims import BoxClaim, Candidate
+from orbitproof.shared.errors import InputError
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.bifurcation_rows import BIFURCATIONS
+from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.orbit_rows import ORBITS
 from orbitproof.verify.certificate.periodic_bifurcation_rows import BIFURCATIONS_OF_PERIODIC_ORBITS
 from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
-from orbitproof.verify.certificate.row_kind import Progress, RowKind, all_numbers
+from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults
 from orbitproof.verify.periodic import PeriodicEnclosures, PeriodicResults
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
+_ALL: tuple[RowKind[Any, Any, Any], ...] = (BIFURCATIONS, ORBITS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS)
 Found = Enclosures | OrbitEnclosures | PeriodicEnclosures
 Results = BifurcationResults | OrbitResults | PeriodicResults
 
-_ALL: tuple[RowKind[Any, Any, Any], ...] = (BIFURCATIONS, ORBITS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS)
-
 KINDS: Mapping[str, RowKind[Any, Any, Any]] = {name: kind for kind in _ALL for name in kind.names}
 """By the kinds of claims as candidates say them."""
-
-
-def kind_named(name: str) -> RowKind[Any, Any, Any]:
-    """The kind of claims with a name; a file may say one that is none, until it is checked: as if of a bifurcation."""
-    return KINDS.get(name, BIFURCATIONS)
 
 
 def kind_of(candidate: BoxClaim) -> RowKind[Any, Any, Any]:
@@ -74,24 +72,29 @@ def prove(candidate: BoxClaim, checklist: Checklist, found: Found | None) -> Out
 def tables_to_json(found: Found) -> dict[str, Any] | None:
     """All derivatives and numbers, exactly; `None` if one is not finite, which proves nothing anyway."""
     try:
-        return _kind_of_enclosures(found).to_json(found)
+        return dict(to_json(found))
     except (KeyError, ValueError):
         return None
 
 
-def tables_from_json(entry: Mapping[str, Any], candidate: BoxClaim, computation: Mapping[str, Any]) -> Found:
+def tables_from_json(entry: Mapping[str, Any], candidate: BoxClaim, computation: Computation) -> Found:
     """The same enclosures, those of a claim. Raises `ValueError` that names what cannot be read."""
     kind = kind_of(candidate)
-    if set(entry) != kind.keys:
-        raise ValueError("the enclosures are those of another kind of claim")
-    found: Found = kind.from_json(entry, len(candidate.radii), computation)
-    if kind.to_json(found) != entry:
+    try:
+        found: Found = from_json(kind.enclosures, entry, "enclosures")
+    except InputError as error:
+        raise ValueError(str(error)) from None
+    except (KeyError, TypeError):
+        raise ValueError("the enclosures are those of another kind of claim") from None
+    variables = kind.variables(candidate)
+    for place, _ in _numbers(found, ()):
+        index = place[-1]
+        if isinstance(index, tuple) and len(index) != variables:
+            raise ValueError(f"{_said(place)}: a derivative in {len(index)} variables, not {variables}")
+    if to_json(found) != entry:
         raise ValueError("the enclosures hold something that is none of such a claim")
-    return found
-
-
-def _kind_of_enclosures(found: Found) -> RowKind[Any, Any, Any]:
-    return next(kind for kind in KINDS.values() if isinstance(found, kind.enclosures))
+    made = {name: getattr(computation, name) for name in ("order", "precision", "steps", "coordinates")}
+    return replace(found, **{name: value for name, value in made.items() if value is not None})
 
 
 def contradictions(stored: Found, fresh: Found, place: str) -> Iterator[Finding]:
@@ -113,12 +116,14 @@ underflow of bounds only, whatever the precision."""
 
 def _pairs(stored: Found, fresh: Found, place: str) -> Iterator[tuple[str, arb, arb]]:
     """Two enclosures of each number. Raises `ValueError` if they are not of the same numbers."""
-    kinds = _kind_of_enclosures(stored), _kind_of_enclosures(fresh)
-    old, new = all_numbers(kinds[0], stored), all_numbers(kinds[1], fresh)
-    if kinds[0] is not kinds[1] or old.keys() != new.keys():
+    old, new = numbers(stored), numbers(fresh)
+    if type(stored) is not type(fresh) or old.keys() != new.keys():
         raise ValueError(f"{place}: the tables do not belong to each other")
-    for name, ball in old.items():
-        yield f"{place}, {name}", ball, new[name]
+    for name, value in old.items():
+        if isinstance(value, arb):
+            yield f"{place}, {name}", value, new[name]
+        elif value != new[name]:
+            raise ValueError(f"{place}: the tables do not belong to each other: {name} is another one")
 
 
 def unconfirmed(stored: Mapping[str, Any], found: Proved[Results], place: str) -> Iterator[Finding]:
@@ -131,5 +136,43 @@ def unconfirmed(stored: Mapping[str, Any], found: Proved[Results], place: str) -
                 yield Finding(where, "is not enclosed again")
             else:
                 yield from confirmed(ball_from_json(old), hypothesis.enclosures[name], where)
-    kind = next(kind for kind in KINDS.values() if isinstance(found.results, kind.results))
-    yield from kind.unconfirmed(stored["results"], found.results, place)
+    old, new = numbers(stored["results"]), numbers(to_json(found.results))
+    if old.keys() != new.keys():
+        yield Finding(place, "other results are found: " + ", ".join(sorted(old.keys() ^ new.keys())))
+        return
+    for name, value in old.items():
+        if isinstance(value, arb) and isinstance(new[name], arb):
+            yield from confirmed(value, new[name], f"{place}, {name}")
+        elif value != new[name]:
+            yield Finding(f"{place}, {name}", f"stored is {value!r}, found {new[name]!r}")
+
+
+def numbers(value: Any) -> dict[str, Any]:
+    """The balls, and the words and numbers beside them, of what was enclosed or of JSON, by where they stand.
+
+    Raises `ValueError` if one would hide another.
+    """
+    found = list(_numbers(value, ()))
+    named = {_said(place): leaf for place, leaf in found}
+    if len(named) != len(found):
+        raise ValueError("two of the numbers that are enclosed have one name")
+    return named
+
+
+_Place = tuple[Any, ...]
+
+
+def _said(place: _Place) -> str:
+    return " ".join(map(str, place))
+
+
+def _numbers(value: Any, place: _Place) -> Iterator[tuple[_Place, Any]]:
+    if isinstance(value, Mapping) and {"mid", "rad"} <= value.keys():
+        value = ball_from_json(value)
+    if is_dataclass(value):
+        value = {each.name: getattr(value, each.name) for each in fields(value) if not each.metadata.get("hidden")}
+    if isinstance(value, (Mapping, list, tuple)):
+        for key, inner in value.items() if isinstance(value, Mapping) else enumerate(value, start=1):
+            yield from _numbers(inner, (*place, key))
+    else:
+        yield place, value

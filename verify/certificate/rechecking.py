@@ -19,6 +19,7 @@ from orbitproof.shared.formats import BoxClaim, Candidate, claim_from_json, vali
 from orbitproof.shared.systems import SYSTEMS, shown
 from orbitproof.verify.certificate.certificate import Certificate, digest, make_certificate
 from orbitproof.verify.certificate.certifying import broken_off, for_origin
+from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.kinds import (
     Found,
     Results,
@@ -44,6 +45,7 @@ from orbitproof.verify.certificate.levels import (
     unknown_reason,
 )
 from orbitproof.verify.certificate.stated_system import named_as, systems_with
+from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.evidence import (
     Checklist,
     IntegrationFailure,
@@ -139,14 +141,18 @@ def _read(certificate: Entry) -> _Stated:
 
 
 def _stored_enclosures(certificate: Entry, candidate: BoxClaim) -> Found | None:
-    entry, computation = certificate.get("enclosures"), certificate["computation"]
+    entry, computation = certificate.get("enclosures"), _computation(certificate)
     if entry is None:
         return None
-    if not LEAST_PRECISION <= computation["precision"] <= GREATEST_PRECISION:
-        raise ValueError(f"computation.precision: {computation['precision']} bits are not possible")
-    if not 1 <= computation["order"] <= GREATEST_PRECISION:
-        raise ValueError(f"computation.order: {computation['order']} is not possible")
+    if not LEAST_PRECISION <= computation.precision <= GREATEST_PRECISION:
+        raise ValueError(f"computation.precision: {computation.precision} bits are not possible")
+    if not 1 <= computation.order <= GREATEST_PRECISION:
+        raise ValueError(f"computation.order: {computation.order} is not possible")
     return tables_from_json(entry, candidate, computation)
+
+
+def _computation(certificate: Entry) -> Computation:
+    return from_json(Computation, certificate["computation"], "computation")
 
 
 def _form(certificate: Entry, examination: Examination) -> Iterator[Finding]:
@@ -198,11 +204,11 @@ def derived(certificate: Entry) -> dict[str, Any]:
 
 
 def _derived(certificate: Entry, stated: _Stated) -> dict[str, Any]:
-    precision = certificate["computation"]["precision"]
+    computation = _computation(certificate)
+    precision = computation.precision
     outcome = _conclude(stated.claim, precision if stated.enclosures else LEAST_PRECISION, stated.enclosures)
     if stated.form is not None:
         outcome = for_origin(stated.candidate, outcome, precision)
-    computation = certificate["computation"]
     again = make_certificate(stated.candidate, outcome, computation, stated.enclosures, stated.form).to_json()
     return {**again, "statement": named_as(certificate["statement"], again["statement"])}
 

@@ -1,15 +1,13 @@
-"""What each kind of claim about a box offers to certificates: theorem, enclosures, proof, their numbers, results."""
+"""What each kind of claim about a box offers to certificates: statement, theorem, enclosures, proof, results."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Set
-from typing import Any, Protocol, TypeVar
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
-from flint import arb
-
-from orbitproof.verify.certificate.levels import Finding
-from orbitproof.verify.certificate.tables import derivative_name
-from orbitproof.verify.evidence import Checklist, DerivativeTable, Outcome, Reason, Theorem
+from orbitproof.verify.certificate.document import AnyStatement
+from orbitproof.verify.evidence import Checklist, Outcome, Reason, Theorem
 from orbitproof.verify.poincare import IntegratorSettings
 
 Claim = TypeVar("Claim")
@@ -18,79 +16,38 @@ Results = TypeVar("Results")
 Progress = Callable[[float], None]
 
 
-class RowKind(Protocol[Claim, Found, Results]):
+@dataclass(frozen=True, kw_only=True)
+class RowKind(Generic[Claim, Found, Results]):
     """One kind of claim; `kinds.KINDS` has them all.
 
     Attributes:
         names: of the claims, as candidates say them.
-        enclosures: the type of what a proof is evaluated from.
-        results: the type of what is proved then.
-        keys: of enclosures in certificates.
-        with_distance: whether the distance that a system names is part of what is proved.
+        enclosures: the type of what a proof is evaluated from. How it is written down, read, and compared with that of
+            another integration follows from its fields.
+        results: the type of what is proved then, in the same way; its `point` is that of the claim, by coordinate.
+        statement: the claim in full, but for the theorem; the second argument is its level form, if its box and
+            coordinates are those that the hypotheses are about.
+        theorem_of: the theorem that a candidate claims, or why none applies; the second argument is as before.
+        level_form: the same claim with the level of the first integral as parameter, if there is one.
+        first_precision: bits to begin with, for so many digits.
+        check_exactly: all hypotheses that need no integration; raises `NotEstablishedError` for the first that fails.
+        enclose: what its proof is evaluated from. Raises `NotEstablishedError` if there is none, or the claim is false.
+        prove: check the claim, given what was enclosed, if anything.
+        said: the claim in a word or two, from k and the kind.
+        attributes: what a `Certificate` says of the results beside their point; the rest is as of what is not proved.
+        variables: of the tables of derivatives among the enclosures.
     """
 
     names: tuple[str, ...]
     enclosures: type[Found]
     results: type[Results]
-    keys: Set[str]
-    with_distance: bool
-
-    def theorem_of(self, candidate: Claim, form: Claim | None) -> Theorem | Reason:
-        """The theorem that a candidate claims, or why none applies; `form` is its level form, if that is checked."""
-
-    def level_form(self, candidate: Claim) -> Claim | None:
-        """The same claim with the level of the first integral as parameter, if there is one."""
-
-    def first_precision(self, candidate: Claim, digits: int) -> int:
-        """Bits to begin with, for so many digits."""
-
-    def check_exactly(self, checklist: Checklist, candidate: Claim) -> None:
-        """All hypotheses that need no integration; raises `NotEstablishedError` for the first that fails."""
-
-    def enclose(self, candidate: Claim, settings: IntegratorSettings, progress: Progress | None) -> Found:
-        """What its proof is evaluated from. Raises `NotEstablishedError` if there is none, or the claim is false."""
-
-    def prove(self, candidate: Claim, checklist: Checklist, found: Found | None) -> Outcome[Results]:
-        """Check the claim, given what was enclosed, if anything."""
-
-    def to_json(self, found: Found) -> dict[str, Any]:
-        """Enclosures as a certificate carries them. Raises `ValueError` if one is not finite."""
-
-    def from_json(self, entry: Mapping[str, Any], dimension: int, computation: Mapping[str, Any]) -> Found:
-        """The same enclosures. Raises `ValueError` that names what cannot be read."""
-
-    def tables(self, found: Found) -> Iterator[tuple[str, DerivativeTable]]:
-        """The tables among them, by name."""
-
-    def numbers(self, found: Found) -> Iterator[tuple[str, arb]]:
-        """The other numbers, by name."""
-
-    def unconfirmed(self, stored: Mapping[str, Any], found: Results, place: str) -> Iterator[Finding]:
-        """What a certificate says of the results, and what a new proof does not confirm."""
-
-    def said(self, k: int, kind: str) -> str:
-        """The claim in a word or two."""
-
-    def attributes(self, results: Mapping[str, Any], source: str) -> dict[str, Any]:
-        """What a `Certificate` says of stored results. Raises `InputError`, `KeyError` or `ValueError`."""
-
-
-def all_numbers(kind: RowKind[Any, Found, Results], found: Found) -> dict[str, arb]:
-    """Every number of what was enclosed, by name. Raises `ValueError` if one would hide another of its name."""
-    derivatives = [
-        (f"{derivative_name(index)} of {name}, {part}", ball)
-        for name, table in kind.tables(found)
-        for part, source in (("box", table.box), ("centre", table.centre))
-        for index, ball in source.items()
-    ]
-    named = [*derivatives, *kind.numbers(found)]
-    if len(dict(named)) != len(named):
-        raise ValueError("two of the numbers that are enclosed have one name")
-    return dict(named)
-
-
-def of_iterates(iterates: tuple[tuple[DerivativeTable, ...], ...]) -> Iterator[tuple[str, DerivativeTable]]:
-    """The tables of P, P^2, .., by name."""
-    for i, components in enumerate(iterates, start=1):
-        for j, table in enumerate(components, start=1):
-            yield f"q_{j}(P^{i})", table
+    statement: Callable[[Claim, Claim | None], AnyStatement]
+    theorem_of: Callable[[Claim, Claim | None], Theorem | Reason]
+    level_form: Callable[[Claim], Claim | None] = lambda claim: None
+    first_precision: Callable[[Claim, int], int]
+    check_exactly: Callable[[Checklist, Claim], None]
+    enclose: Callable[[Claim, IntegratorSettings, Progress | None], Found]
+    prove: Callable[[Claim, Checklist, Found | None], Outcome[Results]]
+    said: Callable[[int, str], str]
+    attributes: Callable[[Results], dict[str, Any]]
+    variables: Callable[[Any], int] = lambda claim: len(claim.radii)

@@ -11,37 +11,57 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.formats import PERIODIC, PERIODIC_BIFURCATIONS, InSection, candidate_to_json
+from orbitproof.shared.formats import Candidate, InSection, candidate_to_json
 from orbitproof.shared.systems import ParameterRange, ReversibleSystem, is_title, program_from_text, program_function
+from orbitproof.verify.certificate.document import Names, Statement, StatementWithoutSymmetry
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 
 _ANY = ParameterRange(None, None)
 
 
-def system_names(system: ReversibleSystem, with_distance: bool = False) -> dict[str, str]:
-    """What a statement calls its system, the first integral and, if asked, the body: words of the theorem."""
-    names = {"system": system.title}
-    optional = {
-        "first_integral": system.first_integral_name,
-        "distance_from": system.distance_name if with_distance else None,
-    }
-    return {**names, **{key: name for key, name in optional.items() if name is not None}}
-
-
-def without_symmetry(claim: InSection) -> dict[str, Any]:
-    """The statement of a claim that uses no symmetry: the claim, and the system that it is about."""
-    system = claim.system
-    integral = None if claim.level is None else system.first_integral_program
-    names = {"system": system.title}
-    if integral is not None and system.first_integral_name is not None:
-        names["first_integral"] = system.first_integral_name
+def stated(system: ReversibleSystem, symmetry: str | None, with_distance: bool = False) -> dict[str, Any]:
+    """What statements about symmetric orbits say of their system, by field; with its distance if asked."""
+    integral, distance = system.first_integral_program, system.squared_distance_program if with_distance else None
     return {
-        "candidate": candidate_to_json(claim, provenance=False),
         "vector_field": system.program.text(),
         "first_integral": None if integral is None else integral.text(),
-        "names": names,
+        "reversing_symmetry": system.reversing_symmetry,
+        "symmetry": None if symmetry is None else system.symmetries[symmetry],
+        "section": system.section,
+        "names": Names(
+            system=system.title,
+            first_integral=system.first_integral_name,
+            distance_from=system.distance_name if with_distance else None,
+        ),
+        "squared_distance": None if distance is None else distance.text(),
     }
+
+
+def with_symmetry(candidate: Candidate, form: Candidate | None = None, with_distance: bool = False) -> Statement:
+    """The statement of a claim about symmetric orbits; `form` as in `RowKind.statement`."""
+    system = candidate.system
+    fixed = system.fixed_level
+    sign = (form or candidate).level_sign if fixed is None else fixed.sign
+    follows = sign is not None and bool(quadratic_coefficient(system))
+    return Statement(
+        claim=candidate_to_json(candidate, provenance=False),
+        level_form=None if form is None else candidate_to_json(form, provenance=False),
+        level_coordinate=level_program(system, int(sign or 1)).text() if follows else None,
+        **stated(system, candidate.symmetry, with_distance),
+    )
+
+
+def without_symmetry(claim: InSection, form: InSection | None = None) -> StatementWithoutSymmetry:
+    """The statement of a claim that uses no symmetry; such a one has no level form."""
+    system = claim.system
+    integral = None if claim.level is None else system.first_integral_program
+    return StatementWithoutSymmetry(
+        claim=candidate_to_json(claim, provenance=False),
+        vector_field=system.program.text(),
+        first_integral=None if integral is None else integral.text(),
+        names=Names(system=system.title, first_integral=None if integral is None else system.first_integral_name),
+    )
 
 
 def systems_with(
@@ -58,7 +78,7 @@ def systems_with(
         ValueError: if what it says cannot be a reversible system.
     """
     name = claim["system"]
-    if claim.get("kind") in (PERIODIC, *PERIODIC_BIFURCATIONS) and isinstance(name, str) and name not in known:
+    if "reversing_symmetry" not in statement and isinstance(name, str) and name not in known:
         raise CannotBeCheckedError(
             f"the system {name!r} is not known here: a claim without symmetry describes it in full"
         )

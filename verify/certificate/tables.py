@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from itertools import count
 
 from flint import arb
 
@@ -38,19 +38,6 @@ def ball_from_text(text: str) -> arb:
     return ball
 
 
-def tables_of_iterates(iterates: Sequence[Sequence[DerivativeTable]]) -> list[list[dict[str, list[str]]]]:
-    """The tables of P, P^2, .."""
-    return [[table_to_json(table) for table in components] for components in iterates]
-
-
-def read_iterates(entry: Sequence[Any], dimension: int) -> tuple[tuple[DerivativeTable, ...], ...]:
-    """The same tables. Raises `ValueError` that names the table and the derivative that cannot be read."""
-    return tuple(
-        tuple(read_table(table, dimension, f"q_{j}(P^{i})") for j, table in enumerate(components, start=1))
-        for i, components in enumerate(entry, start=1)
-    )
-
-
 def table_to_json(table: DerivativeTable) -> dict[str, list[str]]:
     """All derivatives of a table, exactly. Raises `ValueError` if one is not finite."""
     indices = sorted(indices_up_to(len(next(iter(table.box))), MAX_ORDER))
@@ -60,29 +47,21 @@ def table_to_json(table: DerivativeTable) -> dict[str, list[str]]:
     }
 
 
-def read_table(entry: Mapping[str, Sequence[str]], dimension: int, name: str) -> DerivativeTable:
+def table_from_json(entry: Mapping[str, Sequence[str]]) -> DerivativeTable:
     """The same table. Raises `ValueError` that names the derivative that cannot be read."""
-    indices = sorted(indices_up_to(dimension, MAX_ORDER))
-    parts: list[dict[MultiIndex, arb]] = []
-    for part in ("box", "centre"):
-        texts = entry[part]
-        if len(texts) != len(indices):
-            raise ValueError(f"{name}, {part}: {len(texts)} derivatives up to order {MAX_ORDER}, not {len(indices)}")
-        parts.append(
-            {index: read_ball(text, f"{derivative_name(index)} of {name}, {part}")
-             for index, text in zip(indices, texts, strict=True)}
-        )  # fmt: skip
-    return DerivativeTable(*parts)
+    return DerivativeTable(_part(entry, "box"), _part(entry, "centre"))
 
 
-def derivative_name(index: MultiIndex) -> str:
-    """A derivative for messages: d^(2,1,0) is taken twice in p_0 and once in p_1."""
-    return f"d^({','.join(str(order) for order in index)})"
-
-
-def read_ball(text: str, name: str) -> arb:
-    """As `ball_from_text`; what is raised begins with the name."""
-    try:
-        return ball_from_text(text)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+def _part(entry: Mapping[str, Sequence[str]], name: str) -> dict[MultiIndex, arb]:
+    texts = entry[name]
+    variables = next(number for number in count(1) if len(indices_up_to(number, MAX_ORDER)) >= len(texts))
+    indices = sorted(indices_up_to(variables, MAX_ORDER))
+    if len(texts) != len(indices):
+        raise ValueError(f"{name}: {len(texts)} is no number of derivatives up to order {MAX_ORDER}")
+    found = {}
+    for index, text in zip(indices, texts, strict=True):
+        try:
+            found[index] = ball_from_text(text)
+        except ValueError as error:
+            raise ValueError(f"the derivative {index} of {name}: {error}") from None
+    return found

@@ -34,6 +34,8 @@ from orbitproof.verify.evidence.comparisons import (
 from orbitproof.verify.evidence.decimals import bounds, decimal_interval, exact_value
 from orbitproof.verify.evidence.derivatives import (
     MAX_ORDER,
+    Brief,
+    Briefs,
     DerivativeTable,
     MultiIndex,
     index_factorial,

@@ -6,11 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import factorial, prod
+from typing import Annotated
 
 from flint import arb
 
+from orbitproof.shared.stored import rules
+
 MAX_ORDER = 3
 MultiIndex = tuple[int, ...]
+Brief = Annotated[arb, "MID +- RAD"]
+"""A ball that certificates hold as text, exactly."""
+Briefs = Annotated[tuple[Brief, ...], rules("balls", maxItems=10000)]
 
 
 @dataclass(frozen=True)

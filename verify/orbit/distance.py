@@ -7,12 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 from flint import arb
 
-from orbitproof.verify.evidence import IntegrationFailure, hull, is_below, meet, sign
+from orbitproof.shared.stored import rules
+from orbitproof.verify.evidence import Brief, IntegrationFailure, hull, is_below, meet, sign
 from orbitproof.verify.poincare import InTime
 
+Kind = Annotated[int, rules("extremum_kind", enum=(1, -1))]
 _DEPTH = 20
 _NEWTON_STEPS = 12
 
@@ -27,9 +30,9 @@ class Approach:
         kind: 1 for a strict local minimum, -1 for a strict local maximum.
     """
 
-    time: arb
-    value: arb
-    kind: int
+    time: Brief
+    value: Brief
+    kind: Kind
 
 
 @dataclass(frozen=True)

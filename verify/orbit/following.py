@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Annotated, Any
 
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
+from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.algebra import Series, evaluate, prepare
-from orbitproof.verify.evidence import DerivativeTable, enclose, exact_value, guarded
+from orbitproof.verify.evidence import Briefs, DerivativeTable, enclose, exact_value, guarded
 from orbitproof.verify.flow import FlowStep, advance
-from orbitproof.verify.orbit.distance import Approach, DistanceAlong, Step
+from orbitproof.verify.orbit.distance import Approach, DistanceAlong, Kind, Step
 from orbitproof.verify.orbit.rates import distance_rates
 from orbitproof.verify.poincare import (
     BOX_RATIO,
+    PHYSICAL,
     Box,
     HalfOrbits,
     IntegratorSettings,
@@ -46,9 +48,9 @@ class Distance:
 
     start: DerivativeTable
     end: DerivativeTable
-    start_kind: int
-    end_kind: int
-    between: tuple[Approach, ...]
+    start_kind: Kind
+    end_kind: Kind
+    between: Annotated[tuple[Approach, ...], rules(maxItems=1000)]
 
 
 @dataclass(frozen=True)
@@ -66,15 +68,15 @@ class OrbitEnclosures:
     """
 
     iterates: tuple[tuple[DerivativeTable, ...], ...]
-    image: tuple[DerivativeTable, ...]
+    image: Annotated[tuple[DerivativeTable, ...], rules(maxItems=32)]
     half_period: DerivativeTable
     first_integral: DerivativeTable | None
-    back: tuple[tuple[arb, ...], ...]
+    back: Annotated[tuple[Briefs, ...], rules(maxItems=32)]
     distance: Distance | None
-    order: int
-    precision: int
-    steps: int
-    coordinates: str
+    order: int = stored(hidden=True, default=0)
+    precision: int = stored(hidden=True, default=0)
+    steps: int = stored(hidden=True, default=0)
+    coordinates: str = stored(hidden=True, default=PHYSICAL)
 
 
 def enclose_orbit(

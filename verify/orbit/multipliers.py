@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Annotated
 
 from flint import acb, arb, arb_mat
 
-from orbitproof.shared.stored import stored
+from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.evidence import all_finite, is_below, is_positive, sign
 
 STABLE, UNSTABLE, UNDECIDED = "linearly stable", "unstable", "not decided"
+Balls = Annotated[tuple[acb, ...], rules("complex_balls", maxItems=32)]
 
 
 @dataclass(frozen=True)
@@ -25,9 +27,9 @@ class Stability:
         verdict: `STABLE`, `UNSTABLE` or `UNDECIDED`.
     """
 
-    parameters: tuple[acb, ...] = stored("stability_parameters")
-    multipliers: tuple[acb, ...] = stored()
-    verdict: str = stored("stability")
+    parameters: Balls = stored("stability_parameters")
+    multipliers: Balls = stored()
+    verdict: Annotated[str, rules(enum=(STABLE, UNSTABLE, UNDECIDED))] = stored("stability")
 
 
 def stability_of(out: Sequence[Sequence[arb]], back: Sequence[Sequence[arb]]) -> Stability:

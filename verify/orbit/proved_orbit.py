@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Annotated, ClassVar
 
 from flint import arb
 
+from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, LEVEL, Candidate
-from orbitproof.shared.stored import stored
+from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.claim import inverse
 from orbitproof.verify.evidence import (
     MAX_ORDER,
@@ -53,7 +55,7 @@ class Extremum:
     """
 
     distance: arb
-    times: tuple[arb, ...]
+    times: Annotated[tuple[arb, ...], rules(minItems=1, maxItems=1000)]
 
 
 @dataclass(frozen=True)
@@ -75,11 +77,16 @@ class OrbitResults:
     half_period: arb
     period: arb
     stability: Stability = stored(flat=True)
-    level_name: str = ""
+    level_name: Title = ""
     level: arb | None = None
-    distance_name: str = stored("distance_from", default="")
+    distance_name: Title = stored("distance_from", default="")
     least: Extremum | None = stored("least_distance", default=None)
     greatest: Extremum | None = stored("greatest_distance", default=None)
+
+    stored_rules: ClassVar = {"dependentRequired": {
+        "level": ["level_name"], "distance_from": ["least_distance", "greatest_distance"],
+        "least_distance": ["distance_from"], "greatest_distance": ["distance_from"],
+    }}  # fmt: skip
 
 
 @dataclass(frozen=True)

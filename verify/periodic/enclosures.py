@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 from flint import arb
 
+from orbitproof.shared.claims.fields import Crossings
+from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.evidence import dot
 
 
@@ -43,8 +46,8 @@ class SectionReturn:
         time: when it happens.
     """
 
-    crossings: int
-    image: tuple[Linearised, ...]
+    crossings: Crossings
+    image: Annotated[tuple[Linearised, ...], rules(minItems=1, maxItems=32)]
     time: Linearised
 
 
@@ -60,11 +63,11 @@ class PeriodicEnclosures:
         coordinates: in which the orbits were followed.
     """
 
-    returns: tuple[SectionReturn, ...]
-    order: int
-    precision: int
-    steps: int
-    coordinates: str = "physical"
+    returns: Annotated[tuple[SectionReturn, ...], rules(minItems=1, maxItems=32)]
+    order: int = stored(hidden=True, default=0)
+    precision: int = stored(hidden=True, default=0)
+    steps: int = stored(hidden=True, default=0)
+    coordinates: str = stored(hidden=True, default="physical")
 
 
 def stops_of(crossings: int) -> tuple[int, ...]:

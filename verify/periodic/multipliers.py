@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 from flint import acb, acb_mat, arb
 
+from orbitproof.shared.stored import rules
 from orbitproof.verify.evidence import all_finite, is_below, sign
 
 Matrix = Sequence[Sequence[arb]]
+Number = Annotated[int, rules("number_of_multipliers", minimum=0, maximum=32)]
 
 
 @dataclass(frozen=True)
@@ -24,12 +27,12 @@ class Multipliers:
             more.
     """
 
-    values: tuple[acb, ...]
-    inside: int
-    on: int
-    outside: int
-    undecided: int
-    trivial: int
+    values: Annotated[tuple[acb, ...], rules("complex_balls", maxItems=32)]
+    inside: Number
+    on: Number
+    outside: Number
+    undecided: Number
+    trivial: Number
 
     @property
     def is_attracting(self) -> bool:

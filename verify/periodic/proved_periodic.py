@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import ClassVar
 
 from flint import arb
 
+from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.verify.claim import is_free_of_divergence
 from orbitproof.verify.evidence import (
@@ -57,8 +59,10 @@ class PeriodicResults:
     point: Mapping[str, arb]
     period: arb
     multipliers: Multipliers
-    level_name: str = ""
+    level_name: Title = ""
     level: arb | None = None
+
+    stored_rules: ClassVar = {"dependentRequired": {"level": ["level_name"]}}
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,10 @@ from typing import Protocol
 from flint import arb
 
 from orbitproof.shared.formats import ORBIT, Candidate
+from orbitproof.shared.stored import stored
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.claim import level_program, quadratic_coefficient
-from orbitproof.verify.evidence import DerivativeTable, IntegrationFailure, guarded
+from orbitproof.verify.evidence import Briefs, DerivativeTable, IntegrationFailure, guarded
 from orbitproof.verify.flow import LEAST_ERROR
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.derivatives import derivative_table
@@ -81,11 +82,11 @@ class Enclosures:
 
     iterates: tuple[tuple[DerivativeTable, ...], ...]
     first_integral: DerivativeTable | None
-    return_times: tuple[arb, ...]
-    order: int
-    precision: int
-    steps: int
-    coordinates: str = PHYSICAL
+    return_times: Briefs
+    order: int = stored(hidden=True, default=0)
+    precision: int = stored(hidden=True, default=0)
+    steps: int = stored(hidden=True, default=0)
+    coordinates: str = stored(hidden=True, default=PHYSICAL)
 
 
 class Watch(Protocol):

@@ -8,13 +8,13 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
+from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import BoxClaim, claim_from_json
-from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.certificate import Certificate, certify, digest, is_proof_of
 from orbitproof.verify.oracle import Limits
 from orbitproof.verify.oracle.boxes import box_asked_for
 
-_GIVEN = "given_radii"
 _SHOWN_DIGITS = 4
 
 
@@ -51,14 +51,14 @@ def _next_box(claim: BoxClaim, failed: Certificate) -> tuple[Fraction, ...] | No
 
 def _made(found: Certificate, claim: BoxClaim, seconds: float) -> Certificate:
     entry = found.to_json()
-    entry["computation"] |= {_GIVEN: [format_exact(radius) for radius in claim.radii], "seconds": round(seconds, 3)}
+    computation = replace(found.computation, given_radii=claim.radii, seconds=round(seconds, 3))
+    entry["computation"] = to_json(computation)
     return Certificate.from_json(entry | {"digest": digest(entry)}, f"certificate {found.id!r}")
 
 
 def given_radii(certificate: Certificate) -> tuple[Fraction, ...] | None:
     """The half-widths that the claim was given with, if another box was tried instead; `None` otherwise."""
-    given = certificate.to_json()["computation"].get(_GIVEN)
-    return None if given is None else tuple(parse_exact(text) for text in given)
+    return certificate.computation.given_radii
 
 
 def answers(certificate: Certificate, claim: BoxClaim) -> bool:
