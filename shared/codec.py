@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_
 
 from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational, parse_exact
-from orbitproof.shared.stored import Rational, Rules, Unread
+from orbitproof.shared.stored import Rational, Rules, ToldBy, Unread
 
 Json = Any
 Schema = dict[str, Any]
@@ -140,10 +140,12 @@ def form_of(kind: Any) -> Form:
     raise TypeError(f"{kind!r} has no form in JSON")
 
 
-def _with(schema: Callable[[Definitions], Schema], said: Rules | Unread) -> Callable[[Definitions], Schema]:
+def _with(schema: Callable[[Definitions], Schema], said: Rules | ToldBy | Unread) -> Callable[[Definitions], Schema]:
     """A schema with what an annotation says."""
     if isinstance(said, Unread):
         return form_of(said.kind).schema
+    if isinstance(said, ToldBy):
+        return lambda definitions: _union_schema(schema(definitions)["anyOf"], definitions, said.path)
     return lambda definitions: _named(said.name, schema(definitions) | dict(said.keywords), definitions)
 
 
@@ -168,7 +170,7 @@ def _union(kinds: tuple[Any, ...]) -> Form:
     return Form(
         to_json,
         lambda entry, place: by_kind[entry["kind"]].decode(entry, place),
-        lambda definitions: _union_schema(forms, definitions),
+        lambda definitions: _union_schema([form.schema(definitions) for form in forms], definitions, ("kind",)),
     )
 
 
@@ -189,23 +191,19 @@ def _one_of(kinds: tuple[Any, ...]) -> Any:
     return kinds[0] if len(kinds) == 1 else Union[kinds]  # noqa: UP007 (how many they are is not known before)
 
 
-def _union_schema(forms: list[Form], definitions: Definitions) -> Schema:
-    """By the kind, so that an error is one of that kind."""
-    found = [form.schema(definitions) for form in forms]
-    kinds = [definitions[schema["$ref"].rpartition("/")[2]]["properties"]["kind"] for schema in found]
-    names = [name for each in kinds for name in each.get("enum", [each.get("const")])]
-    return {
-        "type": "object",
-        "required": ["kind"],
-        "properties": {"kind": {"enum": names}},
-        "allOf": [
-            {
-                "if": {"properties": {"kind": {key: each[key] for key in ("enum", "const") if key in each}}},
-                "then": schema,
-            }
-            for each, schema in zip(kinds, found, strict=True)
-        ],
-    }
+def _union_schema(found: list[Schema], definitions: Definitions, path: tuple[str, ...]) -> Schema:
+    """By what stands at a path, so that an error is one of the type that it tells."""
+    tags: list[Schema] = []
+    for schema in found:
+        tag = definitions[schema["$ref"].rpartition("/")[2]]
+        for key in path:
+            tag = tag["properties"][key]
+        tags.append({key: tag[key] for key in ("enum", "const") if key in tag})
+    whole: Schema = {"enum": [name for tag in tags for name in tag.get("enum", [tag.get("const")])]}
+    for key in reversed(path):
+        whole = {"type": "object", "required": [key], "properties": {key: whole}}
+        tags = [{"properties": {key: tag}} for tag in tags]
+    return {**whole, "allOf": [{"if": tag, "then": schema} for tag, schema in zip(tags, found, strict=True)]}
 
 
 def _array(kinds: tuple[Any, ...]) -> Form:

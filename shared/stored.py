@@ -30,6 +30,13 @@ class Unread:
     kind: Any
 
 
+@dataclass(frozen=True)
+class ToldBy:
+    """Of several types: where an object says which it is of, as ``Annotated[A | B, ToldBy(("claim", "kind"))]``."""
+
+    path: tuple[str, ...]
+
+
 def stored(
     key: str = "",
     *,

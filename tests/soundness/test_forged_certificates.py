@@ -328,12 +328,12 @@ def test_a_result_of_a_curve_has_nothing_of_one_of_a_surface(curve: Document, su
         assert (found.level, found.findings[0].place) == (Level.NONE, f"results[0].{key}")
 
 
-def test_a_claim_of_an_unknown_kind_is_read_and_does_not_stand(point: Certificate) -> None:
-    other = Certificate.from_json(forged(point.to_json(), lambda d: d["statement"]["candidate"].update(kind="hopf")))
-    assert "k = 3 hopf" in str(other)
-    found = recheck(other)
-    assert (found.level, found.word) == (Level.NONE, "DOES NOT STAND")
-    assert "hopf" in found.findings[0].message
+def test_a_claim_of_an_unknown_kind_is_refused_with_the_kinds_that_are_known(point: Certificate) -> None:
+    for kind in ("hopf", ["orbit"]):
+        with pytest.raises(InputError, match=r"statement\.candidate\.kind: .*\"touch_and_go\""):
+            Certificate.from_json(
+                forged(point.to_json(), lambda d, kind=kind: d["statement"]["candidate"].update(kind=kind))
+            )
 
 
 # Systems that are not known here

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
 from orbitproof.shared.claims.fields import Id
-from orbitproof.shared.stored import Unread, stored
+from orbitproof.shared.stored import ToldBy, Unread, stored
 from orbitproof.verify.certificate.document import (
     AnyStatement,
     Computation,
@@ -34,7 +34,7 @@ class Entry:
     """
 
     id: Id
-    statement: AnyStatement
+    statement: Annotated[AnyStatement, ToldBy(("candidate", "kind"))]
     verdict: Verdict
     reason: Reason | None
     hypotheses: tuple[Hypothesis, ...]
