@@ -16,6 +16,7 @@ import numpy as np
 from flint import arb
 
 from orbitproof.figures.orbits import Array
+from orbitproof.shared.codec import from_json
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, validate_document
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.bifurcation import (
