@@ -8,3 +8,4 @@ from orbitproof.verify.periodic_bifurcation.proved_periodic_bifurcation import (
     check_bifurcation_exactly,
     prove_periodic_bifurcation,
 )
+from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, torus_coefficients
