@@ -84,6 +84,8 @@ class PeriodicBifurcation(BoxInSection):
         self.check_level(self.level)
         check_numbers({"parameter_radius": [(self.parameter_radius,)]})
         check_positive("parameter_radius", [self.parameter_radius])
+        if self.kind == PERIODIC_TORUS and (self.level is not None or self.parameter is None):
+            refuse("level", "a torus is claimed while a parameter varies, on no level", "name the parameter alone")
         if self.parameter is None:
             if self.level is None:
                 refuse("parameter", "there is none, and no level", "name the parameter that varies, or give the level")
@@ -96,7 +98,7 @@ class PeriodicBifurcation(BoxInSection):
             interval, value = self.system.parameters[self.parameter], self.parameters[self.parameter]
             if not all(interval.contains(value + side * self.parameter_radius) for side in (-1, 1)):
                 refuse("parameter_radius", f"the values leave {interval}", "give a smaller half-width")
-        fewest = 2 + (self.level is not None) + (self.kind == PERIODIC_TORUS)
+        fewest = 2 + (self.level is not None or self.kind == PERIODIC_TORUS)
         if len(self.system.state) < fewest:
             refuse("kind", f"{self.kind} takes a state of at least {fewest} coordinates", "give another kind")
 

@@ -24,6 +24,7 @@ class KnownTorus:
         multiplier: cosine and sine.
         eigenvector: real and imaginary part, in the normalisation of `lyapunov`.
         lyapunov, speed: Re(conj(lambda) c_1), and the derivative of the absolute value of the multiplier.
+        others: the other eigenvalues.
     """
 
     derivatives: tuple[dict[Exponents, Fraction], ...]
@@ -31,12 +32,17 @@ class KnownTorus:
     eigenvector: tuple[tuple[Fraction, ...], tuple[Fraction, ...]]
     lyapunov: Fraction
     speed: Fraction
+    others: tuple[Fraction, ...]
 
 
-def known_torus(size: int, chance: random.Random) -> KnownTorus:
-    """z -> lambda z (1 + (r + i t) a + (d + i e) |z|^2), further coordinates off the circle, in random coordinates.
+OFF_THE_CIRCLE = (Fraction(1, 2), Fraction(-1, 3), Fraction(2), Fraction(-3, 2), Fraction(0))
 
-    The plane of z is invariant, and the terms that are added vanish on it.
+
+def known_torus(size: int, chance: random.Random, others: tuple[Fraction, ...] | None = None) -> KnownTorus:
+    """z -> lambda z (1 + (r + i t) a + (d + i e) |z|^2), further coordinates, in random coordinates.
+
+    The plane of z is invariant, and the terms that are added vanish on it. The other eigenvalues are `others`, or some
+    off the circle.
     """
     cosine, sine = chance.choice([(3, 4), (-3, 4), (4, 3), (-4, -3), (5, 12), (-12, 5), (-7, 24)])
     length = {3: 5, 4: 5, 5: 13, 12: 13, 7: 25}[abs(cosine)]
@@ -53,15 +59,17 @@ def known_torus(size: int, chance: random.Random) -> KnownTorus:
         _minus(_scaled(real, c), _scaled(imaginary, s)),
         _plus(_scaled(real, s), _scaled(imaginary, c)),
     ]
-    for place in range(2, size):
-        eigenvalue = chance.choice([Fraction(1, 2), Fraction(-1, 3), Fraction(2), Fraction(-3, 2), Fraction(0)])
-        components.append(_scaled(variables[place], eigenvalue))
+    others = others or tuple(chance.choice(OFF_THE_CIRCLE) for _ in range(2, size))
+    components += [_scaled(variables[place], value) for place, value in enumerate(others, start=2)]
     for place in range(size):
         for other in range(2, size):
             terms = _random(size, chance, 1, 2)
             components[place] = _plus(components[place], _times(variables[other], terms))
-    change = _change(size, chance)
-    back = _inverse(change)
+    linear, bent = _linear(size, chance), [_random(size, chance, 2, MOST) for _ in range(size)]
+    near = [_plus(_variable(size, place), each) for place, each in enumerate(bent)]
+    change = _composed(linear, [*near, a])
+    back = _composed(_near_inverse(bent), [*_linear_inverse(linear), a])
+    assert _composed(change, [*back, a]) == [_variable(size, place) for place in range(size)]
     moved = _composed(change, [*_composed(components, [*back, a]), a])
     columns = [[polynomial.get(_unit(size, j), Fraction(0)) for polynomial in change] for j in range(2)]
     return KnownTorus(
@@ -70,6 +78,7 @@ def known_torus(size: int, chance: random.Random) -> KnownTorus:
         (tuple(value / 2 for value in columns[0]), tuple(-value / 2 for value in columns[1])),
         d,
         r,
+        others,
     )
 
 
@@ -85,30 +94,34 @@ def _random(size: int, chance: random.Random, least: int, most: int) -> dict[Exp
     }
 
 
-def _change(size: int, chance: random.Random) -> list[Polynomial]:
-    """Coordinates whose linear part is regular; the fixed point moves with the parameter."""
-    change = []
+def _linear(size: int, chance: random.Random) -> list[Polynomial]:
+    """Linear functions of p and a, of triangular form: the fixed point moves with the parameter."""
+    rows = []
     for place in range(size):
-        linear = {_unit(size, j): Fraction(chance.randint(-2, 2)) for j in range(size) if j < place}
-        linear[_unit(size, place)] = Fraction(chance.choice([-2, -1, 1, 2]))
-        linear[_unit(size, size)] = Fraction(chance.randint(-3, 3))
-        change.append(_plus(linear, _random(size, chance, 2, MOST)))
-    return change
+        row = {_unit(size, j): Fraction(chance.randint(-2, 2)) for j in range(place)}
+        row[_unit(size, place)] = Fraction(chance.choice([-2, -1, 1, 2]))
+        row[_unit(size, size)] = Fraction(chance.randint(-3, 3))
+        rows.append(row)
+    return rows
 
 
-def _inverse(change: Sequence[Polynomial]) -> list[Polynomial]:
-    """The p with change(p, a) = q, as polynomials in (q, a), by iteration degree by degree."""
-    size = len(change)
-    a = _variable(size, size)
-    found: list[Polynomial] = [{} for _ in range(size)]
-    for _ in range(MOST * (size + 1)):
-        residual = [_minus(_variable(size, i), each) for i, each in enumerate(_composed(change, [*found, a]))]
-        # The linear part is triangular: one row at a time.
-        for i, each in enumerate(change):
-            step = residual[i]
-            found[i] = _plus(found[i], _scaled(step, 1 / each[_unit(size, i)]))
-    rest = [_minus(_variable(size, i), each) for i, each in enumerate(_composed(change, [*found, a]))]
-    assert not any(any(each.values()) for each in rest)
+def _linear_inverse(rows: Sequence[Polynomial]) -> list[Polynomial]:
+    size, found = len(rows), list[Polynomial]()
+    for place, row in enumerate(rows):
+        rest = _minus(_variable(size, place), _scaled(_variable(size, size), row[_unit(size, size)]))
+        for j, known in enumerate(found):
+            rest = _minus(rest, _scaled(known, row.get(_unit(size, j), Fraction(0))))
+        found.append(_scaled(rest, 1 / row[_unit(size, place)]))
+    return found
+
+
+def _near_inverse(bent: Sequence[Polynomial]) -> list[Polynomial]:
+    """The p with p + bent(p, a) = q as polynomials in (q, a): each iteration makes one more degree right."""
+    size = len(bent)
+    found = [_variable(size, place) for place in range(size)]
+    for _ in range(2, MOST + 1):
+        values = _composed(bent, [*found, _variable(size, size)])
+        found = [_minus(_variable(size, place), value) for place, value in enumerate(values)]
     return found
 
 
@@ -149,7 +162,9 @@ def _constant(size: int, value: Fraction) -> Polynomial:
 
 
 def _plus(left: Polynomial, right: Polynomial) -> Polynomial:
-    return {index: left.get(index, Fraction(0)) + right.get(index, Fraction(0)) for index in {**left, **right}}
+    """The sum, without terms that are 0."""
+    sums = {index: left.get(index, Fraction(0)) + right.get(index, Fraction(0)) for index in {**left, **right}}
+    return {index: value for index, value in sums.items() if value}
 
 
 def _minus(left: Polynomial, right: Polynomial) -> Polynomial:

@@ -82,6 +82,7 @@ def test_the_coefficients_of_the_conjugate_pair_are_the_same() -> None:
         (known.eigenvector[0], tuple(-value for value in known.eigenvector[1])),
         known.lyapunov,
         known.speed,
+        known.others,
     )
     with ctx.workprec(200):
         found = _coefficients(turned, acb(1))

@@ -1,4 +1,4 @@
-"""Bifurcations of periodic orbits of vector fields: folds, period doublings, pitchforks (section 25)."""
+"""Bifurcations of periodic orbits of vector fields: folds, period doublings, pitchforks, tori (section 25)."""
 
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
 from orbitproof.verify.periodic_bifurcation.following import enclose_periodic_bifurcation
@@ -7,5 +7,12 @@ from orbitproof.verify.periodic_bifurcation.proved_periodic_bifurcation import (
     PeriodicBifurcationTheorem,
     check_bifurcation_exactly,
     prove_periodic_bifurcation,
+)
+from orbitproof.verify.periodic_bifurcation.proved_torus import (
+    TorusResults,
+    TorusTheorem,
+    check_torus_exactly,
+    prove_torus,
+    without_plane,
 )
 from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, torus_coefficients

@@ -1,4 +1,4 @@
-"""Neimark-Sacker bifurcations of periodic orbits in a box: an invariant torus, its side, stability (section 25.T)."""
+"""Neimark-Sacker bifurcations of periodic orbits in a box: an invariant torus, its side (sections 25.9 to 25.12)."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class TorusResults:
 
 @dataclass(frozen=True)
 class TorusTheorem:
-    """The box of a claim contains exactly one Neimark-Sacker bifurcation as claimed (Theorem 25.T)."""
+    """The box of a claim contains exactly one Neimark-Sacker bifurcation as claimed (Theorem 25.14)."""
 
     claim: PeriodicBifurcation
 
@@ -119,7 +119,7 @@ def _check_resonances(checklist: Checklist, place: TorusPlace) -> None:
     """The pair is no pair of roots of unity of order 1, .., 4: it is not real, and there is no strong resonance."""
     statement = "the multiplier is no root of unity of order 1, 2, 3 or 4"
     remedy = "at a strong resonance the bifurcation is another one: vary a second parameter"
-    with checklist.hypothesis("non-resonance", "25.T.2", statement, remedy) as evidence:
+    with checklist.hypothesis("non-resonance", "25.10", statement, remedy) as evidence:
         power = acb(1)
         for order in _RESONANCES:
             power = power * place.multiplier
@@ -130,7 +130,7 @@ def _check_resonances(checklist: Checklist, place: TorusPlace) -> None:
 def _check_others(checklist: Checklist, equations: PointEquations, place: TorusPlace) -> Multipliers:
     """All other multipliers of the map lie inside or outside the unit circle."""
     statement = "every other multiplier of the return map lies inside or outside the unit circle"
-    with checklist.hypothesis("others", "25.T.3", statement, "more precision, or another parameter") as evidence:
+    with checklist.hypothesis("others", "25.10", statement, "more precision, or another parameter") as evidence:
         slopes = equations.slopes(place.where)
         found = multipliers_of(without_plane(equations.minus(0, slopes), place.eigenvector), 1, keeps_volume=False)
         for position, value in enumerate(found.values):
@@ -165,14 +165,14 @@ def _check_coefficients(
 ) -> TorusCoefficients:
     """The pair crosses the circle with a speed that is not 0, and the first Lyapunov coefficient is not 0."""
     statement = "the absolute value of the multiplier has a derivative in the parameter that is not 0"
-    with checklist.hypothesis("crossing", "25.T.1", statement, "smaller radii, or more precision") as evidence:
+    with checklist.hypothesis("crossing", "25.9", statement, "smaller radii, or more precision") as evidence:
         found = torus_coefficients(derivatives, place.multiplier, place.eigenvector)
         evidence.record("derivative of the absolute value", found.speed)
         message = f"it is in {show(found.speed)}"
         evidence.require(excludes_zero(found.speed), message, needs_precision=True)
     statement = "the first Lyapunov coefficient is not 0"
     remedy = "more precision, larger radii for a better third derivative, or another parameter"
-    with checklist.hypothesis("lyapunov", "25.T.2", statement, remedy) as evidence:
+    with checklist.hypothesis("lyapunov", "25.10", statement, remedy) as evidence:
         evidence.record("first Lyapunov coefficient", found.lyapunov)
         message = f"it is in {show(found.lyapunov)}"
         evidence.require(excludes_zero(found.lyapunov), message, needs_precision=True)

@@ -1,4 +1,4 @@
-"""The coefficients that decide about a Neimark-Sacker bifurcation, from derivatives of the return map (section 25.T)."""
+"""Coefficients of a Neimark-Sacker bifurcation, from derivatives of the return map (sections 25.9 and 25.10)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def torus_coefficients(derivatives: Derivatives, multiplier: acb, eigenvector: S
         multiplier: lambda, of absolute value 1.
         eigenvector: w with A w = lambda w, A the derivative by p; shape (n,).
 
-    Raises `ZeroDivisionError` unless it is shown that lambda is simple and that neither 1 nor lambda^2 is an eigenvalue.
+    Raises `ZeroDivisionError` unless lambda is shown to be simple, and neither 1 nor lambda^2 to be an eigenvalue.
     """
     size, w = len(eigenvector), list(eigenvector)
     conjugate = [each.conjugate() for each in w]

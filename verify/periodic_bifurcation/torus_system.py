@@ -1,4 +1,4 @@
-"""A point with a pair of multipliers on the unit circle: interval Newton for all that describes it (section 25.T.1)."""
+"""A point with a pair of multipliers on the unit circle: interval Newton for all that describes it (section 25.9)."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ def check_torus_point(checklist: Checklist, claim: PeriodicBifurcation, equation
         return torus_matrix(equations, balls[: size + 1], u, v, acb(c, s), (u0, v0))
 
     statement = (
-        "interval Newton: the point returns and a number of absolute value 1 in its box is a multiplier, with an eigenvector "
-        "in its box, for exactly one point of the box and one value of the interval; there the derivative of these "
-        "equations is regular"
+        "interval Newton: the point returns and a number of absolute value 1 in its box is a multiplier, with an "
+        "eigenvector in its box, for exactly one point of the box and one value of the interval; there the "
+        "derivative of these equations is regular"
     )
-    with checklist.hypothesis("bifurcation", "25.T.1", statement, _REMEDY) as evidence:
+    with checklist.hypothesis("bifurcation", "25.9", statement, _REMEDY) as evidence:
         real, imaginary = _eigenvector_defect(equations, zero, u0, v0, acb(c0, s0))
         residual = [*equations.values(zero), *real, *imaginary, c0 * c0 + s0 * s0 - 1, arb(0), arb(0)]
         numbers = range(size)
@@ -63,7 +63,7 @@ def torus_matrix(
     multiplier: acb,
     normal: tuple[Sequence[arb], Sequence[arb]],
 ) -> Matrix:
-    """The derivative of the equations (25.T1) in p, s, u, v, cos and sin: 3 n + 3 rows."""
+    """The derivative of the equations (25.4) in p, s, u, v, cos and sin: 3 n + 3 rows."""
     size = equations.size
     c, s = multiplier.real, multiplier.imag
     slopes = equations.slopes(where)
@@ -88,14 +88,14 @@ def torus_matrix(
 
 
 def check_torus_kernel(checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations) -> None:
-    """Wherever in the box a number in the box of the multiplier is one, its eigenvector is in the box of eigenvectors."""
+    """Wherever in the box a number in the box of the multiplier is one, its eigenvector is in its box."""
     (u0, v0), (c0, s0) = _middle(claim)
     statement = "at all points of the box with a multiplier in its box the eigenvector lies in its box"
     remedy = "give a larger kernel_radius, or smaller radii"
-    with checklist.hypothesis("kernel", "25.T.1", statement, remedy) as evidence:
+    with checklist.hypothesis("kernel", "25.9", statement, remedy) as evidence:
         side, sides = symmetric(claim.kernel_radius), sides_of(claim)
         multiplier = acb(c0 + side, s0 + side)
-        real, imaginary = _eigenvector_defect(equations, sides, u0, v0, multiplier)
+        real, imaginary = _eigenvector_defect(equations, sides, u0, v0, acb(c0, s0))
         shifted = equations.minus(0, equations.slopes(sides))
         middle = list(map(acb, u0, v0))
         matrix = [
