@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from support.periodic_cases import ONE, ZERO, unit
+from support.periodic_cases import LORENZ, ONE, ZERO, unit
 
 from orbitproof.shared.formats import PeriodicBifurcation, define_system
 from orbitproof.shared.systems import System
@@ -110,6 +111,47 @@ LEVEL_FOLD = define_system(
 )
 """On the level h of x^2 + y^2 circles with u^2 = h - 1 - a."""
 
+AREA = define_system(
+    {
+        "name": "area",
+        "state": "x y u v",
+        "parameters": "c",
+        "where": {
+            "k": "x**2 + y**2 - 1",
+            "g": "(u**2 + v**2 + x*(u**2 - v**2) + 2*y*u*v)/2",
+            "h": "(c*g - k)/2",
+        },
+        "field": {
+            "x": "-y",
+            "y": "x",
+            "u": "-v/2 + (v + x*v - y*u)/2 + h*(v - x*v + y*u)",
+            "v": "u/2 - (u - x*u - y*v)/2 - h*(u + x*u + y*v)",
+        },
+        "first_integral": "x**2 + y**2",
+    }
+)
+"""(u, v) by a Hamiltonian, V^2/2 - (h - 1) U^2/2 + c U^4/4 on the unit circle, where -1 is a double multiplier.
+
+New orbits have V = 0 and (5/4) (h - 1) = c U^2 to first order.
+"""
+
+VERTICAL = define_system(
+    {
+        "name": "vertical",
+        "state": "x y u v w",
+        "parameters": "a",
+        "where": {"s": "1 - x**2 - y**2", "i": "(w - 1)/2 - (u**2 + v**2)/2", "j": "(w + 1)/2 - (u**2 + v**2)/2"},
+        "field": {
+            "x": "x*s/8 - y",
+            "y": "x + y*s/8",
+            "u": "i*u + j*(x*u + y*v) - v/2",
+            "v": "i*v + j*(y*u - x*v) + u/2",
+            "w": "a",
+        },
+    }
+)
+"""`DOUBLING` with w for a: periodic orbits for a = 0 only, and for all w."""
+
 ROESSLER = define_system(
     {
         "name": "roessler",
@@ -181,7 +223,86 @@ def levels(c: Any = 1, **more: Any) -> PeriodicBifurcation:
     return bifurcation(LEVELS, "periodic-doubling", 1, [ONE, ZERO, ZERO, ZERO], [ZERO, ONE, ZERO], **given)
 
 
+def area(c: Any = 1, **more: Any) -> PeriodicBifurcation:
+    """The doubling of `AREA` at the level 1."""
+    given: dict[str, Any] = {"parameters": {"c": Fraction(c)}, "level": ONE, **more}
+    return bifurcation(AREA, "periodic-doubling", 1, [ONE, ZERO, ZERO, ZERO], [ZERO, ONE, ZERO], **given)
+
+
+def vertical(**more: Any) -> PeriodicBifurcation:
+    """The doubling of `VERTICAL` at w = 0."""
+    given: dict[str, Any] = {"parameters": {"a": ZERO}, "parameter": "a", **more}
+    centre, kernel = [ONE, ZERO, ZERO, ZERO, ZERO], [ZERO, ONE, ZERO, ZERO]
+    return bifurcation(VERTICAL, "periodic-doubling", 1, centre, kernel, **given)
+
+
 def level_fold(**more: Any) -> PeriodicBifurcation:
     """The fold of `LEVEL_FOLD` at the level 1."""
     given: dict[str, Any] = {"parameters": {"a": ZERO}, "level": ONE, **more}
     return bifurcation(LEVEL_FOLD, "periodic-fold", 1, [ONE, ZERO, ZERO], [ZERO, ONE], **given)
+
+
+def _decimals(*texts: str) -> list[Fraction]:
+    return [Fraction(text) for text in texts]
+
+
+def roessler(**more: Any) -> PeriodicBifurcation:
+    """The first period doubling of Roessler's system with a = b = 1/5, at y = 0 upwards."""
+    centre = _decimals("5.1081491751523568313940818628970840315872", "0", "1.6384006889458854623329467948432555909587")
+    kernel = _decimals("-0.4664554293329795809875744818211194435314", "-0.8845447034750621975299739089303844425223")
+    value = Fraction("2.8324450278625389136738461356535016517090")
+    given: dict[str, Any] = {
+        "parameters": {"a": Fraction(1, 5), "b": Fraction(1, 5), "c": value}, "parameter": "c", **more
+    }  # fmt: skip
+    return bifurcation(ROESSLER, "periodic-doubling", 1, centre, kernel, **given)
+
+
+TURN = ((-ONE, ZERO, ZERO), (ZERO, -ONE, ZERO), (ZERO, ZERO, ONE))
+"""The symmetry of Lorenz' system."""
+
+
+def _lorenz(kind: str, rho: str, centre: list[Fraction], kernel: list[Fraction], **more: Any) -> PeriodicBifurcation:
+    parameters = {"sigma": Fraction(10), "rho": Fraction(rho), "beta": Fraction(8, 3)}
+    given: dict[str, Any] = {"parameters": parameters, "parameter": "rho", "direction": -1, **more}
+    return bifurcation(LORENZ, kind, 2, centre, kernel, **given)
+
+
+def lorenz_pitchfork(**more: Any) -> PeriodicBifurcation:
+    """Where the symmetric orbit of large rho loses its symmetry."""
+    centre = _decimals(
+        "-20.5831045756722317499301077507184285058467", "46.2759771051244295450119920890922092767637", "312"
+    )
+    kernel = _decimals("-0.0177121281603731254204606777063172556216", "-0.9998431279535957005474030190312870691871")
+    given = {"symmetry": TURN, **more}
+    return _lorenz("periodic-pitchfork", "312.9735329841616128630664753895300741784200", centre, kernel, **given)
+
+
+def lorenz_second_pitchfork(**more: Any) -> PeriodicBifurcation:
+    """The same of an orbit with two crossings in half a period."""
+    centre = _decimals(
+        "-9.6119258590428476454996074522387847754097", "35.1285570819961691676348872852039035987846", "154"
+    )
+    kernel = _decimals("0.1562366585772581393666580350474727851302", "0.9877196497572645824930574222622911614858")
+    given = {"symmetry": TURN, "crossings": 2, **more}
+    return _lorenz("periodic-pitchfork", "154.4363508828694394874550221832439026819311", centre, kernel, **given)
+
+
+def lorenz_fold(**more: Any) -> PeriodicBifurcation:
+    """Where the orbits of the window below rho = 166.06 vanish, four crossings."""
+    centre = _decimals(
+        "9.4510231333136822564180119896230918640945", "-42.9474831932462099721798084252109390188378", "165"
+    )
+    kernel = _decimals("-0.1300386836905722989546294819731996171306", "-0.9916678132044588060718202772147483303381")
+    given = {"crossings": 4, **more}
+    return _lorenz("periodic-fold", "166.0614921038597126691465393620967348327095", centre, kernel, **given)
+
+
+def shifted(claim: PeriodicBifurcation, place: int, by: Fraction) -> PeriodicBifurcation:
+    """The box moved in one of its directions, the last one that of what varies."""
+    if place < len(claim.radii):
+        centre = tuple(x + row[place] * by for x, row in zip(claim.centre, claim.frame, strict=True))
+        return replace(claim, centre=centre)
+    if claim.parameter is None:
+        assert claim.level is not None
+        return replace(claim, level=claim.level + by)
+    return replace(claim, parameters={**claim.parameters, claim.parameter: claim.parameters[claim.parameter] + by})

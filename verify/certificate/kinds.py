@@ -16,18 +16,24 @@ from orbitproof.verify.certificate.bifurcation_rows import BIFURCATIONS
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.orbit_rows import ORBITS
-from orbitproof.verify.certificate.periodic_bifurcation_rows import BIFURCATIONS_OF_PERIODIC_ORBITS
+from orbitproof.verify.certificate.periodic_bifurcation_rows import (
+    BIFURCATIONS_OF_PERIODIC_ORBITS,
+    TORI_AT_PERIODIC_ORBITS,
+)
 from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
 from orbitproof.verify.certificate.row_kind import Progress, RowKind
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults
 from orbitproof.verify.periodic import PeriodicEnclosures, PeriodicResults
+from orbitproof.verify.periodic_bifurcation import BifurcationEnclosures, PeriodicBifurcationResults
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
-_ALL: tuple[RowKind[Any, Any, Any], ...] = (BIFURCATIONS, ORBITS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS)
-Found = Enclosures | OrbitEnclosures | PeriodicEnclosures
-Results = BifurcationResults | OrbitResults | PeriodicResults
+_ALL: tuple[RowKind[Any, Any, Any], ...] = (
+    BIFURCATIONS, ORBITS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS, TORI_AT_PERIODIC_ORBITS
+)  # fmt: skip
+Found = Enclosures | OrbitEnclosures | PeriodicEnclosures | BifurcationEnclosures
+Results = BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults
 
 KINDS: Mapping[str, RowKind[Any, Any, Any]] = {name: kind for kind in _ALL for name in kind.names}
 """By the kinds of claims as candidates say them."""

@@ -1,22 +1,64 @@
-"""Bifurcations of periodic orbits without symmetry as rows of a certificates file."""
+"""Bifurcations of periodic orbits without symmetry as rows of a certificates file (section 25)."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from orbitproof.shared.claims import PERIODIC_BIFURCATIONS
-from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
-from orbitproof.verify.evidence import Reason
-
-_NOT_YET = Reason(
-    "theorem",
-    "bifurcations of periodic orbits without symmetry are not proved by this version",
-    "claim a periodic orbit",
+from orbitproof.shared.claims import (
+    PERIODIC_DOUBLING,
+    PERIODIC_FOLD,
+    PERIODIC_PITCHFORK,
+    PERIODIC_TORUS,
+    PeriodicBifurcation,
 )
+from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
+from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.certificate.stated_system import without_symmetry
+from orbitproof.verify.evidence import Reason
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle.precision import periodic_precision
+from orbitproof.verify.periodic_bifurcation import (
+    BifurcationEnclosures,
+    PeriodicBifurcationResults,
+    PeriodicBifurcationTheorem,
+    check_bifurcation_exactly,
+    enclose_periodic_bifurcation,
+    prove_periodic_bifurcation,
+    variables_of,
+)
+from orbitproof.verify.poincare import IntegratorSettings
 
-BIFURCATIONS_OF_PERIODIC_ORBITS = replace(
+_SAID = {PERIODIC_FOLD: "fold", PERIODIC_DOUBLING: "period doubling", PERIODIC_PITCHFORK: "symmetry breaking"}
+
+
+def _enclose(
+    claim: PeriodicBifurcation, settings: IntegratorSettings, progress: Progress | None
+) -> BifurcationEnclosures:
+    return enclose_periodic_bifurcation(claim, settings, ORACLE, progress)
+
+
+BIFURCATIONS_OF_PERIODIC_ORBITS = RowKind(
+    names=tuple(_SAID),
+    enclosures=BifurcationEnclosures,
+    results=PeriodicBifurcationResults,
+    statement=without_symmetry,
+    theorem_of=lambda claim, form: PeriodicBifurcationTheorem(claim),
+    first_precision=periodic_precision,
+    check_exactly=check_bifurcation_exactly,
+    enclose=_enclose,
+    prove=prove_periodic_bifurcation,
+    said=lambda k, kind: f"{_SAID[kind]} of periodic orbits",
+    attributes=lambda found: {
+        "parameter_name": found.parameter_name, "parameter": found.parameter, "side": found.side
+    },
+    variables=variables_of,
+)  # fmt: skip
+
+_NOT_YET = Reason("theorem", "torus bifurcations are not proved by this version", "claim a periodic orbit")
+
+TORI_AT_PERIODIC_ORBITS = replace(
     PERIODIC_ORBITS,
-    names=PERIODIC_BIFURCATIONS,
+    names=(PERIODIC_TORUS,),
     theorem_of=lambda claim, form: _NOT_YET,
     said=lambda k, kind: kind,
 )

@@ -11,7 +11,7 @@ from math import ceil, floor, isfinite
 
 from flint import arb
 
-from orbitproof.shared.formats import BoxClaim, Candidate, InSection
+from orbitproof.shared.formats import BoxClaim, Candidate, InSection, PeriodicBifurcation
 from orbitproof.verify.bifurcation import BifurcationResults, coordinates_in_box
 from orbitproof.verify.evidence import (
     IntegrationFailure,
@@ -29,9 +29,10 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.oracle.approximations import ORACLE
 from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
+from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults
 from orbitproof.verify.poincare import Returns, box_of, default_order
 
-Verdict = Outcome[BifurcationResults | OrbitResults | PeriodicResults]
+Verdict = Outcome[BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults]
 
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
@@ -108,7 +109,8 @@ def periodic_precision(claim: InSection, digits: int) -> int:
 
     Derivatives are known to the error of the image divided by the half-widths of the box.
     """
-    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in claim.radii)
+    radii = (*claim.radii, claim.parameter_radius) if isinstance(claim, PeriodicBifurcation) else claim.radii
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in radii)
     wanted = widths + ceil(digits * _BITS_PER_DIGIT) + _RESERVE + 2 * _RESERVE_PER_RETURN * claim.crossings
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
@@ -137,12 +139,14 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
     return max(0, denominator.bit_length() - numerator.bit_length())
 
 
-def least_known(found: BifurcationResults | OrbitResults | PeriodicResults) -> arb:
+def least_known(found: BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults) -> arb:
     """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
     if isinstance(found, BifurcationResults):
         return found.parameter
     if isinstance(found, PeriodicResults):
         return found.period
+    if isinstance(found, PeriodicBifurcationResults):
+        return found.parameter if excludes_zero(found.parameter) else found.period
     complex_numbers = (*found.stability.parameters, *found.stability.multipliers)
     balls = [part for value in complex_numbers for part in (value.real, value.imag)]
     balls += [*found.point.values(), *found.other_point.values(), found.period]

@@ -1,6 +1,6 @@
 """Bifurcations of periodic orbits of vector fields: folds, period doublings, pitchforks, tori (section 25)."""
 
-from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
+from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures, variables_of
 from orbitproof.verify.periodic_bifurcation.following import enclose_periodic_bifurcation
 from orbitproof.verify.periodic_bifurcation.proved_periodic_bifurcation import (
     PeriodicBifurcationResults,

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 from flint import arb
 
+from orbitproof.shared.formats import PeriodicBifurcation
+from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.evidence import MAX_ORDER, DerivativeTable, MultiIndex, all_finite, indices_up_to
 from orbitproof.verify.periodic import SectionReturn
 
@@ -27,19 +30,24 @@ class BifurcationEnclosures:
         coordinates: in which the orbits were followed.
     """
 
-    earlier: tuple[SectionReturn, ...]
-    image: tuple[DerivativeTable, ...]
+    earlier: Annotated[tuple[SectionReturn, ...], rules(maxItems=32)]
+    image: Annotated[tuple[DerivativeTable, ...], rules(minItems=1, maxItems=32)]
     time: DerivativeTable
     integral: DerivativeTable | None
-    order: int
-    precision: int
-    steps: int
-    coordinates: str = "physical"
+    order: int = stored(hidden=True, default=0)
+    precision: int = stored(hidden=True, default=0)
+    steps: int = stored(hidden=True, default=0)
+    coordinates: str = stored(hidden=True, default="physical")
 
     @property
     def tables(self) -> tuple[DerivativeTable, ...]:
         """All of them."""
         return (*self.image, self.time, *(() if self.integral is None else (self.integral,)))
+
+
+def variables_of(claim: PeriodicBifurcation) -> int:
+    """How many variables the functions among the enclosures of a claim have."""
+    return len(claim.radii) + (claim.parameter is not None)
 
 
 def is_complete(table: DerivativeTable, indices: Sequence[MultiIndex]) -> bool:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 from flint import acb, arb
 
+from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import PERIODIC_FOLD, PERIODIC_PITCHFORK, PeriodicBifurcation
 from orbitproof.verify.claim import is_free_of_divergence
 from orbitproof.verify.evidence import (
@@ -59,7 +60,7 @@ class PeriodicBifurcationResults:
     """
 
     point: Mapping[str, arb]
-    parameter_name: str
+    parameter_name: Title
     parameter: arb
     period: arb
     known: Literal[1, -1]
@@ -68,8 +69,10 @@ class PeriodicBifurcationResults:
     opening: arb
     criticality: Literal["supercritical", "subcritical"] | None = None
     is_fixed: bool | None = None
-    level_name: str = ""
+    level_name: Title = ""
     level: arb | None = None
+
+    stored_rules: ClassVar = {"dependentRequired": {"level": ["level_name"]}}
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.newton import BoxFunction
 from orbitproof.verify.periodic import SectionReturn, gradient_on, state_on_box, stops_of
-from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures, is_complete
+from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures, is_complete, variables_of
 from orbitproof.verify.periodic_bifurcation.equations import PointEquations, sides_of
 
 
@@ -27,7 +27,7 @@ def check_returns(
 ) -> BifurcationEnclosures:
     """Every enclosure that is used is there and finite, and times are positive."""
     size, stops = len(claim.radii), stops_of(claim.crossings)
-    variables = size + (claim.parameter is not None)
+    variables = variables_of(claim)
     count = "1 crossing" if claim.crossings == 1 else f"{claim.crossings} crossings"
     statement = f"the return map of {count} in the direction exists on the box, with finite enclosures to order 3"
     with checklist.hypothesis("return-map", "25.2", statement, "smaller radii or more precision") as evidence:

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import acb, arb
 
-from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.formats import InSection, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import Program
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import certain_digits, decimal_interval, dot, enclose, exact_text, located, symmetric
@@ -28,7 +28,7 @@ def periodic_in_words(theorem: PeriodicTheorem) -> str:
     where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
     level = ""
     if claim.level is not None:
-        level = f" and {_integral(claim)} = {exact_text(claim.level)}"
+        level = f" and {integral_in_words(claim)} = {exact_text(claim.level)}"
     near = "" if claim.level is None else " of its level"
     moved = "the parameters" if claim.level is None else "the parameters and the level"
     times = "exactly once" if m == 1 else f"in exactly {m} points"
@@ -45,29 +45,37 @@ def periodic_in_words(theorem: PeriodicTheorem) -> str:
 
 def periodic_in_full(claim: PeriodicOrbit, theorem: str, found: PeriodicResults) -> Iterator[str]:
     """System, section, box, theorem and what was found, in lines."""
+    yield from setting_in_section(claim)
+    yield "Theorem."
+    yield theorem
+    yield from periodic_found(claim, found)
+
+
+def setting_in_section(claim: InSection) -> Iterator[str]:
+    """System, section and box, in lines; of a parameter that varies nothing but its name."""
     system, names = claim.system, names_in_words(claim.system)
+    varying = claim.parameter if isinstance(claim, PeriodicBifurcation) else None
     state = [names.get(name, name) for name in system.state]
     yield f"The {system.title}:"
     left = [f"{name}'" for name in state]
     yield from (f"  {line}" for line in equations(_in_words(claim, system.program), left, _TAKEN))
-    for name, value in keyed_in_words(system, claim.parameters).items():
+    fixed = {name: value for name, value in claim.parameters.items() if name != varying}
+    for name, value in keyed_in_words(system, fixed).items():
         yield f"  {name} = {exact_text(value)}"
     if names:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
         yield f"In the description of the system {called}, which has another meaning here."
     if claim.level is not None and system.first_integral_program is not None:
-        yield f"A first integral, the {_integral(claim)}:"
+        yield f"A first integral, the {integral_in_words(claim)}:"
         program = _in_words(claim, system.first_integral_program)
         yield from (f"  {line}" for line in equations(program, ["H"], _TAKEN))
     word = "grows" if claim.direction > 0 else "falls"
     yield (
-        f"The section is the set of all points with {_linear(claim.normal, state)} = {exact_text(claim.offset)}; it is "
-        f"crossed in the direction of the candidate where the left side {word} in time."
+        f"The section is the set of all points with {linear_in_words(claim.normal, state)} = "
+        f"{exact_text(claim.offset)}; it is crossed in the direction of the candidate where the left side {word} in "
+        "time."
     )
     yield from _box(claim, state)
-    yield "Theorem."
-    yield theorem
-    yield from periodic_found(claim, found)
 
 
 def periodic_found(claim: PeriodicOrbit, found: PeriodicResults) -> Iterator[str]:
@@ -75,10 +83,15 @@ def periodic_found(claim: PeriodicOrbit, found: PeriodicResults) -> Iterator[str
     place = ", ".join(located(name, ball, _DIGITS) for name, ball in keyed_in_words(claim.system, found.point).items())
     yield f"The point of the orbit in the box has {place}."
     yield f"The least period lies in {decimal_interval(found.period, _DIGITS)}."
-    yield from _multipliers(found.multipliers)
+    yield from multipliers_in_words(found.multipliers)
+    if found.multipliers.is_attracting:
+        yield "The orbit is asymptotically stable, with asymptotic phase."
+    elif found.multipliers.outside:
+        yield "The orbit is unstable."
 
 
-def _multipliers(found: Multipliers) -> Iterator[str]:
+def multipliers_in_words(found: Multipliers, known: int | None = None) -> Iterator[str]:
+    """Those that are 1 for every orbit, one that is known where an orbit bifurcates, and the others, in lines."""
     if found.trivial == 1:
         yield "One multiplier is 1, that of the direction of the flow."
     else:
@@ -86,6 +99,8 @@ def _multipliers(found: Multipliers) -> Iterator[str]:
             "The multiplier 1 occurs at least twice, as for every orbit on a level of a first integral: once for the "
             "direction of the flow, once for the levels."
         )
+    if known is not None:
+        yield f"One more multiplier is {known} exactly, that of the bifurcation."
     if not found.values:
         yield "The other multipliers are not enclosed." if found.undecided else "There are no other multipliers."
         return
@@ -94,10 +109,6 @@ def _multipliers(found: Multipliers) -> Iterator[str]:
     yield "Of them " + ", ".join(f"{count} {_lie(count)} {where}" for count, where in counts) + " the unit circle."
     if found.undecided:
         yield f"Where {found.undecided} of them {_lie(found.undecided)} is not decided."
-    if found.is_attracting:
-        yield "The orbit is asymptotically stable, with asymptotic phase."
-    elif found.outside:
-        yield "The orbit is unstable."
 
 
 def _lie(count: int) -> str:
@@ -110,12 +121,13 @@ def _complex(value: acb) -> str:
     return f"{decimal_interval(value.real, _DIGITS)} + i {decimal_interval(value.imag, _DIGITS)}"
 
 
-def _integral(claim: PeriodicOrbit) -> str:
+def integral_in_words(claim: InSection) -> str:
+    """What the first integral is called."""
     name = claim.system.first_integral_name
     return "first integral H" if name is None or name == "first integral" else f"{name} H"
 
 
-def _in_words(claim: PeriodicOrbit, program: Program) -> Program:
+def _in_words(claim: InSection, program: Program) -> Program:
     """A function of state and parameters with their names as they are written."""
     names = names_in_words(claim.system)
     steps = [step if step.name is None else replace(step, name=names.get(step.name, step.name))
@@ -123,7 +135,7 @@ def _in_words(claim: PeriodicOrbit, program: Program) -> Program:
     return replace(program, inputs=tuple(names.get(name, name) for name in program.inputs), instructions=tuple(steps))
 
 
-def _box(claim: PeriodicOrbit, state: list[str]) -> Iterator[str]:
+def _box(claim: InSection, state: list[str]) -> Iterator[str]:
     radii = ", ".join(exact_text(radius) for radius in claim.radii)
     yield (
         f"The box, in the coordinates ({', '.join(state)}): all points centre + frame p with |p_i| <= R_i, i = 0, .., "
@@ -138,11 +150,12 @@ def _box(claim: PeriodicOrbit, state: list[str]) -> Iterator[str]:
         yield f"  {name}: its centre is {centre}, {lies}."
 
 
-def _linear(factors: tuple[Fraction, ...], names: list[str]) -> str:
+def linear_in_words(factors: tuple[Fraction, ...], names: list[str]) -> str:
+    """A linear function of coordinates with these names."""
     terms: list[str] = []
     for factor, name in zip(factors, names, strict=True):
         if factor:
             size = "" if abs(factor) == 1 else f"{exact_text(abs(factor))} "
             sign = "-" if factor < 0 else "+" if terms else ""
             terms.append(f"{sign}{' ' if terms else ''}{size}{name}")
-    return " ".join(terms)
+    return " ".join(terms) or "0"

@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import count
 from math import floor, log10
 
-from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicOrbit
+from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.verify.bifurcation import BifurcationTheorem
 from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words
 from orbitproof.verify.evidence import (
@@ -23,10 +23,15 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.orbit import OrbitResults, OrbitTheorem
 from orbitproof.verify.periodic import PeriodicResults, PeriodicTheorem
+from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, PeriodicBifurcationTheorem
 from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
 from orbitproof.verify.words.formulas import setting
 from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
 from orbitproof.verify.words.periodic import periodic_in_full, periodic_in_words
+from orbitproof.verify.words.periodic_bifurcation import (
+    periodic_bifurcation_in_full,
+    periodic_bifurcation_in_words,
+)
 
 _DIGITS = 40
 _BITS = 1024
@@ -43,19 +48,26 @@ def theorem_in_words(theorem: Theorem) -> str:
             return orbit_in_words(theorem)
         case PeriodicTheorem():
             return periodic_in_words(theorem)
+        case PeriodicBifurcationTheorem():
+            return periodic_bifurcation_in_words(theorem)
     raise TypeError(f"{type(theorem).__name__}: a theorem about no box")
 
 
-def in_full(candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults | PeriodicResults) -> str:
+def in_full(
+    candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults | PeriodicResults | PeriodicBifurcationResults
+) -> str:
     """System, box, theorem, what its words mean, and what was found, in this order.
 
     The decimals of the box are rounded outward where it is enclosed, and inward where something is said to lie in it.
     """
-    if not isinstance(candidate, Candidate) or isinstance(found, PeriodicResults):
-        if not (isinstance(candidate, PeriodicOrbit) and isinstance(found, PeriodicResults)):
-            raise TypeError("the results are those of another kind of claim")
+    if not isinstance(candidate, Candidate) or isinstance(found, (PeriodicResults, PeriodicBifurcationResults)):
+        words = theorem_in_words(theorem)
         with guarded(_BITS):
-            return "\n".join(periodic_in_full(candidate, theorem_in_words(theorem), found))
+            if isinstance(candidate, PeriodicOrbit) and isinstance(found, PeriodicResults):
+                return "\n".join(periodic_in_full(candidate, words, found))
+            if isinstance(candidate, PeriodicBifurcation) and isinstance(found, PeriodicBifurcationResults):
+                return "\n".join(periodic_bifurcation_in_full(candidate, words, found))
+        raise TypeError("the results are those of another kind of claim")
     system = candidate.system
     form = theorem.claim if isinstance(theorem, BifurcationTheorem) and theorem.in_own_box else None
     own, claim = claim_in_words(candidate), claim_in_words(form or candidate)
