@@ -525,6 +525,11 @@ def test_what_progress_raises_passes_through() -> None:
         (lambda: enclose.box({"x": 0.1, "v": 0}), "no exact number"),
         (lambda: enclose.box({"x": "nan", "v": 0}), "no exact number"),
         (lambda: enclose.box({"x": True, "v": 0}), "no exact number"),
+        (lambda: enclose.box({"x": "+-1", "v": 0}), "no exact number"),
+        (lambda: enclose.Box({"x": 0.5, "v": 0}, {}, ()), "no Fraction"),  # type: ignore[dict-item]
+        (lambda: enclose.Box({"x": Fraction(1)}, {"x": (Fraction(1),)}, (Fraction(-1),)), "positive"),
+        (lambda: enclose.Box({"x": Fraction(1)}, {"x": ()}, (Fraction(1),)), "one for each"),
+        (lambda: enclose.Section({"x": Fraction(0)}, Fraction(0)), "normal is zero"),
         (lambda: enclose.box({"x": 1, "v": 0}, radii={"x": 0}), "positive"),
         (lambda: enclose.box({"x": 1, "v": 0}, radii={"u": 1}), "unknown"),
         (lambda: enclose.box({"x": 1, "v": 0}, None, [1]), "by name"),

@@ -53,8 +53,8 @@ def flow(
         time: exact, in the system's units, of either sign.
         derivatives: largest order of the derivatives by the box's variables, at most 3.
         precision: bits; by default 128, and half as many more until the state at the centre has `digits` digits.
-        digits: that are aimed at if no precision is given; an enclosure with fewer is returned if 1024 bits are not
-            enough for them.
+        digits: that are aimed at if no precision is given; an enclosure with fewer is returned if no attempt with up to
+            1024 bits has as many.
         degree: of the polynomials in the box's variables that are kept; by default the largest order. More is
             sharper on large boxes.
         oracle: finds approximations; nothing is believed of it.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 
 from orbitproof.shared.numbers import parse_exact
@@ -15,7 +16,7 @@ def exact(key: str, value: Number) -> Fraction:
         return Fraction(value)
     if isinstance(value, str):
         try:
-            return parse_exact(value.strip().removeprefix("+"))
+            return parse_exact(re.sub(r"^\+(?=[0-9])", "", value.strip()))
         except ValueError:
             pass
     raise ValueError(f"{key}: {value!r} is no exact number; write it as text, '0.1' or '1/3', or as an int or Fraction")

@@ -18,12 +18,29 @@ class Box:
     Attributes:
         centre: by name, state coordinates and parameters.
         frame: by name, a row of the frame; names that are absent have the same value at all points.
-        radii: one for each variable p_j.
+        radii: positive, one for each variable p_j.
+
+    Raises `ValueError`, one line, for numbers that are not exact, names that are unknown, or rows of another length.
     """
 
     centre: Mapping[str, Fraction]
     frame: Mapping[str, tuple[Fraction, ...]]
     radii: tuple[Fraction, ...]
+
+    def __post_init__(self) -> None:
+        for name, value in self.centre.items():
+            _exactly(f"centre.{name}", value)
+        for position, radius in enumerate(self.radii):
+            _exactly(f"radii.{position}", radius)
+        if not all(radius > 0 for radius in self.radii):
+            raise ValueError("radii: they are positive; leave the variable out of the frame if it does not vary")
+        for name, row in self.frame.items():
+            if name not in self.centre:
+                raise ValueError(f"frame.{name}: unknown; the centre has {', '.join(self.centre)}")
+            if len(row) != len(self.radii):
+                raise ValueError(f"frame.{name}: {len(row)} numbers for {len(self.radii)} radii; give one for each")
+            for value in row:
+                _exactly(f"frame.{name}", value)
 
     def row(self, name: str) -> tuple[Fraction, ...]:
         """The row of the frame for a name."""
@@ -86,14 +103,7 @@ def box(
     elif isinstance(radii, Mapping):
         raise ValueError("radii: with a frame they are a list, one for each of its columns")
     sizes = tuple(exact(f"radii.{index}", value) for index, value in enumerate(radii))
-    if not all(size > 0 for size in sizes):
-        raise ValueError("radii: they are positive; leave the variable out of the frame if it does not vary")
     rows = {name: tuple(exact(f"frame.{name}", value) for value in row) for name, row in frame.items()}
-    for name, row in rows.items():
-        if name not in middle:
-            raise ValueError(f"frame.{name}: unknown; the centre has {', '.join(middle)}")
-        if len(row) != len(sizes):
-            raise ValueError(f"frame.{name}: {len(row)} numbers for {len(sizes)} radii; give one for each")
     return Box(middle, rows, sizes)
 
 
@@ -104,10 +114,18 @@ class Section:
     Attributes:
         normal: by name of a state coordinate; those that are absent have the coefficient 0.
         value: the value of normal . x on the section.
+
+    Raises `ValueError`, one line, for numbers that are not exact, or a normal that is zero.
     """
 
     normal: Mapping[str, Fraction]
     value: Fraction
+
+    def __post_init__(self) -> None:
+        for name, entry in (*self.normal.items(), ("value", self.value)):
+            _exactly(f"section.{name}", entry)
+        if not any(self.normal.values()):
+            raise ValueError("section: its normal is zero; give a coefficient that is not")
 
     def of(self, system: System) -> AffineSection:
         """The section in the order of a system's coordinates. Raises `ValueError` for other names."""
@@ -132,7 +150,11 @@ def section(normal: str | Mapping[str, Number], value: Number = 0) -> Section:
     True
     """
     entries: Mapping[str, Number] = {normal: 1} if isinstance(normal, str) else normal
-    numbers = {name: exact(f"section.{name}", entry) for name, entry in entries.items()}
-    if not any(numbers.values()):
-        raise ValueError("section: its normal is zero; give a coefficient that is not")
-    return Section(numbers, exact("section.value", value))
+    return Section(
+        {name: exact(f"section.{name}", entry) for name, entry in entries.items()}, exact("section.value", value)
+    )
+
+
+def _exactly(key: str, value: object) -> None:
+    if not isinstance(value, Fraction):
+        raise ValueError(f"{key}: {value!r} is no Fraction; `box` and `section` take other exact numbers")
