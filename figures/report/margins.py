@@ -16,6 +16,7 @@ from orbitproof.verify.evidence import bounds
 
 _NOT_ZERO = frozenset({
     "b", "g_0", "G_01", "G_11", "G_111", "G_01 + G_11 p_1'", "dH/dp_0", "h_fp'", "h_b'", "h_b''", "g''", "g''(P_1)",
+    "of s", "of y^2", "kappa",
 })  # fmt: skip
 """Enclosures of numbers that a hypothesis about a box wants to differ from 0."""
 

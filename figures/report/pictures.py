@@ -21,7 +21,7 @@ from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.formats import PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.periodic import PeriodicResults
@@ -40,6 +40,8 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     name = entry.certificate.id
     if entry.certificate.periodic is not None:
         return _of_periodic(entry, entry.certificate.periodic)
+    if isinstance(entry.candidate, PeriodicBifurcation):
+        return ()
     if entry.certificate.orbit is not None:
         caption = (
             f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the marked "

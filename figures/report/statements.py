@@ -14,7 +14,7 @@ from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.claims.fields import Matrix, Vector
-from orbitproof.shared.formats import KINDS, SURFACE, Candidate, InSection, as_options
+from orbitproof.shared.formats import KINDS, SURFACE, Candidate, InSection, PeriodicBifurcation, as_options
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
 from orbitproof.verify.claim import atlas_in_words, claim_in_words, keyed_in_words, names_in_words
@@ -216,9 +216,30 @@ def _box_in_section(claim: InSection) -> Table:
     rows.append((("value on the section",), (Code(format_exact(claim.offset)),)))
     if claim.level is not None:
         rows.append((("level of the first integral",), (Code(format_rational(claim.level)),)))
+    if isinstance(claim, PeriodicBifurcation):
+        rows += _of_bifurcation(claim)
     rows += _box_rows(claim.centre, claim.frame, claim.radii, coordinates, "")
     title = f"The box of {shown(claim.id)}; entries of A, the frame, that are 0 are left out"
     return Table(("", "exact value"), tuple(rows), title, (0.26, 0.68))
+
+
+def _of_bifurcation(claim: PeriodicBifurcation) -> Iterator[tuple[Runs, ...]]:
+    """What such a claim has beside its box."""
+    name = (
+        "the level" if claim.parameter is None else names_in_words(claim.system).get(claim.parameter, claim.parameter)
+    )
+    yield (f"half-width of the interval of {name}",), (Code(format_exact(claim.parameter_radius)),)
+    for number, vector in enumerate(claim.kernel):
+        for place, value in enumerate(vector):
+            if value:
+                yield (f"kernel, vector {number}, component {place}",), (Code(format_exact(value)),)
+    yield ("half-width of the box of the kernel",), (Code(format_exact(claim.kernel_radius)),)
+    for label, value in zip(("cos", "sin"), claim.multiplier or (), strict=False):
+        yield (f"{label} of the multiplier, about",), (Code(format_exact(value)),)
+    for i, row in enumerate(claim.symmetry or ()):
+        for j, value in enumerate(row):
+            if value:
+                yield (Math(f"S_{{{i}{j}}}"),), (Code(format_exact(value)),)
 
 
 def _box_rows(
