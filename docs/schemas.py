@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from orbitproof.explore.periodic import PeriodicFamilyRecord
-from orbitproof.shared.claims import Atlas, BoxClaim
+from orbitproof.shared.claims import BoxClaim, StoredAtlas
 from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
 from orbitproof.verify.atlas.document import BranchDocument
@@ -47,16 +47,18 @@ def schemas() -> dict[str, dict[str, Any]]:
         f"Coordinates: {COORDINATES[:-1]}; of a periodic orbit without symmetry the state coordinates.",
         "certificates": "What was claimed, every hypothesis with its enclosure, and the verdict.",
         "atlas": "A curve of symmetric periodic orbits, or a surface of them over the mass parameter, as pieces in "
-        f"order along it. Coordinates of a point: {COORDINATES}",
+        f"order along it; or a curve of periodic orbits without symmetry. Coordinates of a point: {COORDINATES[:-1]}; "
+        "of a curve without symmetry the parameter that varies, if there is one, then the state coordinates but for "
+        "that which follows from the others on the section.",
         "atlas-certificate": "What was claimed of a curve or surface, what is proved on each interval of each piece, "
         "and what follows.",
         "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
         "integral, from double precision, in the units of its system. Nothing is proved.",
     }
-    kinds = (Candidates, Certificates, Atlas, BranchDocument, PeriodicFamilyRecord)
+    kinds = (Candidates, Certificates, StoredAtlas, BranchDocument, PeriodicFamilyRecord)
     return {
         # The parameters of a surface stand in its pieces.
-        name: document_schema(name, words[name], kind, ["parameters"] if kind is Atlas else [])
+        name: document_schema(name, words[name], kind, ["parameters"] if kind is StoredAtlas else [])
         for name, kind in zip(words, kinds, strict=True)
     }
 

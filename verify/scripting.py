@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 
-from orbitproof.shared.formats import Atlas, BoxClaim, Candidate, InputError, InSection
+from orbitproof.shared.formats import AnyAtlas, BoxClaim, Candidate, InputError, InSection
 from orbitproof.verify.atlas import AtlasCertificate, Placed, kind_of, read_atlas_certificate, write_atlas_certificate
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
 from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
@@ -88,7 +88,7 @@ def certify(
 
 
 def certify_atlas(
-    claim: Atlas,
+    claim: AnyAtlas,
     *,
     complete: int | None = None,
     bifurcations: Iterable[Certificate] = (),
@@ -103,7 +103,7 @@ def certify_atlas(
     scheduler: str | None = None,
     quiet: bool = False,
 ) -> AtlasCertificate:
-    """Prove a whole branch, piece by piece: a curve, a libration family, a surface.
+    """Prove a whole branch, piece by piece: a curve, a libration family, a surface, a curve without symmetry.
 
     A piece that fails is tried with more precision, then split in two. Nothing that is wrong with a claim raises: it is
     not proved, and its certificate says why.
@@ -127,7 +127,7 @@ def certify_atlas(
     given = list(bifurcations)
     _ids(given, "bifurcations")
     if given and not kind_of(claim).holds_points:
-        raise InputError("bifurcations: a surface is about all bifurcations over it; leave them out")
+        raise InputError("bifurcations: are looked for on curves of symmetric orbits only; leave them out")
     limits = limits_of(claim, complete, max_splits, timeout, precision=precision, order=order, width=width)
     run = started(claim, limits, None if output is None else Path(output), fresh)
     workplace = Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet)

@@ -23,6 +23,13 @@ from orbitproof.shared.claims.periodic_bifurcation import (
     PERIODIC_TORUS,
     PeriodicBifurcation,
 )
+from orbitproof.shared.claims.periodic_curve import (
+    PERIODIC_CURVES,
+    AnyAtlas,
+    PeriodicAtlas,
+    PeriodicCurveClaim,
+    StoredAtlas,
+)
 from orbitproof.shared.claims.pieces import (
     COORDINATES,
     AnyPiece,

@@ -16,8 +16,10 @@ from orbitproof.shared.claims import (
     PERIODIC_FOLD,
     PERIODIC_PITCHFORK,
     PERIODIC_TORUS,
+    PERIODIC_CURVES,
     QUANTITIES,
     SURFACE,
+    AnyAtlas,
     AnyPiece,
     Atlas,
     BoxClaim,
@@ -27,7 +29,9 @@ from orbitproof.shared.claims import (
     Equation,
     InSection,
     LibrationPiece,
+    PeriodicAtlas,
     PeriodicBifurcation,
+    PeriodicCurveClaim,
     PeriodicOrbit,
     Piece,
     SurfacePiece,
@@ -55,6 +59,7 @@ from orbitproof.shared.formats.documents import (
     write_document,
     write_text,
 )
-from orbitproof.shared.formats.pieces import piece_from_json
+from orbitproof.shared.formats.periodic_curve import system_without_symmetry
+from orbitproof.shared.formats.pieces import periodic_piece_from_json, piece_from_json
 from orbitproof.shared.formats.selection import select_ids
 from orbitproof.shared.formats.systems import define_system, load_system, under_reversor

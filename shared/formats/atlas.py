@@ -11,21 +11,31 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, NoReturn
 
-from orbitproof.shared.claims import SURFACE, AnyPiece, Atlas, Claim, LibrationPiece, SurfacePiece
+from orbitproof.shared.claims import (
+    PERIODIC_CURVES,
+    SURFACE,
+    AnyAtlas,
+    AnyPiece,
+    Atlas,
+    Claim,
+    LibrationPiece,
+    SurfacePiece,
+)
 from orbitproof.shared.codec import from_json, to_json
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats.candidates import find_system, read_system
 from orbitproof.shared.formats.documents import json_text, read_document, validate_document, write_text
+from orbitproof.shared.formats.periodic_curve import periodic_atlas_from_json
 from orbitproof.shared.formats.pieces import check_length, piece_from_json
 from orbitproof.shared.systems import BRANCH_SYSTEMS, HILL, ID, ID_IN_WORDS, LINE, ReversibleSystem, fits
 
 
-def read_atlas(path: Path) -> Atlas:
+def read_atlas(path: Path) -> AnyAtlas:
     """Read an atlas file. Raises `InputError` for anything that is not a well-formed claim."""
     return atlas_from_json(read_document(path, "atlas"), str(path))
 
 
-def write_atlas(path: Path, atlas: Atlas) -> None:
+def write_atlas(path: Path, atlas: AnyAtlas) -> None:
     """Write an atlas file, whole or not at all. Raises `InputError` if it cannot be written."""
     document = atlas_to_json(atlas)
     validate_document(document, "atlas", "atlas to be written")
@@ -34,8 +44,8 @@ def write_atlas(path: Path, atlas: Atlas) -> None:
 
 def atlas_from_json(
     entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem] = BRANCH_SYSTEMS
-) -> Atlas:
-    """An `Atlas` about one of `systems` from a schema-valid JSON document; `source` begins the text of errors.
+) -> AnyAtlas:
+    """An atlas about one of `systems` from a schema-valid JSON document; `source` begins the text of errors.
 
     Raises `InputError`.
     """
@@ -46,6 +56,8 @@ def atlas_from_json(
     for name, pattern, wanted in (("id", ID, ID_IN_WORDS), ("title", LINE, "give one line of text")):
         if not fits(pattern, entry[name]):
             refuse(name, f"{entry[name]!r} is no {name}", wanted)
+    if entry["claim"]["kind"] in PERIODIC_CURVES:
+        return periodic_atlas_from_json(entry, source, systems)
     surface = entry["claim"]["kind"] == SURFACE
     if surface == ("parameters" in entry):
         why = "a surface has its parameters in its pieces" if surface else "missing"
@@ -116,7 +128,7 @@ def claim_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
     return claim
 
 
-def atlas_to_json(atlas: Atlas, provenance: bool = True) -> dict[str, Any]:
+def atlas_to_json(atlas: AnyAtlas, provenance: bool = True) -> dict[str, Any]:
     """The JSON object of an atlas, a whole document, with or without what the verifier ignores."""
     left_out = {*(["parameters"] if atlas.is_surface else []), *([] if provenance else ["provenance"])}
     entry = {key: value for key, value in to_json(atlas).items() if key not in left_out}

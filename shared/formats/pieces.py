@@ -20,11 +20,7 @@ def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
     kinds: dict[str, type[AnyPiece]] = {each.kind: each for each in (SurfacePiece, LibrationPiece)}
     piece = from_json(kinds.get(entry["kind"], Piece), entry, source)
     check = _Check(piece, source)
-    if not fits(PIECE, piece.id):
-        check.refuse("id", f"{piece.id!r} is no id of a piece", PIECE_IN_WORDS)
-    for each in fields(piece):
-        for name, number in _numbers(getattr(piece, each.name), each.name):
-            check_length(number, f"{source}.{name}")
+    check.form()
     if isinstance(piece, LibrationPiece):
         _check_libration_piece(piece, check)
         return piece
@@ -42,13 +38,21 @@ def piece_from_json(entry: Mapping[str, Any], system: ReversibleSystem, source: 
             if name in entry:
                 check.rows(name, rows, f"{system.name} needs {rows}")
         return piece
-    if len(piece.centre) != size:
-        check.refuse("centre", counted(len(piece.centre), "number"), wanted)
-    if piece.half_width <= 0:
-        check.refuse("half_width", "not positive", "turn column 0 of the frame around to turn the piece around")
-    across = f"{system.name} needs {kernel}, one for each equation"
-    check.rows("polynomial", kernel, across)
-    check.positive("tube", kernel, across)
+    check.of_curve(piece, size, kernel, wanted, system.name)
+    return piece
+
+
+def periodic_piece_from_json(entry: Mapping[str, Any], names: Sequence[str], system: str, source: str) -> Piece:
+    """A piece of a curve of periodic orbits in coordinates of these names; raises `InputError` that names the field."""
+    if entry["kind"] != "regular":
+        raise InputError(f"{source}.kind: {entry['kind']!r} in a curve that uses no symmetry; give regular pieces")
+    piece = from_json(Piece, entry, source)
+    check, size = _Check(piece, source), len(names)
+    check.form()
+    if piece.coordinates == "regularised":
+        check.refuse("coordinates", "regularised ones are for symmetric orbits", "give physical")
+    check.regular("frame", size)
+    check.of_curve(piece, size, size - 1, f"{system} needs {size} here: {', '.join(names)}", system)
     return piece
 
 
@@ -68,6 +72,24 @@ class _Check:
 
     def refuse(self, name: str, why: str, remedy: str) -> NoReturn:
         raise InputError(f"{self._source}.{name}: {why}; {remedy}")
+
+    def form(self) -> None:
+        """Its id, and the length of its numbers."""
+        if not fits(PIECE, self._piece.id):
+            self.refuse("id", f"{self._piece.id!r} is no id of a piece", PIECE_IN_WORDS)
+        for each in fields(self._piece):
+            for name, number in _numbers(getattr(self._piece, each.name), each.name):
+                check_length(number, f"{self._source}.{name}")
+
+    def of_curve(self, piece: Piece, size: int, equations: int, wanted: str, system: str) -> None:
+        """The shapes of a piece of a curve, and the signs of its widths."""
+        if len(piece.centre) != size:
+            self.refuse("centre", counted(len(piece.centre), "number"), wanted)
+        if piece.half_width <= 0:
+            self.refuse("half_width", "not positive", "turn column 0 of the frame around to turn the piece around")
+        across = f"{system} needs {equations}, one for each equation"
+        self.rows("polynomial", equations, across)
+        self.positive("tube", equations, across)
 
     def rows(self, name: str, number: int, wanted: str) -> Sequence[Sequence[Fraction]]:
         rows: Sequence[Sequence[Fraction]] = getattr(self._piece, name)

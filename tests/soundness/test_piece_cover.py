@@ -135,11 +135,11 @@ def test_parts_cover_the_interval(number: int, bits: int) -> None:
 def accept(monkeypatch: pytest.MonkeyPatch, newton: Callable[[arb], float]) -> PieceResult[ProvedInterval]:
     """The verdict where the Newton operator is replaced by one that is asked for every part."""
 
-    def answer(_: Any, functions: Any, part: arb) -> tuple[list[arb], list[arb]]:
+    def answer(functions: Any, part: arb, *_: Any) -> tuple[list[arb], list[arb]]:
         value = newton(part)
         return [arb(value)], [arb(-3 * value)]
 
-    monkeypatch.setattr(branch_piece._Proof, "_newton", answer)
+    monkeypatch.setattr(branch_piece, "_newton", answer)
     return prove(monkeypatch, lambda arithmetic: [across(arithmetic)])
 
 

@@ -273,4 +273,4 @@ def test_bifurcations_stand_beside_a_curve_that_is_checked_again_and_not_beside_
         given = ["--recheck", str(tmp_path / f"{name}.json"), "--bifurcations", str(tmp_path / "points.json")]
         codes[name] = main([*given, "--quiet"])
     assert codes == {"with": 0, "without": 1, "surface": 2}
-    assert "a surface is about all bifurcations over it" in capsys.readouterr().err
+    assert "are looked for on curves of symmetric orbits only" in capsys.readouterr().err

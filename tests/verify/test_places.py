@@ -114,7 +114,7 @@ def test_no_orbit_is_placed_on_a_surface(placed: Certificate) -> None:
     surface = AtlasCertificate(atlas, make_atlas_certificate(atlas, results, None))
     (found,) = places_on(surface, [placed])
     assert "place" not in found.certificate.to_json()
-    assert "that is no curve but a surface" in found.line
+    assert "that is no curve of symmetric orbits" in found.line
 
 
 def test_a_place_is_checked_with_the_check_of_its_curve_and_no_further(

@@ -144,7 +144,7 @@ RATES = {
 
 
 def with_rate(monkeypatch: pytest.MonkeyPatch, powers: Sequence[Fraction] | None) -> None:
-    def rate(self: HalfOrbits) -> Series | None:
+    def rate(self: HalfOrbits, _: int) -> Series | None:
         if powers is None:
             return None
         return self.arithmetic.polynomial({self.arithmetic.grading.monomials[0]: powers})

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from orbitproof.shared.formats import (
+    AnyAtlas,
     ArgumentError,
-    Atlas,
     InputError,
+    PeriodicAtlas,
     atlas_from_json,
     atlas_to_json,
     json_text,
@@ -22,10 +23,11 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import record
 from orbitproof.shared.wording import counted
-from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, Total
+from orbitproof.verify.atlas.document import BranchDocument, BranchStatement, PeriodicCurveStatement, Total
 from orbitproof.verify.atlas.listed import ListedInterval, ListedPoint
 from orbitproof.verify.atlas.results import Result, results_from_json
 from orbitproof.verify.certificate import Certificate, digest, stated
+from orbitproof.verify.certificate.document import Names
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Reason, software
 from orbitproof.verify.stability import StabilityFunctions, StabilityResult
@@ -35,12 +37,16 @@ SCHEMA = "atlas-certificate"
 T = TypeVar("T")
 
 
-def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: bool = False) -> BranchStatement:
+def statement_of(
+    atlas: AnyAtlas, with_distance: bool = False, with_variations: bool = False
+) -> BranchStatement | PeriodicCurveStatement:
     """The claim in full, but for the theorem: the atlas without provenance, and the system that it is about.
 
     `with_distance`, `with_variations`: with the distance that the system names, and the stiffness out of the plane of
     motion, if there are any.
     """
+    if isinstance(atlas, PeriodicAtlas):
+        return _without_symmetry(atlas)
     system, symmetry = atlas.system, atlas.claim.symmetry
     across = system.stiffness_across_program if with_variations else None
     return BranchStatement(
@@ -54,11 +60,22 @@ def statement_of(atlas: Atlas, with_distance: bool = False, with_variations: boo
     )
 
 
+def _without_symmetry(atlas: PeriodicAtlas) -> PeriodicCurveStatement:
+    system = atlas.system
+    integral = system.first_integral_program if atlas.claim.uses_integral else None
+    return PeriodicCurveStatement(
+        claim=atlas_to_json(atlas, provenance=False),
+        vector_field=system.program.text(),
+        first_integral=None if integral is None else integral.text(),
+        names=Names(system=system.title, first_integral=None if integral is None else system.first_integral_name),
+    )
+
+
 _UNFINISHED = Reason("unfinished", "not all intervals were tried", "run the same command again; it goes on from here")
 
 
 def make_atlas_certificate(
-    atlas: Atlas,
+    atlas: AnyAtlas,
     results: Sequence[Result],
     conclusion: Mapping[str, Any] | None,
     rests_on: Sequence[Certificate] = (),
@@ -117,14 +134,14 @@ class AtlasCertificate:
         document: fits the schema and its digest.
     """
 
-    atlas: Atlas
+    atlas: AnyAtlas
     document: Mapping[str, Any]
 
     def __repr__(self) -> str:
         pieces = counted(len(self.atlas.pieces), "piece")
         return f"<AtlasCertificate {self.id!r}: {self.verdict}, {pieces}>"
 
-    def __reduce__(self) -> tuple[type[AtlasCertificate], tuple[Atlas, Mapping[str, Any]]]:
+    def __reduce__(self) -> tuple[type[AtlasCertificate], tuple[AnyAtlas, Mapping[str, Any]]]:
         # Results that were read hold balls, which do not travel.
         return AtlasCertificate, (self.atlas, self.document)
 
@@ -209,19 +226,22 @@ def read_atlas_certificate(path: Path) -> AtlasCertificate:
     return AtlasCertificate(atlas, document)
 
 
-def results_for(certificate: AtlasCertificate, atlas: Atlas) -> list[Result]:
+def results_for(certificate: AtlasCertificate, atlas: AnyAtlas) -> list[Result]:
     """The stored results that are about an atlas: of this software, of the same claim, of pieces that are unchanged."""
     before = certificate.atlas
-    same_claim = (
-        before.system == atlas.system
-        and before.parameters == atlas.parameters
-        and before.claim.symmetry == atlas.claim.symmetry
-        and before.claim.crossings == atlas.claim.crossings
-    )
+    same_system = before.system == atlas.system and before.parameters == atlas.parameters
+    same_claim = same_system and _setting(before) == _setting(atlas)
     if not same_claim or certificate.document["software"] != software():
         return []
     unchanged = {piece.id for piece in atlas.pieces if piece in before.pieces}
     return [result for result in certificate.results if result.piece in unchanged]
+
+
+def _setting(atlas: AnyAtlas) -> tuple[Any, ...]:
+    """What of its claim the proof of a piece depends on."""
+    if isinstance(atlas, PeriodicAtlas):
+        return atlas.claim.setting
+    return atlas.claim.symmetry, atlas.claim.crossings
 
 
 class Lines:

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import Any
 
-from orbitproof.shared.formats import Atlas
+from orbitproof.shared.formats import AnyAtlas, Atlas
 from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.kinds import kind_of
@@ -16,7 +16,6 @@ from orbitproof.verify.certificate import Certificate, Recheck, repeated
 from orbitproof.verify.curve import conclude, enclose_other_point
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import StabilityResult, conclude_list
-from orbitproof.verify.surface import conclude_surface
 from orbitproof.verify.words import BranchConclusion, conclusion_in_words
 
 partner = partial(enclose_other_point, ORACLE)
@@ -27,7 +26,7 @@ Placing = Callable[[Sequence[str]], AbstractContextManager[Callable[[str], None]
 
 
 def conclusion_of(
-    atlas: Atlas,
+    atlas: AnyAtlas,
     results: Sequence[Result],
     bifurcations: Sequence[Certificate],
     check: Callable[[Sequence[Certificate]], Sequence[Recheck]],
@@ -46,8 +45,10 @@ def conclusion_of(
     """
     for name in repeated(bifurcations):
         raise ValueError(f"the certificates of bifurcations: {name!r} appears twice")
-    if not kind_of(atlas).holds_points:
-        return told(conclude_surface(atlas, results))
+    conclude_whole = kind_of(atlas).conclude
+    if conclude_whole is not None:
+        return told(conclude_whole(atlas, results))
+    assert isinstance(atlas, Atlas)
     # By the whole certificate: what was found of one says nothing of another that has its id.
     checks = dict(zip(bifurcations, check(bifurcations), strict=True))
 

@@ -13,6 +13,7 @@ from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import Bifurcation, Conclusion, ProvedCurve, Stretch
 from orbitproof.verify.distances import Ranges
 from orbitproof.verify.evidence import Proved, balls_to_json, hypothesis_to_json, outcome_to_json
+from orbitproof.verify.periodic_curve import ProvedPeriodicCurve
 from orbitproof.verify.stability import (
     Bound,
     CompleteList,
@@ -43,18 +44,22 @@ def conclusion_to_json(conclusion: BranchConclusion, statement: str) -> Json:
 _EMPTY: Json = {name: [] for name in ("hypotheses", "points", "stable", "undecided", "gaps", "extrema", "open_extrema")}
 
 
-def _whole(conclusion: Conclusion[ProvedCurve] | Conclusion[ProvedSurface], statement: str) -> Json:
+def _whole(
+    conclusion: Conclusion[ProvedCurve] | Conclusion[ProvedSurface] | Conclusion[ProvedPeriodicCurve], statement: str
+) -> Json:
     stretches: tuple[Stretch, ...] = ()
     joints: list[Json] = []
     ends: Json = {}
+    more: Json = {}
     if isinstance(conclusion.outcome, Proved):
         whole = conclusion.outcome.results
-        chain = whole.chain if isinstance(whole, ProvedCurve) else None
-        stretches = () if chain is None else chain.stretches
+        stretches = () if isinstance(whole, ProvedSurface) else whole.chain.stretches
         joints = [
             to_json(joint) for joint in (whole.joints if isinstance(whole, ProvedSurface) else whole.chain.joints)
         ]
         ends = {end: balls_to_json(balls) for end, balls in whole.ends.items()}
+        if isinstance(whole, ProvedPeriodicCurve):
+            more = {"period": to_json(whole.period), "turns": [to_json(turn) for turn in whole.turns]}
     return {
         **outcome_to_json(conclusion.outcome),
         "statement": statement,
@@ -64,6 +69,7 @@ def _whole(conclusion: Conclusion[ProvedCurve] | Conclusion[ProvedSurface], stat
         ],
         "joints": joints,
         "ends": ends,
+        **more,
         "bifurcations": [_bifurcation(entry) for entry in conclusion.bifurcations],
     }
 

@@ -11,11 +11,13 @@ from orbitproof.shared.stored import Unread, rules, stored
 from orbitproof.verify.certificate.document import (
     Digest,
     Software,
+    Stated,
     StatedWithSymmetry,
     Verdict,
     by_verdict,
 )
 from orbitproof.verify.evidence import Hypothesis, Reason
+from orbitproof.verify.periodic_curve import Turn
 from orbitproof.verify.stability import StabilityResult
 from orbitproof.verify.surface import SurfaceResult
 
@@ -32,6 +34,13 @@ class BranchStatement(StatedWithSymmetry):
     claim: Mapping[str, Any] = stored("atlas")
     derived_parameters: Mapping[str, str] = stored(default_factory=dict)
     stiffness_across: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeriodicCurveStatement(Stated):
+    """That of an atlas that uses no symmetry; the first integral only if it is used."""
+
+    claim: Mapping[str, Any] = stored("atlas")
 
 
 @dataclass(frozen=True)
@@ -60,6 +69,8 @@ class StoredConclusion:
     joints: tuple[Mapping[str, Any], ...]
     ends: Mapping[str, Any]
     bifurcations: tuple[Annotated[Mapping[str, Any], rules(required=("id", "on_curve"))], ...]
+    period: arb | None = None
+    turns: tuple[Turn, ...] = ()
     complete: Order | None = None
 
 
@@ -92,7 +103,7 @@ class BranchDocument:
     id: Id
     verdict: Verdict
     reason: Annotated[Any, Unread(Reason | None)]
-    statement: BranchStatement
+    statement: BranchStatement | PeriodicCurveStatement
     results: Annotated[Any, Unread(Annotated[tuple[AnyResult, ...], rules(maxItems=1000000)])]
     conclusion: Annotated[Any, Unread(StoredConclusion | None)]
     rests_on: Annotated[

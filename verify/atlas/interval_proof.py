@@ -11,7 +11,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.formats import AnyPiece, Atlas, LibrationPiece, SurfacePiece, piece_from_json
+from orbitproof.shared.codec import from_json
+from orbitproof.shared.formats import (
+    AnyAtlas,
+    AnyPiece,
+    LibrationPiece,
+    PeriodicAtlas,
+    PeriodicCurveClaim,
+    SurfacePiece,
+    periodic_piece_from_json,
+    piece_from_json,
+    system_without_symmetry,
+)
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.processes import Report
 from orbitproof.shared.systems import BRANCH_SYSTEMS, ReversibleSystem, describe, described
@@ -21,6 +32,7 @@ from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved, Reason
 from orbitproof.verify.oracle import ORACLE, counsel
+from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
 from orbitproof.verify.stability import STABILITY_SLOPE_BITS, StabilityResult, TubeOfOrbits, stability_of_piece
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
@@ -29,7 +41,7 @@ _MOST_SHOWN = 0.95
 
 
 def question(
-    atlas: Atlas,
+    atlas: AnyAtlas,
     piece: AnyPiece,
     interval: Interval,
     settings: Settings,
@@ -53,6 +65,7 @@ def question(
         "stability": stability,
         "timeout": timeout,
         "expected_steps": steps,
+        **({"claim": to_json(atlas.claim)} if isinstance(atlas, PeriodicAtlas) else {}),
     }
 
 
@@ -62,8 +75,6 @@ class _OutOfTimeError(Exception):
 
 def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
     """What a process does: prove a piece on an interval; the JSON of the result."""
-    system = _system_of(argument)
-    piece = piece_from_json(argument["piece"], system, "piece")
     began = time.monotonic()
     timeout = argument["timeout"]
 
@@ -73,6 +84,10 @@ def prove_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]
             raise _OutOfTimeError
 
     try:
+        if "claim" in argument:
+            return dict(to_json(_periodic(argument, stepped)))
+        system = _system_of(argument)
+        piece = piece_from_json(argument["piece"], system, "piece")
         return dict(to_json(_proved(argument, system, piece, stepped, began)))
     except _OutOfTimeError:
         condition, message = "time", f"the time limit of {timeout:g} s has passed"
@@ -113,6 +128,19 @@ def _proved(
     stability = stability_of_piece(tube, stepped, known.half_return)
     computation = replace(found.computation, seconds=round(time.monotonic() - began, 3))
     return StabilityResult(**{**vars(found.stored), "computation": computation, "stability": stability})
+
+
+def _periodic(argument: Mapping[str, Any], stepped: Callable[[float], None]) -> Result:
+    """The same of a piece of a curve that uses no symmetry."""
+    system = system_without_symmetry(argument["system"], "system", BRANCH_SYSTEMS)
+    claim = from_json(PeriodicCurveClaim, argument["claim"], "claim")
+    piece = periodic_piece_from_json(argument["piece"], claim.coordinates(system), system.name, "piece")
+    parameters = {name: parse_exact(text) for name, text in argument["parameters"].items()}
+    start, end = (parse_exact(text) for text in argument["interval"])
+    atlas = PeriodicAtlas(piece.id, piece.id, system, parameters, claim, (piece,))
+    return prove_periodic_piece(
+        atlas, piece, (start, end), ORACLE, PeriodicLimits(**argument["integrator"]), stepped
+    ).stored  # fmt: skip
 
 
 def _system_of(argument: Mapping[str, Any]) -> ReversibleSystem:

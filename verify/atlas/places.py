@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from orbitproof.shared.formats import Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas.certificate import AtlasCertificate
 from orbitproof.verify.atlas.certified import certified_point
@@ -112,13 +113,14 @@ def _placed(
     name = shown(curve.document["id"])
     if examined is None:
         for orbit in orbits:
-            yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: that is no curve but a surface"
+            yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: that is no curve of symmetric orbits"
         return
     if not (curve.is_proved and examined.stands):
         why = examined.why or "it is not proved"
         for orbit in orbits:
             yield orbit, None, f"{shown(orbit.id)}: not shown to lie on {name}: its certificate does not stand: {why}"
         return
+    assert isinstance(curve.atlas, Atlas)
     points = [certified_point(curve.atlas, orbit, recheck) for orbit in orbits]
     found = conclude(curve.atlas, curve.results, points, partner).bifurcations
     for orbit, entry in zip(orbits, found, strict=True):
@@ -135,6 +137,7 @@ def _placed(
 def _to_json(curve: AtlasCertificate, entry: Bifurcation) -> dict[str, Any]:
     place, rests_on = entry.place, _rests_on(curve)
     assert place is not None
+    assert isinstance(curve.atlas, Atlas)
     return {
         "rests_on": rests_on,
         "piece": place.piece,

@@ -17,7 +17,15 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.shared.formats import AnyPiece, Atlas, InputError, atlas_from_json, validate_document
+from orbitproof.shared.formats import (
+    PERIODIC_CURVES,
+    AnyAtlas,
+    AnyPiece,
+    Atlas,
+    InputError,
+    atlas_from_json,
+    validate_document,
+)
 from orbitproof.shared.numbers import format_exact
 from orbitproof.shared.systems import BRANCH_SYSTEMS, shown
 from orbitproof.verify.atlas.certificate import SCHEMA, make_atlas_certificate
@@ -103,11 +111,11 @@ class Means:
     """
 
     check: Callable[[Sequence[Certificate], bool], Sequence[Recheck]]
-    prove: Callable[[Atlas, Sequence[ProvedBefore], Callable[[str, Result], str]], None] | None = None
+    prove: Callable[[AnyAtlas, Sequence[ProvedBefore], Callable[[str, Result], str]], None] | None = None
     placing: Placing = lambda names: nullcontext(lambda name: None)
 
     def conclude(
-        self, atlas: Atlas, results: Sequence[Result], rests_on: Sequence[Certificate], order: int | None
+        self, atlas: AnyAtlas, results: Sequence[Result], rests_on: Sequence[Certificate], order: int | None
     ) -> Document:
         """What results and certificates of bifurcations give together."""
         return conclusion_of(atlas, results, rests_on, lambda entries: self.check(entries, False), order, self.placing)
@@ -135,10 +143,12 @@ def order_of(document: Document) -> int | None:
     return order
 
 
-def atlas_of(document: Document) -> Atlas:
+def atlas_of(document: Document) -> AnyAtlas:
     """The claim of a certificate. Raises `InputError`, `ValueError` or `CannotBeCheckedError` if there is none."""
     stated, where = document["statement"]["atlas"], "statement.atlas"
     validate_document(stated, "atlas", where)
+    if stated["claim"]["kind"] in PERIODIC_CURVES:
+        return atlas_from_json(stated, where)
     return atlas_from_json(stated, where, systems_with(BRANCH_SYSTEMS, document["statement"], stated))
 
 
@@ -192,7 +202,7 @@ def _conclusion(
     yield from _other_certificates(document, given)
     yield from decimals(document["results"], "results")
     results = results_from_json(atlas, document["results"])
-    pieces = {piece.id: piece for piece in atlas.surface_pieces()}
+    pieces = {piece.id: piece for piece in (atlas.surface_pieces() if isinstance(atlas, Atlas) else ())}
     for index, result in enumerate(results):
         for number, part in enumerate(result.parts if isinstance(result, SurfaceResult) else ()):
             place = f"results[{index}].parts[{number}]"
@@ -278,7 +288,7 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
 
 
 def _intervals(
-    document: Document, atlas: Atlas, more: Mapping[str, int]
+    document: Document, atlas: AnyAtlas, more: Mapping[str, int]
 ) -> tuple[list[ProvedBefore], dict[str, Result]]:
     """The proved intervals, to be proved with other settings, and the stored result of each by its name."""
     pieces = {piece.id: piece for piece in atlas.pieces}

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-from orbitproof.shared.formats import AnyPiece, Atlas, InputError, Piece, SurfacePiece
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas, Piece, SurfacePiece
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import Interval, IntervalResult
 from orbitproof.verify.stability import StabilityResult
@@ -19,13 +19,15 @@ Settings = Mapping[str, int]
 """Of the integrator, by name, as they stand in a result's `Computation`."""
 
 
-def results_from_json(atlas: Atlas, entries: Sequence[Mapping[str, Any]]) -> tuple[Result, ...]:
+def results_from_json(atlas: AnyAtlas, entries: Sequence[Mapping[str, Any]]) -> tuple[Result, ...]:
     """The results of a file, which fits the schema. Raises `InputError` for one that is about no piece of the atlas."""
     pieces = {piece.id: piece for piece in atlas.pieces}
     found = []
     for index, entry in enumerate(entries):
         if entry["piece"] not in pieces:
             raise InputError(f"results[{index}].piece: no such piece in the atlas")
+        if isinstance(atlas, PeriodicAtlas) and "stability" in entry:
+            raise InputError(f"results[{index}].stability: is not found for such a piece; write the file again")
         found.append(result_from_json(pieces[entry["piece"]], entry, f"results[{index}]"))
     return tuple(found)
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from flint import arb
 
-from orbitproof.shared.formats import Atlas
+from orbitproof.shared.formats import Atlas, Covers
+from orbitproof.shared.systems import System
 from orbitproof.verify.claim import check_symmetries, names_in_words, signs_on
 from orbitproof.verify.curve.gluing import Chain, follow
 from orbitproof.verify.curve.piece_claim import require_piece
@@ -55,10 +56,11 @@ def check_curve(checklist: Checklist, atlas: Atlas, results: Sequence[IntervalRe
         _check_plane(checklist, atlas, found)
     if claim.kind == "symmetric-loop":
         check_two_points(checklist, atlas.system.centre_coordinates, *found.ends)
+    names, system = atlas.system.centre_coordinates, atlas.system
     for name in claim.increasing:
-        _check_increasing(checklist, atlas, found, name)
+        check_increasing(checklist, names, system, found, name)
     if claim.covers is not None:
-        _check_covers(checklist, atlas, found)
+        check_covers(checklist, names, system, found, claim.covers)
     return found
 
 
@@ -120,9 +122,9 @@ def check_two_points(checklist: Checklist, names: Sequence[str], first: Sequence
         evidence.require(any(excludes_zero(distance) for distance in distances), "they may be the same point")
 
 
-def _check_increasing(checklist: Checklist, atlas: Atlas, chain: Chain, name: str) -> None:
-    index = atlas.system.centre_coordinates.index(name)
-    said = names_in_words(atlas.system).get(name, name)
+def check_increasing(checklist: Checklist, names: Sequence[str], system: System, chain: Chain, name: str) -> None:
+    """A coordinate increases along the curve; `names` are those of all coordinates of its points."""
+    index, said = names.index(name), names_in_words(system).get(name, name)
     with checklist.hypothesis(
         f"increasing-{name}", "15.7", f"the derivative of {said} along the curve is positive", "leave out the claim"
     ) as evidence:
@@ -133,12 +135,10 @@ def _check_increasing(checklist: Checklist, atlas: Atlas, chain: Chain, name: st
             )
 
 
-def _check_covers(checklist: Checklist, atlas: Atlas, chain: Chain) -> None:
-    covers = atlas.claim.covers
-    assert covers is not None
-    index = atlas.system.centre_coordinates.index(covers.coordinate)
+def check_covers(checklist: Checklist, names: Sequence[str], system: System, chain: Chain, covers: Covers) -> None:
+    """A coordinate takes a range along the curve."""
+    index, said = names.index(covers.coordinate), names_in_words(system).get(covers.coordinate, covers.coordinate)
     low, high = exact_text(covers.start), exact_text(covers.end)
-    said = names_in_words(atlas.system).get(covers.coordinate, covers.coordinate)
     statement = f"{said} is at most {low} where the curve begins and at least {high} where it ends"
     with checklist.hypothesis("covers", "15.7", statement, "let the pieces reach further") as evidence:
         first, last = (end[index] for end in chain.ends)

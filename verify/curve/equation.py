@@ -24,7 +24,7 @@ TUBE = Fraction(1, 2)
 
 def tube_points(
     arithmetic: Arithmetic,
-    system: ReversibleSystem,
+    names: Sequence[str],
     piece: Piece,
     interval: tuple[Fraction, Fraction],
     widths: Sequence[Fraction],
@@ -32,6 +32,7 @@ def tube_points(
     """The points of a tube about a piece's polynomial, by the names of the coordinates, as elements in (sigma, omega).
 
     Args:
+        names: of the coordinates.
         interval: middle and ds/dsigma.
         widths: dp_j/domega_j.
     """
@@ -39,7 +40,7 @@ def tube_points(
     along = [piece.half_width * middle, piece.half_width * radius]
     curves = [along, *(recentred(row, middle, radius) for row in piece.polynomial)]
     result = {}
-    for name, origin, row in zip(system.centre_coordinates, piece.centre, piece.frame, strict=True):
+    for name, origin, row in zip(names, piece.centre, piece.frame, strict=True):
         wide = [Fraction(0)] * max(len(curve) for curve in curves)
         wide[0] += origin
         for factor, curve in zip(row, curves, strict=True):
@@ -111,7 +112,9 @@ class Equation:
             for packed, scale in zip(element.coefs, arithmetic.scales, strict=True)
         ]
         self.order = [arithmetic.grading.variable(j) for j in range(len(arithmetic.grading.weights))]
-        self.errors = [arb(e) for e in element.errors]
+        # Of grades above 1 the norm is all that is used.
+        beyond = [*element.errors[2:], *element.known[2:]]
+        self.errors = [*map(arb, element.errors[:2]), sum(map(arb, beyond), arb(0))]
         self.inside = 1 / enclose(BEYOND)
 
     def value(self, part: arb) -> arb:

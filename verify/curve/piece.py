@@ -87,6 +87,12 @@ class PieceLimits:
         if min(self.precision, self.order) < 16 or self.width < 1:
             raise ValueError(f"precision {self.precision}, order {self.order}, width {self.width} are too small")
 
+    def arithmetic(self, tube: Sequence[Fraction], slope_bits: int = SLOPE_BITS, top: int = 1) -> Arithmetic:
+        """The format, for an enlarged tube of these half-widths, with grades up to `top`."""
+        grade_bits = floor(-log2(max(tube))) - max(0, self.precision - slope_bits) // top
+        grading = Grading((1,) * len(tube), top)
+        return WideArithmetic(grading, self.precision, grade_bits, self.order, width=self.width)
+
 
 def prove_piece(
     system: ReversibleSystem,
@@ -163,10 +169,7 @@ class _Proof:
     @cached_property
     def arithmetic(self) -> Arithmetic:
         """The format, of a piece that has passed `check`."""
-        limits, tube = self.limits, self.tube
-        grade_bits = floor(-log2(max(tube))) - max(0, limits.precision - self.slope_bits)
-        grading = Grading((1,) * len(tube), 1)
-        return WideArithmetic(grading, limits.precision, grade_bits, limits.order, width=limits.width)
+        return self.limits.arithmetic(self.tube, self.slope_bits)
 
     def result(self, progress: Progress | None) -> PieceResult[ProvedInterval]:
         """Whether the piece is proved."""
@@ -197,20 +200,12 @@ class _Proof:
                 divided_by_wide(equation) if signs[index] < 0 else equation
                 for index, equation in zip(self.system.kernel_coordinates, equations, strict=True)
             ]
-        statement = f"on each part of the interval the Newton operator maps the tube into 1/{_MARGIN} of itself"
-        with checklist.hypothesis("newton", "15.2", statement, "a narrower piece") as evidence:
-            images = self._images([Equation(equation) for equation in equations])
-            evidence.require(
-                len(images) >= _PARTS and all(is_inside(ball, TUBE / _MARGIN) for image, _ in images for ball in image),
-                "it does not",
-            )
-        deviation, slope_deviation = (
-            [_largest([part[which][j] for part in images]) for j in range(len(self.tube))] for which in (0, 1)
-        )
+        deviation, slope_deviation = check_newton(checklist, equations, self.radius, self.divided)
         if self.piece.kind == "symmetric" and not self.divided:
             nearest = min(abs(end) for end in self.interval)
             slope_deviation = [bound / enclose(nearest) for bound in slope_deviation]
-        return ProvedInterval(*self.interval, self._in_units(deviation), self._in_units(slope_deviation), time, half)
+        bounds = in_units(self.tube, deviation), in_units(self.tube, slope_deviation)
+        return ProvedInterval(*self.interval, *bounds, time, half)
 
     def check_claim(self, checklist: Checklist) -> None:
         """The exact conditions on the piece."""
@@ -225,7 +220,9 @@ class _Proof:
 
     def points(self) -> dict[str, Series]:
         """The points of the tube, by the names of the coordinates, as elements in (sigma, omega)."""
-        return tube_points(self.arithmetic, self.system, self.piece, (self.middle, self.radius), self.tube)
+        return tube_points(
+            self.arithmetic, self.system.centre_coordinates, self.piece, (self.middle, self.radius), self.tube
+        )
 
     def _half_return(self, computation: Account, progress: Progress | None) -> HalfReturn:
         """The orbits of the tube up to the end of their half orbits."""
@@ -246,45 +243,66 @@ class _Proof:
         """The kernel coordinates at the first return."""
         return [half.state[index] for index in self.system.kernel_coordinates]
 
-    def _images(self, equations: Sequence[Equation]) -> list[tuple[list[arb], list[arb]]]:
-        """Newton images and slopes of omega on parts that cover the interval of sigma."""
-        found = []
-        parts = [(part, 0) for part in parts_of_interval(_PARTS)]
-        while parts:
-            part, halvings = parts.pop()
-            try:
-                found.append(self._newton(equations, part))
-            except IntegrationFailure:
-                if halvings == _HALVINGS:
-                    raise
-                parts += [(half, halvings + 1) for half in halves(part)]
-        return found
 
-    def _newton(self, equations: Sequence[Equation], part: arb) -> tuple[list[arb], list[arb]]:
-        """Newton image and slope of omega on a part of the interval of sigma; raises if it is not inside the tube."""
-        size = len(equations)
-        matrix = [[equation.slope(j, part) for j in range(size)] for equation in equations]
-        residual = [equation.value(part) for equation in equations]
-        if not all_finite(residual) or not all_finite(entry for row in matrix for entry in row):
-            raise IntegrationFailure("newton", "the half return was not enclosed", "give a narrower piece")
+def in_units(tube: Sequence[Fraction], bounds: Sequence[arb]) -> tuple[Fraction, ...]:
+    """Bounds of omega_j as bounds of p_j, with few bits; `tube`: dp_j/domega_j."""
+    return tuple(dyadic_above(enclose(width) * bound) for width, bound in zip(tube, bounds, strict=True))
+
+
+def check_newton(
+    checklist: Checklist, elements: Sequence[Series], radius: Fraction, divided: bool = False
+) -> tuple[list[arb], list[arb]]:
+    """Hypothesis `newton`: for every s exactly one zero in the tube; bounds of its omega and of their slopes by s.
+
+    `radius` is ds/dsigma; `divided`: whether all equations are even in s, and slopes are those divided by s.
+    """
+    statement = f"on each part of the interval the Newton operator maps the tube into 1/{_MARGIN} of itself"
+    with checklist.hypothesis("newton", "15.2", statement, "a narrower piece") as evidence:
+        images = _images([Equation(element) for element in elements], radius, divided)
+        evidence.require(
+            len(images) >= _PARTS and all(is_inside(ball, TUBE / _MARGIN) for image, _ in images for ball in image),
+            "it does not",
+        )
+    omega, slope = ([_largest([part[which][j] for part in images]) for j in range(len(elements))] for which in (0, 1))
+    return omega, slope
+
+
+def _images(equations: Sequence[Equation], radius: Fraction, divided: bool) -> list[tuple[list[arb], list[arb]]]:
+    """Newton images and slopes of omega on parts that cover the interval of sigma."""
+    found = []
+    parts = [(part, 0) for part in parts_of_interval(_PARTS)]
+    while parts:
+        part, halvings = parts.pop()
         try:
-            image = newton_image(matrix, residual) if is_regular(matrix) else None
-        except ZeroDivisionError:
-            image = None
-        if image is None:
-            remedy = "give a narrower tube or piece; the curve may bifurcate or turn"
-            raise IntegrationFailure("newton", "the derivative across the curve may be singular", remedy)
-        if not all(is_inside(ball, TUBE / _MARGIN) for ball in image):
-            far = ", ".join(f"{float(ball.abs_upper() / enclose(TUBE)):.3g}" for ball in image)
-            message = f"the Newton image, {far} of the tube, is not well inside of it"
-            raise IntegrationFailure("newton", message, "give a better polynomial, a wider tube or a narrower piece")
-        slope = newton_image(matrix, [equation.wide_derivative(image, part, self.divided) for equation in equations])
-        scale = enclose(self.radius * self.radius if self.divided else self.radius)
-        return image, [value / scale for value in slope]
+            found.append(_newton(equations, part, radius, divided))
+        except IntegrationFailure:
+            if halvings == _HALVINGS:
+                raise
+            parts += [(half, halvings + 1) for half in halves(part)]
+    return found
 
-    def _in_units(self, bounds: Sequence[arb]) -> tuple[Fraction, ...]:
-        """Bounds of omega_j as bounds of p_j, with few bits."""
-        return tuple(dyadic_above(enclose(width) * bound) for width, bound in zip(self.tube, bounds, strict=True))
+
+def _newton(equations: Sequence[Equation], part: arb, radius: Fraction, divided: bool) -> tuple[list[arb], list[arb]]:
+    """Newton image and slope of omega on a part of the interval of sigma; raises if it is not inside the tube."""
+    size = len(equations)
+    matrix = [[equation.slope(j, part) for j in range(size)] for equation in equations]
+    residual = [equation.value(part) for equation in equations]
+    if not all_finite(residual) or not all_finite(entry for row in matrix for entry in row):
+        raise IntegrationFailure("newton", "the half return was not enclosed", "give a narrower piece")
+    try:
+        image = newton_image(matrix, residual) if is_regular(matrix) else None
+    except ZeroDivisionError:
+        image = None
+    if image is None:
+        remedy = "give a narrower tube or piece; the curve may bifurcate or turn"
+        raise IntegrationFailure("newton", "the derivative across the curve may be singular", remedy)
+    if not all(is_inside(ball, TUBE / _MARGIN) for ball in image):
+        far = ", ".join(f"{float(ball.abs_upper() / enclose(TUBE)):.3g}" for ball in image)
+        message = f"the Newton image, {far} of the tube, is not well inside of it"
+        raise IntegrationFailure("newton", message, "give a better polynomial, a wider tube or a narrower piece")
+    slope = newton_image(matrix, [equation.wide_derivative(image, part, divided) for equation in equations])
+    scale = enclose(radius * radius if divided else radius)
+    return image, [value / scale for value in slope]
 
 
 def _largest(balls: Sequence[arb]) -> arb:

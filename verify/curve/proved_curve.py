@@ -90,7 +90,7 @@ def conclude(
         try:
             placed = tuple(place_bifurcation(atlas, chain, entry, partner) for entry in bifurcations)
             x_l = libration_point(atlas.system, atlas.parameters)
-            curve = ProvedCurve(chain, _ends(atlas, chain, placed), _half_period(chain), x_l)
+            curve = ProvedCurve(chain, _ends(atlas, chain, placed), times_of(chain), x_l)
         except (EmptyIntersectionError, NotEstablishedError) as error:
             reason = Reason(
                 "bifurcations", f"curve, parameters and certificates contradict each other: {error}", "report this"
@@ -113,8 +113,8 @@ def _ends(atlas: Atlas, chain: Chain, placed: Sequence[Bifurcation]) -> Ends:
     return result
 
 
-def _half_period(chain: Chain) -> arb:
-    """A ball that contains the half periods of all orbits of the curve; not finite if they are not all known."""
+def times_of(chain: Chain) -> arb:
+    """A ball that contains the times of all orbits of the curve; not finite if they are not all known."""
     times = [
         part.time for stretch in chain.stretches for part, _, _ in stretch.run.between(stretch.enters, stretch.leaves)
     ]

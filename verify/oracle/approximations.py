@@ -29,9 +29,10 @@ class Approximations:
         section: int,
         state: Sequence[Series],
         constants: Sequence[Series],
+        crossing: int = 1,
     ) -> list[Fraction] | None:
         """See `poincare.Oracle`."""
-        return relative_return_times(program, arithmetic, section, state, constants)
+        return relative_return_times(program, arithmetic, section, state, constants, crossing)
 
     def regularised_steps(
         self,

@@ -26,7 +26,12 @@ _CENTRE = Grading((), 0)
 
 
 def relative_return_times(
-    program: PreparedProgram, arithmetic: Arithmetic, section: int, state: Sequence[Series], constants: Sequence[Series]
+    program: PreparedProgram,
+    arithmetic: Arithmetic,
+    section: int,
+    state: Sequence[Series],
+    constants: Sequence[Series],
+    crossing: int = 1,
 ) -> list[Fraction] | None:
     """See `poincare.Oracle.return_times`."""
     if not isinstance(arithmetic, WideArithmetic):
@@ -34,7 +39,7 @@ def relative_return_times(
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
     start = np.array([_at_nodes(arithmetic, x, nodes) for x in state])
     fixed = np.array([_at_nodes(arithmetic, p, nodes) for p in constants])
-    times = _return_times(program, section, start, fixed)
+    times = _return_times(program, section, start, fixed, crossing)
     if times is None:
         return None
     series = chebyshev.chebfit(nodes, times, _NODES - 1)
@@ -51,11 +56,12 @@ def _at_nodes(arithmetic: WideArithmetic, element: Series, nodes: Floats) -> Poi
     return np.asarray(polynomial.polyval(nodes, coefficients)[None], dtype=complex)
 
 
-def _return_times(program: PreparedProgram, section: int, start: Points, fixed: Points) -> Floats | None:
+def _return_times(program: PreparedProgram, section: int, start: Points, fixed: Points, crossing: int) -> Floats | None:
     times = np.full(start.shape[-1], np.nan)
     side = np.zeros(start.shape[-1])
+    count = np.zeros(start.shape[-1], dtype=int)
     elapsed = 0.0
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MOST_STEPS * crossing):
         taylor = taylor_at_points(program, _CENTRE, start, fixed, _DEGREE)[:, :, 0].real
         if not np.all(np.isfinite(taylor)):
             return None
@@ -65,10 +71,13 @@ def _return_times(program: PreparedProgram, section: int, start: Points, fixed: 
         values = polynomial.polyval(_SAMPLES, scaled[section])
         side = np.where(side == 0.0, np.sign(values[:, 1]), side)
         for node in np.flatnonzero(np.isnan(times)):
-            crossed = np.flatnonzero(values[node, 1:] * side[node] < 0)
-            if crossed.size:
-                low, high = (float(value) for value in _SAMPLES[crossed[0] : crossed[0] + 2])
-                times[node] = elapsed + size * _root(scaled[section][:, node], low, high)
+            for place in range(1, len(_SAMPLES)):
+                if np.isnan(times[node]) and values[node, place] * side[node] < 0:
+                    side[node] = -side[node]
+                    count[node] += 1
+                    if count[node] == crossing:
+                        low, high = (float(value) for value in _SAMPLES[place - 1 : place + 1])
+                        times[node] = elapsed + size * _root(scaled[section][:, node], low, high)
         if not np.any(np.isnan(times)):
             return times
         start = scaled.sum(axis=1)[:, None].astype(complex)

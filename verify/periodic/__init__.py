@@ -7,6 +7,7 @@ from orbitproof.verify.periodic.box import (
     check_transversal,
     gradient_on,
     section_coordinates,
+    slopes_along,
     state_on_box,
 )
 from orbitproof.verify.periodic.enclosures import Linearised, PeriodicEnclosures, SectionReturn, stops_of

@@ -107,10 +107,16 @@ def parameters_on_box(claim: InSection) -> list[arb]:
 
 def gradient_on(program: Program, claim: InSection, state: Sequence[arb]) -> list[arb]:
     """Enclosures of the derivatives of a function of one value in the coordinates p, at all points of balls."""
-    columns = list(zip(*claim.frame, strict=True))
+    return slopes_along(program, state, parameters_on_box(claim), list(zip(*claim.frame, strict=True)))
+
+
+def slopes_along(
+    program: Program, state: Sequence[arb], parameters: Sequence[arb], columns: Sequence[Sequence[Fraction]]
+) -> list[arb]:
+    """Enclosures of the derivatives of a function of one value along vectors of the state space, on balls."""
     size = len(columns)
     arguments = [_Linear(ball, tuple(enclose(column[i]) for column in columns)) for i, ball in enumerate(state)] + [
-        _Linear(ball, (arb(0),) * size) for ball in parameters_on_box(claim)
+        _Linear(value, (arb(0),) * size) for value in parameters
     ]
     (value,) = program.evaluate(arguments, lambda number: _Linear(enclose(number), (arb(0),) * size), _Linear.power)
     return list(value.slopes)

@@ -6,20 +6,21 @@ by a function of it, the *rate*, so that all orbits return about together.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any, Protocol
 
 from flint import arb
 
-from orbitproof.shared.systems import Program, Regularisation, ReversibleSystem, record
+from orbitproof.shared.systems import Program, Regularisation, record
 from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, evaluate, prepare
 from orbitproof.verify.evidence import IntegrationFailure, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep
+from orbitproof.verify.poincare.coordinates import Coordinates
 from orbitproof.verify.poincare.crossing import CrossingCounter, range_of
 from orbitproof.verify.poincare.oracle import Oracle
-from orbitproof.verify.poincare.returns import AUTO, Returns
+from orbitproof.verify.poincare.returns import Orbits, Returns
 
 _NEGLIGIBLE_CHANGE = 2.0**-6
 WIDE_PARTS = 8
@@ -41,16 +42,18 @@ class WideOracle(Oracle, Protocol):
         section: int,
         state: Sequence[Series],
         constants: Sequence[Series],
+        crossing: int = 1,
     ) -> list[Fraction] | None:
-        """Coefficients of 1, s, s^2, .. of the time of the first return divided by that at s = 0; `None` if not found.
+        """Coefficients of 1, s, s^2, .. of the time of a crossing divided by that at s = 0; `None` if not found.
 
         Args:
             section: index of the section coordinate, which vanishes at the start.
+            crossing: its number, in either direction.
         """
 
 
-class HalfOrbits(Returns):
-    """As `Returns`, the wide variable in parts.
+class WideOrbits(Orbits):
+    """As `Orbits`, the wide variable in parts.
 
     Attributes:
         rate: with a wide variable, what the vector field is multiplied by, if not 1: the system's time by that of
@@ -59,45 +62,38 @@ class HalfOrbits(Returns):
 
     def __init__(
         self,
-        system: ReversibleSystem,
+        coordinates: Coordinates,
         arithmetic: Arithmetic,
-        point: Mapping[str, Series],
+        state: Sequence[Series],
+        constants: Sequence[Series],
         oracle: WideOracle,
-        coordinates: str = AUTO,
-        level: Series | None = None,
+        side: int = 0,
+        wanted: int = 1,
     ) -> None:
-        """As for `Returns`."""
-        super().__init__(system, arithmetic, point, oracle, coordinates, level)
+        """As for `Orbits`; `wanted` is the number of the crossing that wide orbits shall reach about together."""
+        super().__init__(coordinates, arithmetic, state, constants, oracle, side)
         self.wide_oracle = oracle
         self.rate: Series | None = None
         if arithmetic.width:
-            self.counters = [CrossingCounter(part) for part in wide_parts(WIDE_PARTS)]
-            self.rate = self._rate()
+            self.counters = [CrossingCounter(part, side) for part in wide_parts(WIDE_PARTS)]
+            self.rate = self._rate(wanted)
         if self.rate is not None:
             self.program = prepare(at_rate(self.coordinates.field))
             self.fixed = [*self.constants, self.rate]
 
-    def _rate(self) -> Series | None:
+    def _rate(self, wanted: int) -> Series | None:
         """A positive element by which the vector field is multiplied so that wide orbits return about together."""
         arithmetic, coordinates = self.arithmetic, self.coordinates
         program, section = coordinates.program, coordinates.section
-        powers = self.wide_oracle.return_times(program, arithmetic, section, self.state, self.constants)
+        powers = self.wide_oracle.return_times(program, arithmetic, section, self.state, self.constants, wanted)
         if powers is None or sum(map(abs, powers[1:])) < _NEGLIGIBLE_CHANGE:
             return None
         rate = arithmetic.polynomial({arithmetic.grading.monomials[0]: powers})
         return rate if all(is_positive(range_of(rate, counter.wide)) for counter in self.counters) else None
 
     def rate_on(self, part: arb | None) -> arb:
-        """See `Returns`."""
+        """See `Orbits`."""
         return arb(1) if self.rate is None else range_of(self.rate, part)
-
-    def clock_rate(self, flow: FlowStep, regularisation: Regularisation) -> Series:
-        """See `Returns`; over a wide piece the bounds of the tube are too coarse for a passage close to the primary."""
-        if not self.arithmetic.width:
-            return super().clock_rate(flow, regularisation)
-        field = self.coordinates.field
-        only = prepare(replace(field, outputs=(field.outputs[regularisation.time_index],)))
-        return evaluate(only, [*flow.solution, *self.constants])[0]
 
     @property
     def return_time(self) -> Series:
@@ -108,6 +104,18 @@ class HalfOrbits(Returns):
         rate = self.arithmetic.constant(Fraction(1)) if self.rate is None else self.rate
         middle, radius = exact_value(self.time.mid()), exact_value(self.time.rad())
         return rate * self.arithmetic.constant(middle).widened(radius) + self.delay
+
+
+class HalfOrbits(Returns, WideOrbits):
+    """As `Returns`, the wide variable in parts: see `WideOrbits`."""
+
+    def clock_rate(self, flow: FlowStep, regularisation: Regularisation) -> Series:
+        """See `Returns`; over a wide piece the bounds of the tube are too coarse for a passage close to the primary."""
+        if not self.arithmetic.width:
+            return super().clock_rate(flow, regularisation)
+        field = self.coordinates.field
+        only = prepare(replace(field, outputs=(field.outputs[regularisation.time_index],)))
+        return evaluate(only, [*flow.solution, *self.constants])[0]
 
     def half_orbit(self, crossings: int, progress: Callable[[int], None] | None = None) -> tuple[Sequence[Series], arb]:
         """As `next_crossing`, at crossing number `crossings`, at none before which an orbit is in Fix(R) (section 8.8).

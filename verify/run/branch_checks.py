@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 from dataclasses import replace
 from typing import Any
 
-from orbitproof.shared.formats import SURFACE, Atlas
+from orbitproof.shared.formats import AnyAtlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import (
     AtlasCertificate,
@@ -24,6 +24,7 @@ from orbitproof.verify.atlas import (
     recheck_place,
 )
 from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.atlas.kinds import KINDS
 from orbitproof.verify.certificate import Certificate, Level, Recheck, not_checked
 from orbitproof.verify.run import Answer, CheckLimits, Display, Failure, Work, Workplace, apart
 from orbitproof.verify.run.branch_tasks import result_of, task_again
@@ -47,7 +48,7 @@ def examined(
         return concluded
     limit = workplace.branch_checks.with_integration
 
-    def prove_again(atlas: Atlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Result], str]) -> None:
+    def prove_again(atlas: AnyAtlas, intervals: Sequence[ProvedBefore], finished: Callable[[str, Result], str]) -> None:
         display = Display(dict.fromkeys([each.name for each in intervals], 1.0), workplace.quiet)
         pieces = {each.name: each.piece for each in intervals}
         waiting = deque(task_again(atlas, each, limit) for each in intervals)
@@ -64,10 +65,11 @@ def examined(
     return recheck_atlas(document, given, integrate, means)
 
 
-def is_about_surface(document: Mapping[str, Any]) -> bool:
-    """Whether the certificate of a branch is about a surface, as far as it says."""
+def holds_points(document: Mapping[str, Any]) -> bool:
+    """Whether the certificate of a branch is about one on which certified orbits may lie, as far as it says."""
     claim = document["statement"]["atlas"].get("claim")
-    return isinstance(claim, dict) and claim.get("kind") == SURFACE
+    kind = KINDS.get(str(claim.get("kind"))) if isinstance(claim, dict) else None
+    return kind is None or kind.holds_points
 
 
 def checked_side_by_side(entries: Sequence[Certificate], integrate: bool, workplace: Workplace) -> Sequence[Recheck]:

@@ -14,7 +14,7 @@ from orbitproof.verify.atlas import SCHEMA, kind_of
 from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate, read_certificates
 from orbitproof.verify.run import LONG_CHECK_SECONDS, ArgumentParser, Work, Workplace, interrupted, whole_number
-from orbitproof.verify.run.branch_checks import examined, is_about_surface
+from orbitproof.verify.run.branch_checks import examined, holds_points
 from orbitproof.verify.run.branch_tables import conclusion_text, piece_table
 from orbitproof.verify.run.branch_tasks import LARGEST_ORDER, MOST_SPLITS, RunLimits
 from orbitproof.verify.run.branches import (
@@ -50,7 +50,7 @@ nothing; 1 not; 2 bad input; 130 interrupted. "not proved" never means "shown to
 
 
 def _parser() -> ArgumentParser:
-    words = "Prove a whole branch of symmetric periodic orbits, piece by piece, from its atlas."
+    words = "Prove a whole branch of periodic orbits, piece by piece, from its atlas."
     parser = ArgumentParser("orbitproof verify atlas", words, _EXAMPLES)
     parser.add_argument("file", type=Path, help="atlas (JSON); with --recheck, certificate of an atlas")
     parser.add_argument("-o", "--output", type=Path, help="certificate; results are saved as they come")
@@ -118,7 +118,7 @@ def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> i
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
     document = read_document(options.file, SCHEMA)
-    given = _chosen_bifurcations(options.bifurcations, options.only, not is_about_surface(document))
+    given = _chosen_bifurcations(options.bifurcations, options.only, holds_points(document))
     try:
         found = examined(document, given, options.integrate, workplace, work)
     except KeyboardInterrupt:
@@ -135,7 +135,7 @@ def _chosen_bifurcations(files: Sequence[Path], only: Sequence[str] | None, hold
     if only is not None and not files:
         raise InputError("--only: chooses among bifurcations; give their certificates with --bifurcations")
     if files and not holds_points:
-        raise InputError("--bifurcations: a surface is about all bifurcations over it; leave them out")
+        raise InputError("--bifurcations: are looked for on curves of symmetric orbits only; leave them out")
     found: dict[str, Certificate] = {}
     for path in files:
         for name, certificate in read_certificates(path).items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from orbitproof.shared.formats import AnyPiece, Atlas, InputError
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError
 from orbitproof.shared.numbers import format_exact
 from orbitproof.verify.atlas import ProvedBefore, Result, Settings, kind_of
 from orbitproof.verify.atlas.interval_proof import not_proved, question
@@ -45,7 +45,7 @@ class RunLimits:
             raise ValueError(f"timeout: {self.timeout!r} is not a positive number of seconds")
 
 
-def attempts_of(atlas: Atlas, limits: RunLimits) -> tuple[Settings, ...]:
+def attempts_of(atlas: AnyAtlas, limits: RunLimits) -> tuple[Settings, ...]:
     """Settings of the integrator for the first attempt at an interval and for the next one.
 
     Some orbits lose more digits than others, and no shorter interval makes up for them. Raises `ValueError` if a
@@ -63,13 +63,13 @@ _FOR_STABILITY = {"precision": 96, "order": 40, "width": 60}
 
 
 def task_of(
-    atlas: Atlas, piece: AnyPiece, interval: Interval, settings: Settings, limits: RunLimits, steps: int
+    atlas: AnyAtlas, piece: AnyPiece, interval: Interval, settings: Settings, limits: RunLimits, steps: int
 ) -> Task:
     """The task of proving a piece on an interval; the expected number of `steps` is for progress only."""
     return Task(piece.id, question(atlas, piece, interval, settings, limits.stability, limits.timeout, steps))
 
 
-def task_again(atlas: Atlas, before: ProvedBefore, timeout: float | None) -> Task:
+def task_again(atlas: AnyAtlas, before: ProvedBefore, timeout: float | None) -> Task:
     """The task of proving an interval again that a certificate says is proved; `timeout` in seconds."""
     asked = question(atlas, before.piece, before.interval, before.settings, before.stability, timeout, before.steps)
     parts = {"parts": [[format_exact(end) for end in part] for part in before.parts]} if before.parts else {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
@@ -43,7 +43,7 @@ class AtlasRun:
     """
 
     def __init__(
-        self, atlas: Atlas, limits: RunLimits, earlier: Sequence[Result] = (), output: Path | None = None
+        self, atlas: AnyAtlas, limits: RunLimits, earlier: Sequence[Result] = (), output: Path | None = None
     ) -> None:
         """`earlier` are results that count already; `output` is the file that keeps them."""
         self.atlas = atlas
@@ -157,7 +157,7 @@ class AtlasRun:
 
 
 def reusable(
-    certificate: AtlasCertificate, atlas: Atlas, attempts: Sequence[Settings], stability: bool = False
+    certificate: AtlasCertificate, atlas: AnyAtlas, attempts: Sequence[Settings], stability: bool = False
 ) -> list[Result]:
     """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
 
@@ -182,7 +182,7 @@ def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
 
 
 def limits_of(
-    atlas: Atlas,
+    atlas: AnyAtlas,
     complete: int | None = None,
     max_splits: int = RunLimits.max_splits,
     timeout: float | None = None,
@@ -197,8 +197,11 @@ def limits_of(
     Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense.
     """
     if complete is not None and not kind_of(atlas).holds_points:
-        raise ArgumentError("{complete}: lists what is on a curve, and this atlas is about a surface; leave it out")
-    if complete is not None and atlas.system.fixed_level is not None:
+        raise ArgumentError(
+            "{complete}: lists what is on a curve of symmetric orbits, and this atlas is about {0}; leave it out",
+            kind_of(atlas).about,
+        )
+    if complete is not None and isinstance(atlas, Atlas) and atlas.system.fixed_level is not None:
         raise ArgumentError("{complete}: no list is claimed on a fixed level of a first integral; leave it out")
     given = {name: value for name, value in integrator.items() if value is not None}
     limits = RunLimits(given, timeout, max_splits, complete is not None, 1 if complete is None else complete)
@@ -209,7 +212,7 @@ def limits_of(
     return limits
 
 
-def started(atlas: Atlas, limits: RunLimits, output: Path | None = None, fresh: bool = False) -> AtlasRun:
+def started(atlas: AnyAtlas, limits: RunLimits, output: Path | None = None, fresh: bool = False) -> AtlasRun:
     """A run that keeps its results in a file, and begins with what an earlier one left there unless `fresh`.
 
     Raises `InputError` if the file cannot be written, or holds something else: nothing of it is overwritten.

@@ -141,7 +141,7 @@ class TubeOfOrbits:
         widths = [_WIDER * Fraction(2) ** floor(log2(width)) for width in self.piece.tube]
         bits = floor(-log2(max(widths))) - max(0, limits.precision - STABILITY_SLOPE_BITS)
         flow = WideArithmetic(Grading((1,) * len(widths), 1), limits.precision, bits, limits.order, width=limits.width)
-        tube = tube_points(flow, system, self.piece, (self.middle, self.radius), widths)
+        tube = tube_points(flow, system.centre_coordinates, self.piece, (self.middle, self.radius), widths)
         start = {**parameter_series(flow, system, self.parameters), **tube}
         return HalfReturn.of(system, start, widths, self.coordinates, self.oracle, None, progress, self.crossings)
 

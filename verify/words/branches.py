@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from orbitproof.shared.formats import Atlas
+from orbitproof.shared.formats import AnyAtlas, Atlas
 from orbitproof.verify.curve import Bifurcation, Conclusion, CurveTheorem, ProvedCurve
 from orbitproof.verify.evidence import Proved
+from orbitproof.verify.periodic_curve import PeriodicCurveTheorem, ProvedPeriodicCurve
 from orbitproof.verify.stability import ListConclusion, ListTheorem, ProvedList
 from orbitproof.verify.surface import ProvedSurface, SurfaceTheorem
 from orbitproof.verify.words.complete_list import list_in_words
 from orbitproof.verify.words.curve import bifurcations_in_words, curve_in_words
 from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.periodic_curve import periodic_curve_in_full, periodic_curve_in_words
 from orbitproof.verify.words.surface import surface_in_words
 
-BranchConclusion = Conclusion[ProvedCurve] | Conclusion[ProvedSurface] | ListConclusion
+BranchConclusion = (
+    Conclusion[ProvedCurve] | Conclusion[ProvedSurface] | Conclusion[ProvedPeriodicCurve] | ListConclusion
+)
 
 
 def conclusion_in_words(conclusion: BranchConclusion) -> str:
@@ -30,6 +34,8 @@ def conclusion_in_words(conclusion: BranchConclusion) -> str:
             return _with_bifurcations(theorem, curve, conclusion.bifurcations)
         case SurfaceTheorem() as theorem, ProvedSurface() as surface, _:
             return surface_in_words(theorem, surface)
+        case PeriodicCurveTheorem() as theorem, ProvedPeriodicCurve() as periodic, _:
+            return periodic_curve_in_words(theorem, periodic)
     raise TypeError(f"{type(outcome.theorem).__name__}: a theorem about no branch")
 
 
@@ -38,7 +44,9 @@ def _with_bifurcations(theorem: CurveTheorem, curve: ProvedCurve, bifurcations: 
     return "\n".join(text for text in texts if text)
 
 
-def branch_in_full(atlas: Atlas, statement: str) -> str:
+def branch_in_full(atlas: AnyAtlas, statement: str) -> str:
     """The same so that it stands alone: the system in formulas before it (section 10.4)."""
+    if not isinstance(atlas, Atlas):
+        return periodic_curve_in_full(atlas, statement)
     words = setting(atlas.system, atlas.parameters, atlas.claim.symmetry, atlas.claim.crossings)
     return "\n".join([*words, "Theorem.", statement])

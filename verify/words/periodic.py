@@ -9,7 +9,7 @@ from fractions import Fraction
 from flint import acb, arb
 
 from orbitproof.shared.formats import InSection, PeriodicBifurcation, PeriodicOrbit
-from orbitproof.shared.systems import Program
+from orbitproof.shared.systems import Program, System
 from orbitproof.verify.claim import keyed_in_words, names_in_words
 from orbitproof.verify.evidence import certain_digits, decimal_interval, dot, enclose, exact_text, located, symmetric
 from orbitproof.verify.periodic import Multipliers, PeriodicResults, PeriodicTheorem
@@ -28,7 +28,7 @@ def periodic_in_words(theorem: PeriodicTheorem) -> str:
     where = f"{system.title}{f' ({fixed} as in the candidate)' if fixed else ''}"
     level = ""
     if claim.level is not None:
-        level = f" and {integral_in_words(claim)} = {exact_text(claim.level)}"
+        level = f" and {integral_in_words(claim.system)} = {exact_text(claim.level)}"
     near = "" if claim.level is None else " of its level"
     moved = "the parameters" if claim.level is None else "the parameters and the level"
     times = "exactly once" if m == 1 else f"in exactly {m} points"
@@ -58,7 +58,7 @@ def setting_in_section(claim: InSection) -> Iterator[str]:
     state = [names.get(name, name) for name in system.state]
     yield f"The {system.title}:"
     left = [f"{name}'" for name in state]
-    yield from (f"  {line}" for line in equations(_in_words(claim, system.program), left, _TAKEN))
+    yield from (f"  {line}" for line in equations(program_in_words(system, system.program), left, _TAKEN))
     fixed = {name: value for name, value in claim.parameters.items() if name != varying}
     for name, value in keyed_in_words(system, fixed).items():
         yield f"  {name} = {exact_text(value)}"
@@ -66,8 +66,8 @@ def setting_in_section(claim: InSection) -> Iterator[str]:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
         yield f"In the description of the system {called}, which has another meaning here."
     if claim.level is not None and system.first_integral_program is not None:
-        yield f"A first integral, the {integral_in_words(claim)}:"
-        program = _in_words(claim, system.first_integral_program)
+        yield f"A first integral, the {integral_in_words(claim.system)}:"
+        program = program_in_words(system, system.first_integral_program)
         yield from (f"  {line}" for line in equations(program, ["H"], _TAKEN))
     word = "grows" if claim.direction > 0 else "falls"
     yield (
@@ -121,15 +121,15 @@ def _complex(value: acb) -> str:
     return f"{decimal_interval(value.real, _DIGITS)} + i {decimal_interval(value.imag, _DIGITS)}"
 
 
-def integral_in_words(claim: InSection) -> str:
+def integral_in_words(system: System) -> str:
     """What the first integral is called."""
-    name = claim.system.first_integral_name
+    name = system.first_integral_name
     return "first integral H" if name is None or name == "first integral" else f"{name} H"
 
 
-def _in_words(claim: InSection, program: Program) -> Program:
+def program_in_words(system: System, program: Program) -> Program:
     """A function of state and parameters with their names as they are written."""
-    names = names_in_words(claim.system)
+    names = names_in_words(system)
     steps = [step if step.name is None else replace(step, name=names.get(step.name, step.name))
              for step in program.instructions]  # fmt: skip
     return replace(program, inputs=tuple(names.get(name, name) for name in program.inputs), instructions=tuple(steps))

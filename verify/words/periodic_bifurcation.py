@@ -29,7 +29,7 @@ def periodic_bifurcation_in_words(theorem: PeriodicBifurcationTheorem) -> str:
     on_level, restricted = "", ""
     if claim.level is not None:
         value = f" = {exact_text(claim.level)}" if claim.parameter is not None else ""
-        on_level = f", on a level of the {integral_in_words(claim)}{value}"
+        on_level = f", on a level of the {integral_in_words(claim.system)}{value}"
         restricted = ", restricted to the level,"
     crossing = f"crossing number {m} of the section in the direction of the candidate"
     comes = f"at which the point comes back to itself at {crossing}"

@@ -1,0 +1,364 @@
+"""Pieces of a curve of periodic orbits in one section, for the verifier: over a parameter or the levels of an integral.
+
+From one orbit the curve is followed both ways, piece after piece. On each piece the coordinates across the curve are
+interpolated at Chebyshev nodes by orbits from Newton's method in float64; the direction of a piece is that of the
+curve, so folds in the parameter are nothing special.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
+from orbitproof.explore.periodic.flow import Arc, Matrix, Vector, arc_of
+from orbitproof.explore.periodic.search import FoundOrbit
+from orbitproof.explore.periodic.section import AffineSection
+from orbitproof.shared.formats import Covers, PeriodicAtlas, PeriodicCurveClaim, Piece
+
+_NODES, _DEGREE = 24, 16
+"""Orbits on a piece, and the degree from which on its coefficients are small."""
+_SMALL, _TINY = 1e-11, 1e-15
+"""So small are they, relative to the curve's scale; a piece whose coefficients fall faster might be wider."""
+_OVERLAP = 0.1
+_FIRST, _LEAST = 0.05, 1e-6
+_WIDER, _NARROWER = 1.6, 0.6
+_NEWTON_STEPS, _CONVERGED = 10, 1e-10
+_RELIABLE = 1e-7
+"""Newton's method need not reach `_CONVERGED`, where float64 does not allow it."""
+_MARGIN = 50.0
+"""A tube is so many times wider than the noise of its polynomial."""
+
+
+@dataclass(frozen=True)
+class CurveControl:
+    """How a curve is covered.
+
+    Attributes:
+        tube: least half-width of the tubes, in units of the scale of each coordinate.
+        most: number of pieces in each direction.
+    """
+
+    tube: float = 1e-9
+    most: int = 200
+
+
+@dataclass(frozen=True)
+class _Point:
+    """An orbit on the curve.
+
+    Attributes:
+        place: shape (1 + n,), the coordinates of the atlas.
+        period: in the system's time.
+        tangent: shape (1 + n,), along the curve, of length 1 in units of the scales.
+        error: length of the last Newton step, in the same units.
+    """
+
+    place: Vector
+    period: float
+    tangent: Vector
+    error: float
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """The equations of a curve: phi_T(x) = x on a section, on a level if there is one.
+
+    Attributes:
+        place: of the parameter that varies, among all; `None` for the level of the first integral.
+        scales: shape (1 + n,), in which lengths are measured.
+        level: of the first integral, where another parameter varies.
+    """
+
+    problem: PeriodicProblem
+    section: AffineSection
+    place: int | None
+    scales: Vector
+    level: float | None
+
+    @property
+    def others(self) -> list[int]:
+        """Indices of the state coordinates that are coordinates of the section."""
+        return [i for i in range(len(self.section.normal)) if i != self.section.pivot]
+
+    def state(self, place: Vector) -> tuple[Vector, Vector]:
+        """The state and all parameters at coordinates of the atlas."""
+        values = self.problem.values
+        own = place
+        if self.place is not None:
+            values[self.place], own = place[0], place[1:]
+        normal = np.array(list(map(float, self.section.normal)))
+        x = np.zeros(len(normal))
+        x[self.others] = own
+        x[self.section.pivot] = (float(self.section.offset) - normal @ x) / normal[self.section.pivot]
+        return x, values
+
+    def arc(self, place: Vector, period: float) -> tuple[Arc, Vector, Vector]:
+        """The orbit over its period. Raises `FlowFailure`."""
+        x, values = self.state(place)
+        return arc_of(self.problem.system, x, period, values), x, values
+
+    def linearised(self, place: Vector, period: float) -> tuple[Vector, Matrix]:
+        """What is zero on the curve, and its derivatives by coordinates in units of their scales and log T."""
+        arc, x, values = self.arc(place, period)
+        normal = np.array(list(map(float, self.section.normal)))
+        frame = np.array([[float(value) for value in row] for row in self.section.frame()])
+        columns = [(arc.by_state - np.eye(len(x))) @ frame]
+        if self.place is not None:
+            columns.insert(0, arc.by_parameters[:, [self.place]])
+        columns.append(arc.velocity[:, None] * period)
+        matrix, residual = np.hstack(columns), arc.end - x
+        if self.level is not None:
+            by_state, by_values = self.problem.level_slopes(x, values)
+            assert self.place is not None
+            row = np.concatenate([[by_values[self.place]], by_state @ frame, [0.0]])
+            matrix = np.vstack([matrix, row])
+            residual = np.append(residual, (self.problem.level(x, values) or 0.0) - self.level)
+        assert normal.size
+        return residual, matrix * np.append(self.scales, 1.0)
+
+    def solved(self, guess: Vector, period: float, along: Vector, origin: Vector, length: float) -> _Point:
+        """The orbit at which along . (place - origin)/scales is `length`. Raises `PeriodicFailure`."""
+        place, time, last = guess.copy(), period, np.inf
+        try:
+            for _ in range(_NEWTON_STEPS):
+                residual, matrix = self.linearised(place, time)
+                here = along @ ((place - origin) / self.scales) - length
+                rows = np.vstack([matrix, np.append(along, 0.0)])
+                step = -np.linalg.lstsq(rows, np.append(residual, here), rcond=None)[0]
+                size = float(np.max(np.abs(step)))
+                if not size < 1.0:
+                    break
+                place, time = place + step[:-1] * self.scales, time * float(np.exp(step[-1]))
+                if size < _CONVERGED or (size < _RELIABLE and size > last / 4):
+                    tangent = np.linalg.svd(matrix)[2][-1][:-1]
+                    tangent = tangent / np.linalg.norm(tangent)
+                    return _Point(place, time, tangent if tangent @ along >= 0 else -tangent, size)
+                last = size
+        except (FlowFailure, np.linalg.LinAlgError) as failure:
+            raise PeriodicFailure(str(failure)) from None
+        raise PeriodicFailure("Newton's method does not converge")
+
+
+@dataclass(frozen=True)
+class _Chart:
+    """A piece in float64.
+
+    Attributes:
+        centre: the orbit at s = 0.
+        half_width: in units of the scales.
+        series: shape (n, terms), Chebyshev coefficients of p_1, .., p_n in s, in the same units.
+        frame: shape (1 + n, 1 + n), orthonormal in units of the scales; column 0 along the curve.
+        ends: the orbits at s = -1 and 1.
+        noise: of the coefficients.
+    """
+
+    centre: _Point
+    half_width: float
+    series: Matrix
+    frame: Matrix
+    ends: tuple[_Point, _Point]
+    noise: float
+
+
+def periodic_atlas(
+    found: FoundOrbit,
+    name: str | None,
+    bounds: tuple[float, float],
+    identity: str,
+    control: CurveControl | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> PeriodicAtlas:
+    """The curve of an orbit in a parameter (`None`: over the levels of the first integral), as pieces.
+
+    Both ways it ends with the first piece that reaches beyond `bounds`, or where no further piece is found. Raises
+    `PeriodicFailure` if there is none at all.
+    """
+    control = control or CurveControl()
+    problem, section = found.problem, found.section
+    system = problem.system
+    place = None if name is None else list(system.parameters).index(name)
+    others = [i for i in range(len(system.state)) if i != section.pivot]
+    start = found.orbit.point[others]
+    scales = np.full(len(others), found.orbit.size)
+    if place is not None:
+        start = np.append(problem.values[place], start)
+        scales = np.append(bounds[1] - bounds[0], scales)
+    level = found.level if place is not None else None
+    curve = _Curve(problem, section, place, scales, None if level is None else float(level))
+    _, matrix = curve.linearised(start, found.orbit.period)
+    tangent = np.linalg.svd(matrix)[2][-1][:-1]
+    tangent = tangent / np.linalg.norm(tangent) * (-1.0 if tangent[0] < 0 else 1.0)
+    first = curve.solved(start, found.orbit.period, tangent, start, 0.0)
+    middle = _chart(curve, first, _FIRST)
+    value = _value(curve, problem)
+    back = _traced(
+        curve, replace(middle.ends[0], tangent=-middle.ends[0].tangent), middle, bounds, value, control, progress
+    )
+    ahead = _traced(curve, middle.ends[1], middle, bounds, value, control, progress)
+    charts = [*(_turned(chart) for chart in reversed(back)), middle, *ahead]
+    pieces = tuple(_piece(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(charts, start=1))
+    claim = PeriodicCurveClaim(
+        "periodic-arc", section.normal, section.offset, section.direction, found.crossings, name,
+        level, (), _covers(name, value(charts[0].ends[0]), value(charts[-1].ends[1]), bounds),
+    )  # fmt: skip
+    parameters = {key: exact for key, exact in problem.parameters.items() if key != name}
+    varies = name or system.first_integral_name or "the first integral"
+    title = f"Periodic orbits of the {system.title} along {varies}"
+    return PeriodicAtlas(identity, title, system, parameters, claim, pieces, {})
+
+
+def _value(curve: _Curve, problem: PeriodicProblem) -> Callable[[_Point], float]:
+    if curve.place is not None:
+        return lambda point: float(point.place[0])
+
+    def level(point: _Point) -> float:
+        x, values = curve.state(point.place)
+        return problem.level(x, values) or 0.0
+
+    return level
+
+
+def _traced(
+    curve: _Curve,
+    start: _Point,
+    before: _Chart,
+    bounds: tuple[float, float],
+    value: Callable[[_Point], float],
+    control: CurveControl,
+    progress: Callable[[float], None] | None,
+) -> list[_Chart]:
+    """Pieces from an end of a piece on, as far as `bounds`."""
+    found: list[_Chart] = []
+    end, width, last = start, before.half_width * _WIDER, before
+    while bounds[0] <= value(end) <= bounds[1] and len(found) < control.most:
+        chart = None
+        while chart is None and width > _LEAST:
+            try:
+                step = (1 - _OVERLAP) * width
+                guess = end.place + step * end.tangent * curve.scales
+                centre = curve.solved(guess, end.period, end.tangent, end.place, step)
+                tried = _chart(curve, centre, width)
+                if tried.centre.tangent @ end.tangent < _STRAIGHT:
+                    raise PeriodicFailure("it turns too fast")
+                chart = tried
+            except PeriodicFailure:
+                width *= _NARROWER
+        if chart is None:
+            break
+        found.append(chart)
+        last, end = chart, chart.ends[1]
+        width = last.half_width * (_WIDER if last.series.shape[1] < _DEGREE - 4 else 1.0)
+        if progress is not None:
+            progress(len(found) / control.most)
+    return found
+
+
+_STRAIGHT = 0.8
+
+
+def _chart(curve: _Curve, centre: _Point, half_width: float) -> _Chart:
+    """The piece about an orbit. Raises `PeriodicFailure` if it is too wide."""
+    frame = _frame(centre.tangent)
+    nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+    across = np.zeros((_NODES, len(centre.place) - 1))
+    periods = np.zeros(_NODES)
+    error = centre.error
+    # From the middle outwards, so that each orbit is near the one before.
+    for sign in (1.0, -1.0):
+        before = centre
+        for index in sorted(np.flatnonzero(nodes * sign > 0), key=lambda i: float(abs(nodes[i]))):
+            before = _at(curve, centre, before, frame, half_width * float(nodes[index]))
+            local = frame.T @ ((before.place - centre.place) / curve.scales)
+            across[index], periods[index] = local[1:], before.period
+            error = max(error, before.error)
+    series = np.atleast_2d(chebyshev.chebfit(nodes, across, _NODES - 1).T)
+    tail = float(np.abs(series[:, _DEGREE:]).max())
+    if tail > max(_SMALL, 20 * error):
+        raise PeriodicFailure("the piece is too wide")
+    ends = tuple(_at(curve, centre, centre, frame, sign * half_width, across, nodes, periods) for sign in (-1.0, 1.0))
+    noise = max(tail, error, _TINY)
+    large = np.flatnonzero(np.abs(series).max(axis=0) > noise)
+    kept = series[:, : min(_DEGREE, int(large[-1]) if len(large) else 0) + 1]
+    return _Chart(centre, half_width, kept, frame, (ends[0], ends[1]), noise)
+
+
+def _at(
+    curve: _Curve,
+    centre: _Point,
+    near: _Point,
+    frame: Matrix,
+    length: float,
+    across: Matrix | None = None,
+    nodes: Vector | None = None,
+    periods: Vector | None = None,
+) -> _Point:
+    """The orbit of a piece at p_0 = length, from one nearby or from those at all nodes."""
+    here = float(centre.tangent @ ((near.place - centre.place) / curve.scales))
+    step = (length - here) / float(centre.tangent @ near.tangent)
+    guess, period = near.place + step * near.tangent * curve.scales, near.period
+    if across is not None and nodes is not None and periods is not None:
+        nearest = int(np.argmin(np.abs(nodes - np.sign(length))))
+        local = np.concatenate([[length], across[nearest]])
+        guess, period = centre.place + (frame @ local) * curve.scales, float(periods[nearest])
+    return curve.solved(guess, period, centre.tangent, centre.place, length)
+
+
+def _frame(tangent: Vector) -> Matrix:
+    """Orthonormal, its first column the tangent."""
+    columns = [tangent]
+    size = len(tangent)
+    while len(columns) < size:
+        rest = np.eye(size) - sum(np.outer(column, column) for column in columns)
+        chosen = rest[:, int(np.argmax(np.linalg.norm(rest, axis=0)))]
+        columns.append(chosen / float(np.linalg.norm(chosen)))
+    return np.column_stack(columns)
+
+
+def _turned(chart: _Chart) -> _Chart:
+    """The same piece run through backwards."""
+    signs = np.where(np.arange(chart.series.shape[1]) % 2, -1.0, 1.0)
+    frame = chart.frame.copy()
+    frame[:, 0] = -frame[:, 0]
+    return replace(chart, series=chart.series * signs, frame=frame, ends=(chart.ends[1], chart.ends[0]))
+
+
+def _piece(curve: _Curve, name: str, chart: _Chart, control: CurveControl) -> Piece:
+    centre = tuple(Fraction(float(value)) for value in chart.centre.place)
+    frame = tuple(
+        tuple(Fraction(float(entry)) for entry in row) for row in chart.frame * curve.scales[:, None]
+    )  # fmt: skip
+    tube = Fraction(float(f"{max(control.tube, _MARGIN * chart.noise):.1e}"))
+    rows = tuple(_powers(row) for row in chart.series)
+    return Piece(
+        name, "regular", centre, frame, Fraction(chart.half_width), rows, (tube,) * len(rows), "physical"
+    )  # fmt: skip
+
+
+def _powers(series: Sequence[float] | Any) -> tuple[Fraction, ...]:
+    """Coefficients of 1, s, s^2, .. of a Chebyshev series, to 80 bits; sums of its small terms would lose them."""
+    exact = [Fraction(float(value)) for value in series]
+    before, now = [Fraction(1)], [Fraction(0), Fraction(1)]
+    result = [Fraction(0)] * max(2, len(exact))
+    for number, value in enumerate(exact):
+        polynomial = before if number == 0 else now
+        for power, coefficient in enumerate(polynomial):
+            result[power] += value * coefficient
+        if number > 0:
+            doubled = [Fraction(0), *(2 * c for c in now)]
+            before, now = now, [c - (before[i] if i < len(before) else 0) for i, c in enumerate(doubled)]
+    unit = Fraction(1, 2**80)
+    return tuple(round(value / unit) * unit for value in result)
+
+
+def _covers(name: str | None, first: float, last: float, bounds: tuple[float, float]) -> Covers | None:
+    """The range of the parameter, where the curve goes through all of it."""
+    if name is None or not (first < bounds[0] and bounds[1] < last):
+        return None
+    return Covers(name, Fraction(str(bounds[0])), Fraction(str(bounds[1])))

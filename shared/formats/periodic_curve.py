@@ -1,0 +1,108 @@
+"""Atlases of curves of periodic orbits without symmetry as JSON, read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NoReturn
+
+from orbitproof.shared.claims import PeriodicAtlas, PeriodicCurveClaim, Piece
+from orbitproof.shared.codec import from_json
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats.candidates import find_system
+from orbitproof.shared.formats.pieces import check_length, periodic_piece_from_json
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import DescriptionError, ReversibleSystem, System, described_plainly
+
+
+def system_without_symmetry(
+    entry: str | Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem]
+) -> System:
+    """One of `systems` by its name, or what a JSON object describes, reversible or not. Raises `InputError`."""
+    if isinstance(entry, Mapping) and not {"R", "section", "reversor"} & set(entry):
+        try:
+            return described_plainly(entry)
+        except DescriptionError as error:
+            raise InputError(f"{source}.{error}") from None
+    return find_system(entry, source, systems)
+
+
+def periodic_atlas_from_json(
+    entry: Mapping[str, Any], source: str, systems: Mapping[str, ReversibleSystem]
+) -> PeriodicAtlas:
+    """A `PeriodicAtlas` from a schema-valid JSON document, its id and title checked; raises `InputError`."""
+
+    def refuse(name: str, why: str, remedy: str) -> NoReturn:
+        raise InputError(f"{source}: field {name}: {why}; {remedy}")
+
+    system = system_without_symmetry(entry["system"], f"{source}: field system", systems)
+    if system.defined:
+        functions = ", ".join(each.name for each in system.defined)
+        refuse("system", f"{functions} are functions of other coordinates", "write it in plain arithmetic")
+    claim = _claim(entry["claim"], system, f"{source}: field claim")
+    wanted = set(system.parameters) - {claim.parameter}
+    if set(entry.get("parameters", {})) != wanted:
+        names = ", ".join(name for name in system.parameters if name in wanted) or "none"
+        refuse("parameters", f"{system.name} takes the parameters: {names}", "give exactly these")
+    parameters = {name: parse_exact(text) for name, text in entry["parameters"].items()}
+    for name, value in parameters.items():
+        check_length(value, f"{source}: field parameters.{name}")
+        interval = system.parameters[name]
+        if not interval.contains(value):
+            refuse(f"parameters.{name}", f"{value} lies outside {interval}", "choose a value inside")
+    coordinates = claim.coordinates(system)
+    _check_coordinates(claim, coordinates, f"{source}: field claim")
+    pieces: list[Piece] = []
+    for index, item in enumerate(entry["pieces"]):
+        place = f"pieces[{index}]"
+        piece = periodic_piece_from_json(item, coordinates, system.name, f"{source}: field {place}")
+        if piece.id in {other.id for other in pieces}:
+            refuse(f"{place}.id", f"{piece.id!r} appears twice", "give each piece its own id")
+        pieces.append(piece)
+    provenance = entry.get("provenance", {})
+    return PeriodicAtlas(entry["id"], entry["title"], system, parameters, claim, tuple(pieces), provenance)
+
+
+def _claim(entry: Mapping[str, Any], system: System, source: str) -> PeriodicCurveClaim:
+    def refuse(name: str, why: str, remedy: str) -> NoReturn:
+        raise InputError(f"{source}.{name}: {why}; {remedy}")
+
+    claim = from_json(PeriodicCurveClaim, entry, source)
+    size = len(system.state)
+    if len(claim.normal) != size:
+        refuse("normal", f"{len(claim.normal)} numbers", f"give {size}; the state is {', '.join(system.state)}")
+    if not any(claim.normal):
+        refuse("normal", "is zero", "give a vector across the section")
+    for name, value in (("offset", claim.offset), *((f"normal[{i}]", value) for i, value in enumerate(claim.normal))):
+        check_length(value, f"{source}.{name}")
+    if claim.parameter is not None and claim.parameter not in system.parameters:
+        known = ", ".join(system.parameters) or "none"
+        refuse("parameter", f"{system.name} has no parameter {claim.parameter!r}", f"known: {known}")
+    if claim.uses_integral and system.first_integral_program is None:
+        field = "parameter" if claim.parameter is None else "level"
+        remedy = "name the parameter that varies" if claim.parameter is None else "leave it out"
+        refuse(field, f"{system.name} has no first integral", remedy)
+    if claim.parameter is None and claim.level is not None:
+        refuse("level", "the level varies along the curve", "leave it out, or name a parameter that varies")
+    if claim.level is not None:
+        check_length(claim.level, f"{source}.level")
+    if size < 2 + claim.uses_integral:
+        refuse("kind", f"a state of {size} coordinates has no such curves", "give another system")
+    return claim
+
+
+def _check_coordinates(claim: PeriodicCurveClaim, names: tuple[str, ...], source: str) -> None:
+    wanted = ", ".join(names)
+    for position, name in enumerate(claim.increasing):
+        if name not in names or name in claim.increasing[:position]:
+            raise InputError(
+                f"{source}.increasing[{position}]: {name!r}; name each coordinate once; there are: {wanted}"
+            )
+    if claim.covers is None:
+        return
+    covers = claim.covers
+    if covers.coordinate not in names:
+        raise InputError(f"{source}.covers.coordinate: {covers.coordinate!r}; choose one of: {wanted}")
+    for key, value in (("from", covers.start), ("to", covers.end)):
+        check_length(value, f"{source}.covers.{key}")
+    if not covers.start < covers.end:
+        raise InputError(f"{source}.covers.to: not greater than covers.from; give a range that is not empty")

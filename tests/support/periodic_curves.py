@@ -1,0 +1,119 @@
+"""Curves of periodic orbits in closed form, as atlases of exact pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from orbitproof import shared
+from orbitproof.shared.formats import PeriodicAtlas, PeriodicCurveClaim, Piece
+from orbitproof.verify.curve import IntervalResult, PieceResult, ProvedInterval
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
+
+LIMITS = PeriodicLimits(96, 40, 24, 2)
+TUBE = Fraction(1, 10**8)
+WHOLE = (Fraction(-1), Fraction(1))
+Q = Fraction
+
+
+def _turning(x: Any, y: Any, a: Any) -> tuple[Any, Any]:
+    q = x * x + y * y
+    rate = (a + 2 * q - q * q) / 10
+    return rate * x - y, rate * y + x
+
+
+def _two_crossings(x: Any, y: Any, u: Any, a: Any) -> tuple[Any, Any, Any]:
+    rate = (a - x * x - y * y) / 8
+    dx, dy = rate * x - y, rate * y + x
+    return dx, dy, x * x - y * y - u + 2 * x * dx - 2 * y * dy
+
+
+TURNING = shared.define_system({"name": "turning", "state": "x y", "parameters": "a", "field": _turning})
+"""x^2 + y^2 = q turns with period 2 pi if a = q^2 - 2 q, which has a minimum at q = 1."""
+
+TWICE = shared.define_system({"name": "twice", "state": "x y u", "parameters": "a", "field": _two_crossings})
+"""x + iy = R exp(it), a = R^2, and u = x^2 - y^2 vanishes four times in a period, twice growing."""
+
+LEVELS = shared.define_system(
+    {
+        "name": "levels", "state": "x y z", "parameters": "a", "first_integral": lambda x, y, z, a: x * x + y * y,
+        "field": lambda x, y, z, a: (y, -x, a * x - z),
+    }
+)  # fmt: skip
+"""Where y = 0 and falls or grows, z = a x/2 on the periodic orbits, all of period 2 pi."""
+
+
+def _piece(name: str, centre: Sequence[Q], along: int, half_width: Q, rows: Sequence[Sequence[Q]]) -> Piece:
+    """A graph over coordinate number `along`; `rows` are polynomials in s for the other coordinates, whole."""
+    size = len(centre)
+    order = [along, *(i for i in range(size) if i != along)]
+    frame = tuple(tuple(Q(int(order[j] == i)) for j in range(size)) for i in range(size))
+    flat = tuple(value if i == along else Q(0) for i, value in enumerate(centre))
+    return Piece(name, "regular", flat, frame, half_width, tuple(map(tuple, rows)), (TUBE,) * len(rows), "physical")
+
+
+def turning_piece(name: str, radius: str, half_width: str = "1/8") -> Piece:
+    """x from radius - half_width to radius + half_width."""
+    r, h = Q(radius), Q(half_width)
+    row = [r**4 - 2 * r**2, 4 * r**3 * h - 4 * r * h, 6 * r**2 * h**2 - 2 * h**2, 4 * r * h**3, h**4]
+    return _piece(name, (Q(0), r), 1, h, [row])
+
+
+def turning_atlas(**claim: Any) -> PeriodicAtlas:
+    """Through the minimum of a, in two pieces."""
+    stated = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1)), Q(0), 1, 1, "a", increasing=("x",))
+    pieces = (turning_piece("p1", "9/10"), turning_piece("p2", "11/10"))
+    return PeriodicAtlas("turning", "Through a fold", TURNING, {}, replace(stated, **claim), pieces)
+
+
+def twice_atlas(crossings: int = 2) -> PeriodicAtlas:
+    """x = -y from -0.85 to -0.75, a = 2 x^2."""
+    x, h = Q(-4, 5), Q(1, 20)
+    rows = [[2 * x**2, 4 * x * h, 2 * h**2], [-x, -h]]
+    claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(0), Q(1)), Q(0), 1, crossings, "a")
+    return PeriodicAtlas("twice", "Two crossings", TWICE, {}, claim, (_piece("p1", (Q(0), x, -x), 1, h, rows),))
+
+
+def levels_atlas(a: str = "1/2") -> PeriodicAtlas:
+    """Over the levels of x^2 + y^2, x from -1.25 to -0.75, z = a x/2."""
+    claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1), Q(0)), Q(0), 1, 1)
+    x, h, value = Q(-1), Q(1, 4), Q(a)
+    piece = _piece("p1", (x, Q(0)), 0, h, [[value * x / 2, value * h / 2]])
+    return PeriodicAtlas("levels", "Over the levels", LEVELS, {"a": value}, claim, (piece,))
+
+
+def on_level_atlas(level: str = "1") -> PeriodicAtlas:
+    """On the level x^2 + y^2 = 1, x = -1 and z = -a/2, a from 0.25 to 0.75."""
+    claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1), Q(0)), Q(0), 1, 1, "a", Q(level))
+    piece = _piece("p1", (Q(1, 2), Q(0), Q(0)), 0, Q(1, 4), [[Q(-1)], [Q(-1, 4), Q(-1, 8)]])
+    return PeriodicAtlas("on-level", "On a level", LEVELS, {}, claim, (piece,))
+
+
+ATLASES: Mapping[str, PeriodicAtlas] = {
+    atlas.id: atlas for atlas in (turning_atlas(), twice_atlas(), levels_atlas(), on_level_atlas())
+}
+
+
+def attempt(atlas: PeriodicAtlas, number: int = 0, limits: PeriodicLimits = LIMITS) -> PieceResult[ProvedInterval]:
+    """One piece, over all of s."""
+    return prove_periodic_piece(atlas, atlas.curve_pieces()[number], WHOLE, ORACLE, limits)
+
+
+@cache
+def proved(name: str) -> tuple[IntervalResult, ...]:
+    """What is found for all pieces of an atlas."""
+    atlas = ATLASES[name]
+    return tuple(attempt(atlas, number).stored for number in range(len(atlas.pieces)))
+
+
+def shifted(atlas: PeriodicAtlas, by: Q, number: int = 0, row: int = 0) -> PeriodicAtlas:
+    """With a constant added to a polynomial of a piece."""
+    pieces = list(atlas.curve_pieces())
+    rows = [list(each) for each in pieces[number].polynomial]
+    rows[row][0] += by
+    pieces[number] = replace(pieces[number], polynomial=tuple(map(tuple, rows)))
+    return replace(atlas, pieces=tuple(pieces))

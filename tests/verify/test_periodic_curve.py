@@ -1,0 +1,191 @@
+"""Curves of periodic orbits without symmetry: pieces, least periods, gluing, folds (section 26)."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from fractions import Fraction
+from math import pi
+
+import pytest
+from support.periodic_curves import (
+    ATLASES,
+    LIMITS,
+    TUBE,
+    attempt,
+    levels_atlas,
+    on_level_atlas,
+    proved,
+    shifted,
+    turning_atlas,
+    turning_piece,
+    twice_atlas,
+)
+
+from orbitproof.shared.claims import evaluate
+from orbitproof.shared.formats import Covers, PeriodicAtlas
+from orbitproof.verify.curve import IntervalResult
+from orbitproof.verify.evidence import NotProved, Proved
+from orbitproof.verify.periodic_curve import conclude_periodic
+
+
+def condition(atlas: PeriodicAtlas, number: int = 0) -> str:
+    """Why a piece is not proved."""
+    outcome = attempt(atlas, number).outcome
+    assert isinstance(outcome, NotProved)
+    return outcome.reason.condition
+
+
+def refused(atlas: PeriodicAtlas, results: tuple[IntervalResult, ...]) -> str:
+    """The condition and the message for which a curve is not proved."""
+    outcome = conclude_periodic(atlas, results).outcome
+    assert isinstance(outcome, NotProved)
+    return f"{outcome.reason.condition}: {outcome.reason.message}"
+
+
+@pytest.mark.parametrize("name", ATLASES)
+def test_exact_curves_are_proved_and_their_periods_contained(name: str) -> None:
+    for result in proved(name):
+        assert result.is_proved, result.reason
+        assert result.time is not None
+        assert float(result.time.lower()) <= 2 * pi <= float(result.time.upper())
+        # The polynomials are the curve: only bounds of rounding are left.
+        assert max(result.deviation) < Fraction(1, 10**12)
+    assert conclude_periodic(ATLASES[name], proved(name)).is_proved
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_exact_curve_lies_within_the_deviation_of_a_piece_that_is_a_little_off(seed: int) -> None:
+    source = random.Random(seed)
+    by = Fraction(source.randrange(-(2**20), 2**20), 2**20) * TUBE / 200
+    atlas = shifted(turning_atlas(), by)
+    found = attempt(atlas)
+    assert isinstance(found.outcome, Proved)
+    piece = atlas.curve_pieces()[0]
+    for _ in range(200):
+        s = Fraction(source.randrange(-(2**30), 2**30), 2**30)
+        x = piece.centre[1] + piece.half_width * s
+        exact = x**4 - 2 * x**2
+        assert abs(evaluate(piece.polynomial[0], s) - exact) <= found.outcome.results.deviation[0]
+
+
+@pytest.mark.parametrize("name", ATLASES)
+def test_pieces_beside_their_curve_are_not_proved(name: str) -> None:
+    atlas = ATLASES[name]
+    for row in range(len(atlas.curve_pieces()[0].polynomial)):
+        assert condition(shifted(atlas, 2 * TUBE, row=row)) == "newton"
+
+
+def test_another_direction_is_refused_before_the_integration() -> None:
+    assert condition(turning_atlas(direction=-1)) == "direction"
+
+
+@pytest.mark.parametrize("crossings", [1, 3, 4])
+def test_another_number_of_crossings_is_not_proved(crossings: int) -> None:
+    assert condition(twice_atlas(crossings)) == {1: "newton", 3: "newton", 4: "least-period"}[crossings]
+
+
+def test_orbits_run_through_twice_have_no_longer_period() -> None:
+    assert condition(turning_atlas(crossings=2)) == "least-period"
+
+
+def test_a_curve_without_the_level_that_orbits_keep_is_singular() -> None:
+    atlas = on_level_atlas()
+    assert condition(replace(atlas, claim=replace(atlas.claim, level=None))) in ("newton", "piece")
+
+
+def test_another_level_is_not_proved() -> None:
+    assert condition(on_level_atlas("1.0001")) == "newton"
+
+
+def test_a_function_that_is_no_integral_is_refused() -> None:
+    atlas = levels_atlas()
+    system = replace(atlas.system, first_integral=lambda state, _: (state[0] * state[0] + state[2],))
+    assert condition(replace(atlas, system=system)) == "first-integral"
+    assert refused(replace(atlas, system=system), proved("levels")).startswith("first-integral")
+
+
+def test_a_fold_lies_on_the_curve() -> None:
+    outcome = conclude_periodic(turning_atlas(), proved("turning")).outcome
+    assert isinstance(outcome, Proved)
+    (turn,) = outcome.results.turns
+    assert not turn.is_maximum
+    assert all(float(value) > -1 for value in turn.values)
+    assert all(float(value) < -0.999 for value in turn.values)
+    before, after = turn.between
+    first, last = (next(p for p in turning_atlas().curve_pieces() if p.id == name) for name in turn.pieces)
+    assert first.point(before)[1] < 1 < last.point(after)[1]
+
+
+def test_gaps_between_pieces_are_refused() -> None:
+    atlas = turning_atlas()
+    apart = replace(atlas, pieces=(turning_piece("p1", "9/10", "1/11"), turning_piece("p2", "11/10", "1/11")))
+    results = tuple(attempt(apart, number).stored for number in (0, 1))
+    assert all(result.is_proved for result in results)
+    assert "gap" in refused(apart, results)
+
+
+def test_a_piece_that_is_not_proved_where_the_curve_uses_it_is_a_gap() -> None:
+    first, second = proved("turning")
+    part = replace(first, interval=(Fraction(-1), Fraction(1, 4)))
+    assert "gap" in refused(turning_atlas(), (part, second))
+    assert "nothing is proved" in refused(turning_atlas(), (second,))
+
+
+def test_a_piece_beside_the_next_tube_is_refused() -> None:
+    """As if both were proved: two curves that come close are not one."""
+    apart = shifted(turning_atlas(), 2 * TUBE, number=1)
+    assert "beside its tube" in refused(apart, proved("turning"))
+
+
+def test_a_piece_that_runs_backwards_is_refused() -> None:
+    atlas = turning_atlas()
+    first, second = atlas.curve_pieces()
+    frame = tuple((-row[0], *row[1:]) for row in second.frame)
+    polynomial = tuple(tuple(c * (-1) ** n for n, c in enumerate(row)) for row in second.polynomial)
+    turned = replace(atlas, pieces=(first, replace(second, frame=frame, polynomial=polynomial)))
+    results = (proved("turning")[0], attempt(turned, 1).stored)
+    assert results[1].is_proved
+    assert "direction of increasing s" in refused(turned, results)
+
+
+def test_an_arc_is_no_loop() -> None:
+    assert "curve" in refused(turning_atlas(kind="periodic-loop"), proved("turning"))
+
+
+def test_ranges_and_increase_are_checked() -> None:
+    results = proved("turning")
+    good = turning_atlas(covers=Covers("x", Fraction(4, 5), Fraction(6, 5)))
+    assert conclude_periodic(good, results).is_proved
+    assert refused(turning_atlas(covers=Covers("x", Fraction(3, 5), Fraction(6, 5))), results).startswith("covers")
+    assert refused(turning_atlas(increasing=("a",)), results).startswith("increasing-a")
+
+
+def test_exact_conditions_on_pieces() -> None:
+    atlas = turning_atlas()
+    first, second = atlas.curve_pieces()
+    singular = replace(first, frame=((Fraction(0), Fraction(0)), (Fraction(1), Fraction(1))))
+    wrong = {
+        "singular": (singular, second),
+        "same id": (first, replace(second, id="p1")),
+        "positive": (replace(first, tube=(-TUBE,)), second),
+        "coordinates": (replace(first, centre=first.centre[:1]), second),
+        "symmetric": (replace(first, kind="symmetric"), second),
+    }
+    for pieces in wrong.values():
+        changed = replace(atlas, pieces=pieces)
+        assert refused(changed, proved("turning")).startswith("pieces")
+    for name in ("singular", "positive", "coordinates", "symmetric"):
+        assert condition(replace(atlas, pieces=wrong[name])) == "piece"
+
+
+def test_parameters_are_given_or_vary() -> None:
+    atlas = turning_atlas()
+    for changed in (replace(atlas, parameters={"a": Fraction(1)}), replace(levels_atlas(), parameters={})):
+        assert refused(changed, proved("turning")).startswith("section")
+
+
+def test_settings_that_make_no_sense_are_refused() -> None:
+    for wrong in ({"top": 0}, {"precision": 8}, {"width": 0}):
+        with pytest.raises(ValueError, match="too small"):
+            replace(LIMITS, **wrong)

@@ -1,0 +1,221 @@
+"""Certificates of curves of periodic orbits without symmetry: written, read, checked, forged (sections 13, 26)."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.forgeries import noticed
+from support.periodic_curves import ATLASES, TUBE, levels_atlas, proved, shifted, turning_atlas
+
+from orbitproof import verify
+from orbitproof.shared.formats import Covers, InputError, PeriodicAtlas, read_atlas, validate_document, write_atlas
+from orbitproof.verify.atlas import (
+    SCHEMA,
+    atlas_of,
+    check_of_conclusion,
+    conclusion_of,
+    make_atlas_certificate,
+    read_atlas_certificate,
+    results_from_json,
+    write_atlas_certificate,
+)
+from orbitproof.verify.atlas.certificate import results_for
+from orbitproof.verify.atlas.conclusion import told
+from orbitproof.verify.atlas.interval_proof import prove_task
+from orbitproof.verify.certificate import digest
+from orbitproof.verify.periodic_curve import conclude_periodic
+from orbitproof.verify.run.branch_command import main
+
+Document = dict[str, Any]
+
+
+@cache
+def certificate(name: str) -> Document:
+    """The certificate of an atlas that is proved."""
+    atlas, results = ATLASES[name], proved(name)
+    document = make_atlas_certificate(atlas, results, conclusion_of(atlas, results, [], lambda entries: [], None))
+    validate_document(document, SCHEMA, "the certificate")
+    return json.loads(json.dumps(document))  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("name", ATLASES)
+def test_atlases_are_read_as_they_are_written(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "atlas.json"
+    write_atlas(path, ATLASES[name])
+    found = read_atlas(path)
+    assert isinstance(found, PeriodicAtlas)
+    assert found.pieces == ATLASES[name].pieces
+    assert (found.claim, found.parameters) == (ATLASES[name].claim, ATLASES[name].parameters)
+
+
+WRONG: dict[str, tuple[Callable[[Document], Any], str]] = {
+    "parameter": (lambda e: e["claim"].update(parameter="b"), "field claim.parameter: turning has no parameter 'b'"),
+    "parameters": (lambda e: e["parameters"].update(a="1"), "field parameters: turning takes the parameters: none"),
+    "normal": (lambda e: e["claim"].update(normal=["0", "1", "0"]), "field claim.normal: 3 numbers"),
+    "zero": (lambda e: e["claim"].update(normal=["0", "0"]), "field claim.normal: is zero"),
+    "level": (lambda e: e["claim"].update(level="1"), "field claim.level: turning has no first integral"),
+    "levels": (lambda e: e["claim"].pop("parameter"), "field claim.parameter: turning has no first integral"),
+    "increasing": (lambda e: e["claim"].update(increasing=["y"]), "there are: a, x"),
+    "covers": (
+        lambda e: e["claim"].update(covers={"coordinate": "x", "from": "1", "to": "0x1p-1"}),
+        "field claim.covers.to: not greater",
+    ),
+    "kind": (lambda e: e["pieces"][0].update(kind="symmetric"), "field pieces[0].kind: 'symmetric' in a curve that"),
+    "coordinates": (lambda e: e["pieces"][0].update(coordinates="regularised"), "field pieces[0].coordinates"),
+    "size": (lambda e: e["pieces"][0].update(centre=["0"]), "turning needs 2 here: a, x"),
+    "same": (lambda e: e["pieces"][1].update(id="p1"), "appears twice"),
+    "tube": (lambda e: e["pieces"][0].update(tube=["0"]), "field pieces[0].tube[0]: not positive"),
+    "direction": (lambda e: e["claim"].update(direction=2), "field claim.direction"),
+    "symmetry": (lambda e: e["claim"].update(symmetry="S"), "field claim"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_bad_atlases_are_refused_with_the_field(name: str, tmp_path: Path) -> None:
+    change, said = WRONG[name]
+    path = tmp_path / "atlas.json"
+    write_atlas(path, turning_atlas())
+    entry = json.loads(path.read_text())
+    change(entry)
+    path.write_text(json.dumps(entry))
+    with pytest.raises(InputError) as caught:
+        read_atlas(path)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ATLASES)
+def test_certificates_stand(name: str) -> None:
+    document = certificate(name)
+    assert document["verdict"] == "proved"
+    found = check_of_conclusion(document)
+    assert found.stands, found.why
+
+
+def test_the_theorem_says_what_is_proved() -> None:
+    theorem = certificate("turning")["statement"]["theorem"]
+    for words in (
+        "Along it a has at least an extremum: a minimum between",
+        "All least periods lie in [6.283, 6.284]",
+        "exactly once",
+        "Along it x increases strictly",
+        "is not said",
+    ):
+        assert words in theorem
+    assert "in exactly 2 points" in certificate("twice")["statement"]["theorem"]
+    assert "The first integral H varies along the curve" in certificate("levels")["statement"]["theorem"]
+    assert "All orbits have first integral H = 1" in certificate("on-level")["statement"]["theorem"]
+    full = certificate("levels")["statement"]["in_full"]
+    assert "H = x^2 + y^2" in full
+    assert "z' = a*x - z" in full
+
+
+def _results(document: Document) -> list[Document]:
+    results: list[Document] = document["results"]
+    return results
+
+
+FORGED: dict[str, Callable[[Document], Any]] = {
+    "another level of the period": lambda d: d["conclusion"]["period"].update(midpoint="7.0", exact="0x7"),
+    "a piece of which nothing is proved": lambda d: _results(d).pop(),
+    "a range that is not reached": lambda d: d["statement"]["atlas"]["claim"].update(
+        covers={"coordinate": "x", "from": "0x1p-2", "to": "0x3p-1"}
+    ),
+    "a piece elsewhere": lambda d: d["statement"]["atlas"]["pieces"][1].update(centre=["0", "0x3p-1"]),
+    "bounds as wide as the tube": lambda d: _results(d)[0].update(deviation=["0x1"]),
+    "a result of no interval": lambda d: _results(d)[0].update(interval=["-0x2", "0x1"]),
+    "stability of a symmetric kind": lambda d: _results(d)[0].update(stability={"condition": "none", "message": "x"}),
+    "a turn that is none": lambda d: d["conclusion"].update(turns=[]),
+    "another vector field": lambda d: d["statement"].update(vector_field=d["statement"]["vector_field"] + "\n"),
+    "another theorem": lambda d: d["statement"].update(theorem="There is a curve of stable orbits."),
+    "a list of resonances": lambda d: d["conclusion"].update(complete={"order": 3}),
+    "a hypothesis left out": lambda d: d["conclusion"]["hypotheses"].pop(0),
+    "a hypothesis that holds by itself": lambda d: d["conclusion"]["hypotheses"][0].update(name="symmetries"),
+    "a loop": lambda d: d["statement"]["atlas"]["claim"].update(kind="periodic-loop"),
+    "a symmetric curve": lambda d: d["statement"]["atlas"].update(claim={"kind": "arc"}),
+    "ends that are closer": lambda d: d["conclusion"]["ends"].update(start=d["conclusion"]["ends"]["end"]),
+}
+
+
+@pytest.mark.parametrize("name", FORGED)
+def test_forged_certificates_do_not_stand(name: str) -> None:
+    document = copy.deepcopy(certificate("turning"))
+    FORGED[name](document)
+    document["digest"] = digest(document)
+    found = check_of_conclusion(document)
+    # Words that do not follow are told anew.
+    assert noticed(found)
+    assert found.stands == (name == "another theorem")
+
+
+def test_results_of_another_claim_are_not_used_again(tmp_path: Path) -> None:
+    path = tmp_path / "certificate.json"
+    write_atlas_certificate(path, certificate("turning"))
+    stored = read_atlas_certificate(path)
+    atlas = stored.atlas
+    assert isinstance(atlas, PeriodicAtlas)
+    assert len(results_for(stored, atlas)) == 2
+    assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, crossings=2)))
+    assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, offset=Fraction(1, 10))))
+    wider = replace(atlas, claim=replace(atlas.claim, covers=Covers("x", Fraction(4, 5), Fraction(1))))
+    assert len(results_for(stored, wider)) == 2
+    assert len(results_for(stored, shifted(atlas, TUBE))) == 1
+
+
+def test_curves_run_through_the_command_and_are_checked_at_all_levels(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, output = tmp_path / "atlas.json", tmp_path / "certificate.json"
+    write_atlas(path, levels_atlas())
+    narrow = ["--precision", "96", "--order", "40", "--width", "16"]
+    assert main([str(path), "-o", str(output), "--quiet", *narrow], prove_task) == 0
+    assert "PROVED" in capsys.readouterr().out
+    assert main([str(path), "-o", str(output), "--quiet", *narrow], prove_task) == 0
+    assert "kept" in capsys.readouterr().out
+    assert main(["--recheck", "--integrate", str(output), "--quiet"], prove_task) == 0
+    assert "3 integration" in capsys.readouterr().out
+    (check,) = verify.recheck(verify.read_atlas(output), quiet=True)
+    assert check.stands
+
+
+@pytest.mark.parametrize("change", [{"crossings": 2}, {"direction": -1}, {"offset": "0x1p-10"}])
+def test_certificates_of_another_section_do_not_stand_the_integration(
+    change: Document, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is stored of a piece does not say for which section it was found: that is seen when it is proved again."""
+    document = copy.deepcopy(certificate("levels"))
+    document["statement"]["atlas"]["claim"].update(change)
+    changed = atlas_of(document)
+    assert isinstance(changed, PeriodicAtlas)
+    results = results_from_json(changed, document["results"])
+    document = make_atlas_certificate(changed, results, told(conclude_periodic(changed, results)))
+    output = tmp_path / "certificate.json"
+    write_atlas_certificate(output, document)
+    assert main(["--recheck", "--integrate", str(output), "--quiet"], prove_task) == 1
+    assert "FAILED levels: piece p1" in capsys.readouterr().err
+
+
+def test_a_false_curve_is_not_proved_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "atlas.json"
+    write_atlas(path, shifted(levels_atlas(), 3 * TUBE))
+    given = ["--quiet", "--max-splits", "0", "--precision", "64", "--order", "24", "--width", "8"]
+    assert main([str(path), *given], prove_task) == 1
+    assert "NOT PROVED" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("option", [["--complete", "3"], ["--bifurcations", "none.json"]])
+def test_what_belongs_to_symmetric_curves_is_refused(
+    option: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "atlas.json"
+    write_atlas(path, turning_atlas())
+    assert main([str(path), *option, "--quiet"], prove_task) == 2
+    assert "curve" in capsys.readouterr().err

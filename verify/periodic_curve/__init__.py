@@ -1,0 +1,5 @@
+"""Curves of periodic orbits of any vector field, in pieces, over a parameter or the levels of an integral (26)."""
+
+from orbitproof.verify.periodic_curve.piece import PeriodicLimits, PeriodicTubeTheorem, prove_periodic_piece
+from orbitproof.verify.periodic_curve.proved_curve import PeriodicCurveTheorem, ProvedPeriodicCurve, conclude_periodic
+from orbitproof.verify.periodic_curve.turns import Turn

@@ -1,0 +1,106 @@
+"""The theorem about a curve of periodic orbits without symmetry in words (section 26.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from flint import arb
+
+from orbitproof.shared.formats import PeriodicAtlas
+from orbitproof.verify.claim import keyed_in_words, names_in_words
+from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
+from orbitproof.verify.periodic_curve import PeriodicCurveTheorem, ProvedPeriodicCurve, Turn
+from orbitproof.verify.words.formulas import equations
+from orbitproof.verify.words.periodic import integral_in_words, linear_in_words, program_in_words
+
+_DIGITS = 18
+_TAKEN = ("c", "f", "h", "i", "j", "m", "s", "u")
+"""Letters of theorems, which no formula has for a part of it."""
+
+
+def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodicCurve) -> str:
+    """What is proved of the curve."""
+    atlas, claim, system = theorem.atlas, theorem.atlas.claim, theorem.atlas.system
+    names, m = names_in_words(system), claim.crossings
+    ends = {key: keyed_in_words(system, point) for key, point in curve.ends.items()}
+    coordinates = ", ".join(names.get(name, name) for name in atlas.coordinates)
+    first, last = _point(ends["start"]), _point(ends["end"])
+    simple = " without self-intersections" if claim.increasing or claim.is_closed else ""
+    closed = " closed" if claim.is_closed else ""
+    way = f"through {first}" if claim.is_closed else f"from {first} to {last}"
+    times = "exactly once" if m == 1 else f"in exactly {m} points"
+    paragraphs = [
+        f"{_setting(atlas)}\nThere is a smooth{closed} curve{simple} in the coordinates ({coordinates}) {way}. The "
+        f"orbit of each of its points is periodic, and within its least period it crosses the section in the "
+        f"direction of the atlas {times}; the point comes back to itself at crossing number {m}.{_level(atlas)} Near "
+        "it there are no other points that do so but those of the curve."
+    ]
+    if claim.increasing:
+        grow = "increases" if len(claim.increasing) == 1 else "increase"
+        listed = " and ".join(names.get(name, name) for name in claim.increasing)
+        paragraphs.append(f"Along it {listed} {grow} strictly.")
+    if claim.covers is not None:
+        name = names.get(claim.covers.coordinate, claim.covers.coordinate)
+        low, high = exact_text(claim.covers.start), exact_text(claim.covers.end)
+        paragraphs.append(f"Along it {name} takes all values from {low} to {high}.")
+    if claim.parameter is not None:
+        paragraphs += _turns(names.get(claim.parameter, claim.parameter), curve.turns)
+    if curve.period.is_finite():
+        paragraphs.append(f"All least periods lie in {range_text(curve.period, 4)}.")
+    paragraphs.append("That there are no other periodic orbits nearby, with other numbers of crossings, is not said.")
+    return "\n".join(paragraphs)
+
+
+def periodic_curve_in_full(atlas: PeriodicAtlas, statement: str) -> str:
+    """The same so that it stands alone: the system in formulas before it."""
+    system, names = atlas.system, names_in_words(atlas.system)
+    state = [names.get(name, name) for name in system.state]
+    lines = [f"The {system.title}:"]
+    lines += [f"  {line}" for line in equations(program_in_words(system, system.program), [f"{x}'" for x in state], _TAKEN)]
+    lines += [f"  {name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()]
+    if names:
+        called = ", ".join(f"{new} is called {name}" for name, new in names.items())
+        lines.append(f"In the description of the system {called}, which has another meaning here.")
+    if atlas.claim.uses_integral and system.first_integral_program is not None:
+        lines.append(f"A first integral, the {integral_in_words(system)}:")
+        lines += [f"  {line}" for line in equations(program_in_words(system, system.first_integral_program), ["H"], _TAKEN)]
+    return "\n".join([*lines, "Theorem.", statement])
+
+
+def _setting(atlas: PeriodicAtlas) -> str:
+    claim, system = atlas.claim, atlas.system
+    names = names_in_words(system)
+    given = ", ".join(
+        f"{name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()
+    )
+    word = "grows" if claim.direction > 0 else "falls"
+    plane = (
+        f"{linear_in_words(claim.normal, [names.get(name, name) for name in system.state])} = {exact_text(claim.offset)}"
+    )
+    return (
+        f"Consider the {system.title}{f' with {given}' if given else ''}, and the section of all points with {plane}; "
+        f"it is crossed in the direction of the atlas where the left side {word} in time."
+    )
+
+
+def _level(atlas: PeriodicAtlas) -> str:
+    claim = atlas.claim
+    if claim.level is not None:
+        return f" All orbits have {integral_in_words(atlas.system)} = {exact_text(claim.level)}."
+    return "" if claim.parameter is not None else f" The {integral_in_words(atlas.system)} varies along the curve."
+
+
+def _turns(name: str, turns: Sequence[Turn]) -> Iterator[str]:
+    if not turns:
+        return
+    count = "an extremum" if len(turns) == 1 else f"{len(turns)} extrema"
+    listed = "; ".join(
+        f"a {'maximum' if turn.is_maximum else 'minimum'} between a point with {name} in "
+        f"{interval_text(turn.values[0], _DIGITS)} and one with {name} in {interval_text(turn.values[1], _DIGITS)}"
+        for turn in turns
+    )
+    yield f"Along it {name} has at least {count}: {listed}."
+
+
+def _point(point: Mapping[str, arb]) -> str:
+    return f"({', '.join(decimal_interval(ball, _DIGITS) for ball in point.values())})"
