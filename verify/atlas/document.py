@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
+from flint import arb
+
 from orbitproof.shared.claims.fields import Id
 from orbitproof.shared.stored import Unread, rules, stored
 from orbitproof.verify.certificate.document import (

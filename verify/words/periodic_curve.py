@@ -56,14 +56,18 @@ def periodic_curve_in_full(atlas: PeriodicAtlas, statement: str) -> str:
     system, names = atlas.system, names_in_words(atlas.system)
     state = [names.get(name, name) for name in system.state]
     lines = [f"The {system.title}:"]
-    lines += [f"  {line}" for line in equations(program_in_words(system, system.program), [f"{x}'" for x in state], _TAKEN)]
+    lines += [
+        f"  {line}" for line in equations(program_in_words(system, system.program), [f"{x}'" for x in state], _TAKEN)
+    ]
     lines += [f"  {name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()]
     if names:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
         lines.append(f"In the description of the system {called}, which has another meaning here.")
     if atlas.claim.uses_integral and system.first_integral_program is not None:
         lines.append(f"A first integral, the {integral_in_words(system)}:")
-        lines += [f"  {line}" for line in equations(program_in_words(system, system.first_integral_program), ["H"], _TAKEN)]
+        lines += [
+            f"  {line}" for line in equations(program_in_words(system, system.first_integral_program), ["H"], _TAKEN)
+        ]
     return "\n".join([*lines, "Theorem.", statement])
 
 
@@ -74,9 +78,8 @@ def _setting(atlas: PeriodicAtlas) -> str:
         f"{name} = {exact_text(value)}" for name, value in keyed_in_words(system, atlas.parameters).items()
     )
     word = "grows" if claim.direction > 0 else "falls"
-    plane = (
-        f"{linear_in_words(claim.normal, [names.get(name, name) for name in system.state])} = {exact_text(claim.offset)}"
-    )
+    state = [names.get(name, name) for name in system.state]
+    plane = f"{linear_in_words(claim.normal, state)} = {exact_text(claim.offset)}"
     return (
         f"Consider the {system.title}{f' with {given}' if given else ''}, and the section of all points with {plane}; "
         f"it is crossed in the direction of the atlas where the left side {word} in time."
