@@ -33,6 +33,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
+    TorusCoefficients,
     TorusResults,
     check_torus_exactly,
     enclose_periodic_bifurcation,
@@ -181,6 +182,15 @@ def test_a_coefficient_that_is_zero_is_refused() -> None:
     assert _refused(claim, _enclose(claim)) == "lyapunov"
 
 
+@pytest.mark.parametrize("unknown", [arb(0, 1), arb(0), arb("nan"), arb(0, "inf")])
+def test_coefficients_whose_sign_is_not_certain_prove_nothing(unknown: arb, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = "orbitproof.verify.periodic_bifurcation.proved_torus.torus_coefficients"
+    monkeypatch.setattr(place, lambda *_: TorusCoefficients(arb(-1), unknown))
+    assert _refused(cases.round_claim(), _round()) == "crossing"
+    monkeypatch.setattr(place, lambda *_: TorusCoefficients(unknown, arb(1)))
+    assert _refused(cases.round_claim(), _round()) == "lyapunov"
+
+
 @pytest.mark.parametrize("parameter", ["w", "b", "d"])
 def test_a_pair_that_stays_on_the_circle_is_refused(parameter: str) -> None:
     claim = cases.round_claim(parameter=parameter)
@@ -247,6 +257,38 @@ def test_a_longer_eigenvector_changes_the_coefficient_by_the_square_and_nothing_
     with guarded(BITS):
         assert found.lyapunov.overlaps(9 * other.lyapunov)
     assert (found.side, found.criticality) == (other.side, other.criticality)
+
+
+def _moved(claim: PeriodicBifurcation, unknown: str) -> PeriodicBifurcation:
+    """The same with another centre in one of the unknowns; the zero stays in the box."""
+    small, large = WIDTH / 2, cases.KERNEL_WIDTH / 8
+    (u, v), multiplier = claim.kernel, claim.multiplier
+    assert multiplier is not None
+    changes: dict[str, dict[str, Any]] = {
+        "p_0": {"centre": (1 + small, *claim.centre[1:])},
+        "p_1": {"centre": (*claim.centre[:2], small)},
+        "s": {"parameters": {**claim.parameters, "a": small}},
+        "u": {"kernel": ((u[0], u[1] + large), v)},
+        "v": {"kernel": (u, (v[0] + large, v[1]))},
+        "cos": {"multiplier": (multiplier[0] + large, multiplier[1])},
+        "sin": {"multiplier": (multiplier[0], multiplier[1] - large)},
+    }
+    return replace(claim, **changes[unknown])
+
+
+@pytest.mark.parametrize("unknown", ["p_0", "p_1", "s", "u", "v", "cos", "sin"])
+def test_what_is_found_does_not_depend_on_the_centre(unknown: str) -> None:
+    claim = _moved(cases.round_claim(), unknown)
+    found = _proved(claim, _round() if unknown in ("u", "v", "cos", "sin") else None)
+    with ctx.workprec(500):
+        turn = 2 * arb.pi()
+        assert _contains(found.parameter, arb(0))
+        assert _contains(found.period, turn)
+        assert _contains(found.speed, turn)
+        assert _contains(found.multiplier, (turn * acb(0, enclose(Fraction(2, 7)))).exp())
+        assert all(_contains(found.point[name], arb(value)) for name, value in (("x", 1), ("y", 0), ("z", 0)))
+    assert found.speed.rad() < 1e-7
+    assert found.parameter.rad() < 1e-15
 
 
 def test_eigenvectors_outside_their_box_are_noticed() -> None:
