@@ -26,14 +26,14 @@ from orbitproof.verify.certificate.stored_balls import from_json, to_json
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults
 from orbitproof.verify.periodic import PeriodicEnclosures, PeriodicResults
-from orbitproof.verify.periodic_bifurcation import BifurcationEnclosures, PeriodicBifurcationResults
+from orbitproof.verify.periodic_bifurcation import BifurcationEnclosures, PeriodicBifurcationResults, TorusResults
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
 
 _ALL: tuple[RowKind[Any, Any, Any], ...] = (
     BIFURCATIONS, ORBITS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS, TORI_AT_PERIODIC_ORBITS
 )  # fmt: skip
 Found = Enclosures | OrbitEnclosures | PeriodicEnclosures | BifurcationEnclosures
-Results = BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults
+Results = BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults | TorusResults
 
 KINDS: Mapping[str, RowKind[Any, Any, Any]] = {name: kind for kind in _ALL for name in kind.names}
 """By the kinds of claims as candidates say them."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from orbitproof.shared.claims import (
     PERIODIC_DOUBLING,
     PERIODIC_FOLD,
@@ -11,19 +9,21 @@ from orbitproof.shared.claims import (
     PERIODIC_TORUS,
     PeriodicBifurcation,
 )
-from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
 from orbitproof.verify.certificate.row_kind import Progress, RowKind
 from orbitproof.verify.certificate.stated_system import without_symmetry
-from orbitproof.verify.evidence import Reason
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.precision import periodic_precision
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     PeriodicBifurcationResults,
     PeriodicBifurcationTheorem,
+    TorusResults,
+    TorusTheorem,
     check_bifurcation_exactly,
+    check_torus_exactly,
     enclose_periodic_bifurcation,
     prove_periodic_bifurcation,
+    prove_torus,
     variables_of,
 )
 from orbitproof.verify.poincare import IntegratorSettings
@@ -54,11 +54,19 @@ BIFURCATIONS_OF_PERIODIC_ORBITS = RowKind(
     variables=variables_of,
 )  # fmt: skip
 
-_NOT_YET = Reason("theorem", "torus bifurcations are not proved by this version", "claim a periodic orbit")
-
-TORI_AT_PERIODIC_ORBITS = replace(
-    PERIODIC_ORBITS,
+TORI_AT_PERIODIC_ORBITS = RowKind(
     names=(PERIODIC_TORUS,),
-    theorem_of=lambda claim, form: _NOT_YET,
-    said=lambda k, kind: kind,
-)
+    enclosures=BifurcationEnclosures,
+    results=TorusResults,
+    statement=without_symmetry,
+    theorem_of=lambda claim, form: TorusTheorem(claim),
+    first_precision=periodic_precision,
+    check_exactly=check_torus_exactly,
+    enclose=_enclose,
+    prove=prove_torus,
+    said=lambda k, kind: "torus at a periodic orbit",
+    attributes=lambda found: {
+        "parameter_name": found.parameter_name, "parameter": found.parameter, "side": found.side
+    },
+    variables=variables_of,
+)  # fmt: skip

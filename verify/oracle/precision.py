@@ -29,10 +29,11 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.oracle.approximations import ORACLE
 from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
-from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults
+from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
 from orbitproof.verify.poincare import Returns, box_of, default_order
 
-Verdict = Outcome[BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults]
+Found = BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults | TorusResults
+Verdict = Outcome[Found]
 
 LEAST_PRECISION = 64
 GREATEST_PRECISION = 65536
@@ -139,13 +140,13 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
     return max(0, denominator.bit_length() - numerator.bit_length())
 
 
-def least_known(found: BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults) -> arb:
+def least_known(found: Found) -> arb:
     """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
     if isinstance(found, BifurcationResults):
         return found.parameter
     if isinstance(found, PeriodicResults):
         return found.period
-    if isinstance(found, PeriodicBifurcationResults):
+    if isinstance(found, (PeriodicBifurcationResults, TorusResults)):
         return found.parameter if excludes_zero(found.parameter) else found.period
     complex_numbers = (*found.stability.parameters, *found.stability.multipliers)
     balls = [part for value in complex_numbers for part in (value.real, value.imag)]

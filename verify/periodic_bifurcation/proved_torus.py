@@ -9,6 +9,7 @@ from typing import Literal
 
 from flint import acb, arb, arb_mat
 
+from orbitproof.shared.claims.fields import Title
 from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.evidence import (
     Checklist,
@@ -28,7 +29,7 @@ from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosu
 from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquations, equations_of
 from orbitproof.verify.periodic_bifurcation.returns import check_least, check_returns, time_at
 from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, torus_coefficients
-from orbitproof.verify.periodic_bifurcation.torus_system import TorusPlace, check_torus_kernel, check_torus_point
+from orbitproof.verify.periodic_bifurcation.torus_system import TorusPlace, check_torus_point
 
 _RESONANCES = (1, 2, 3, 4)
 
@@ -51,7 +52,7 @@ class TorusResults:
     """
 
     point: Mapping[str, arb]
-    parameter_name: str
+    parameter_name: Title
     parameter: arb
     period: arb
     multiplier: acb
@@ -77,7 +78,7 @@ class TorusTheorem:
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
         return (
-            "section", "direction", "return-map", "bifurcation", "kernel", "non-resonance", "others", "least-period",
+            "section", "direction", "return-map", "bifurcation", "non-resonance", "others", "least-period",
             "crossing", "lyapunov",
         )  # fmt: skip
 
@@ -99,7 +100,6 @@ def prove_torus(
         found = check_returns(checklist, claim, enclosures)
         equations = equations_of(claim, found)
         place = check_torus_point(checklist, claim, equations)
-        check_torus_kernel(checklist, claim, equations)
         _check_resonances(checklist, place)
         others = _check_others(checklist, equations, place)
         check_least(checklist, claim, found.earlier, place.where)

@@ -23,7 +23,12 @@ from orbitproof.verify.evidence import (
 )
 from orbitproof.verify.orbit import OrbitResults, OrbitTheorem
 from orbitproof.verify.periodic import PeriodicResults, PeriodicTheorem
-from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, PeriodicBifurcationTheorem
+from orbitproof.verify.periodic_bifurcation import (
+    PeriodicBifurcationResults,
+    PeriodicBifurcationTheorem,
+    TorusResults,
+    TorusTheorem,
+)
 from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
 from orbitproof.verify.words.formulas import setting
 from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
@@ -32,6 +37,7 @@ from orbitproof.verify.words.periodic_bifurcation import (
     periodic_bifurcation_in_full,
     periodic_bifurcation_in_words,
 )
+from orbitproof.verify.words.periodic_torus import torus_in_full, torus_in_words
 
 _DIGITS = 40
 _BITS = 1024
@@ -50,23 +56,28 @@ def theorem_in_words(theorem: Theorem) -> str:
             return periodic_in_words(theorem)
         case PeriodicBifurcationTheorem():
             return periodic_bifurcation_in_words(theorem)
+        case TorusTheorem():
+            return torus_in_words(theorem)
     raise TypeError(f"{type(theorem).__name__}: a theorem about no box")
 
 
-def in_full(
-    candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults | PeriodicResults | PeriodicBifurcationResults
-) -> str:
+InSectionResults = PeriodicResults | PeriodicBifurcationResults | TorusResults
+
+
+def in_full(candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults | InSectionResults) -> str:
     """System, box, theorem, what its words mean, and what was found, in this order.
 
     The decimals of the box are rounded outward where it is enclosed, and inward where something is said to lie in it.
     """
-    if not isinstance(candidate, Candidate) or isinstance(found, (PeriodicResults, PeriodicBifurcationResults)):
+    if not isinstance(candidate, Candidate) or isinstance(found, InSectionResults):
         words = theorem_in_words(theorem)
         with guarded(_BITS):
             if isinstance(candidate, PeriodicOrbit) and isinstance(found, PeriodicResults):
                 return "\n".join(periodic_in_full(candidate, words, found))
             if isinstance(candidate, PeriodicBifurcation) and isinstance(found, PeriodicBifurcationResults):
                 return "\n".join(periodic_bifurcation_in_full(candidate, words, found))
+            if isinstance(candidate, PeriodicBifurcation) and isinstance(found, TorusResults):
+                return "\n".join(torus_in_full(candidate, words, found))
         raise TypeError("the results are those of another kind of claim")
     system = candidate.system
     form = theorem.claim if isinstance(theorem, BifurcationTheorem) and theorem.in_own_box else None

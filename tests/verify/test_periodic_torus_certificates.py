@@ -1,0 +1,168 @@
+"""Certificates of tori at periodic orbits: what they say, checked again at three levels, forged ones refused."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support import torus_cases as cases
+
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import PERIODIC_DOUBLING, write_candidates
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of
+from orbitproof.verify.certificate.rechecking import derived, recheck
+from orbitproof.verify.oracle import Limits
+
+CLAIMS = {"round": cases.round_claim(), "outside": cases.product_claim(d=Fraction(1), k=Fraction(-1, 8))}
+
+
+@pytest.fixture(scope="module")
+def proved() -> dict[str, Certificate]:
+    found = {name: certify(claim, Limits(digits=12)) for name, claim in CLAIMS.items()}
+    assert all(certificate.proved for certificate in found.values())
+    return found
+
+
+def _sealed(entry: dict[str, Any]) -> Certificate:
+    """What a forger makes, who knows how digests are made."""
+    content = {key: value for key, value in entry.items() if key != "digest"}
+    return Certificate.from_json({**content, "digest": digest(content)})
+
+
+def test_certificates_stand_at_all_levels(proved: dict[str, Certificate]) -> None:
+    for certificate in proved.values():
+        found = recheck(certificate, integrate=True)
+        assert found.stands, found.findings
+        assert found.passed is Level.INTEGRATION
+
+
+def test_a_certificate_says_what_is_proved(proved: dict[str, Certificate]) -> None:
+    certificate = proved["round"]
+    assert str(certificate).startswith("torus at a periodic orbit, proved, above, a = ")
+    assert certificate.side == "above"
+    assert certificate.candidate == CLAIMS["round"]
+    assert is_proof_of(certificate, CLAIMS["round"])
+    assert not is_proof_of(certificate, CLAIMS["outside"])
+    theorem = certificate.theorem or ""
+    assert "it is a Neimark-Sacker bifurcation" in theorem
+    assert "under the flow of the round (w, b, c, d as in the candidate), and a number" in theorem
+    assert "a = 0" not in theorem
+    told = certificate.statement["in_full"]
+    assert "The interval of a: all values that differ from 0 by at most" in told
+    assert "There are no other multipliers." in told
+    assert "the pair crosses the circle outward as a grows" in told
+    assert "the bifurcation is supercritical." in told
+    assert "The torus is there at values of a above that of the bifurcation." in told
+    assert (
+        "the orbit is asymptotically stable below the value and unstable above it; the torus is asymptotically stable."
+        in told
+    )
+
+
+def test_with_a_multiplier_outside_nothing_is_called_stable(proved: dict[str, Certificate]) -> None:
+    told = proved["outside"].statement["in_full"]
+    assert "the bifurcation is subcritical." in told
+    assert "The torus is there at values of a below that of the bifurcation." in told
+    assert "the torus and the orbit are unstable: a multiplier lies outside the unit circle." in told
+    assert "asymptotically stable" not in told
+
+
+def test_a_subcritical_torus_is_unstable_where_the_orbit_is_stable() -> None:
+    told = certify(cases.round_claim(b=Fraction(0), d=Fraction(-1)), Limits(digits=12)).statement["in_full"]
+    assert "the bifurcation is subcritical." in told
+    assert "the orbit is asymptotically stable below the value and unstable above it; the torus is unstable." in told
+
+
+def _claim(change: Callable[[dict[str, Any]], Any]) -> Callable[[dict[str, Any]], Any]:
+    return lambda entry: change(entry["statement"]["candidate"])
+
+
+def _results(change: Callable[[dict[str, Any]], Any]) -> Callable[[dict[str, Any]], Any]:
+    return lambda entry: change(entry["results"])
+
+
+FORGERIES: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "the side": _results(lambda results: results.update(side="below")),
+    "the criticality": _results(lambda results: results.update(criticality="subcritical")),
+    "the coefficient": _results(lambda results: results.update(lyapunov=results["speed"])),
+    "the speed": _results(lambda results: results.update(speed=results["lyapunov"])),
+    "the multiplier": _results(lambda results: results["multiplier"].update(real=results["multiplier"]["imaginary"])),
+    "the period": _results(lambda results: results.update(period=results["speed"])),
+    "the value": _results(lambda results: results.update(parameter=results["period"])),
+    "the name of the parameter": _results(lambda results: results.update(parameter_name="w")),
+    "another multiplier": _results(lambda results: results["multipliers"].update(inside=1)),
+    "the point": _results(lambda results: results["point"].update(x=results["point"]["y"])),
+    "the kind": _claim(lambda claim: claim.update(kind=PERIODIC_DOUBLING)),
+    "the parameter": _claim(lambda claim: claim.update(parameter="w")),
+    "its value": _claim(lambda claim: claim["parameters"].update(a="0x1p-30")),
+    "its half-width": _claim(lambda claim: claim.update(parameter_radius="0x1p-120")),
+    "the kernel": _claim(lambda claim: claim["kernel"].reverse()),
+    "the half-width of the kernel": _claim(lambda claim: claim.update(kernel_radius="0x1p-200")),
+    "the claimed multiplier": _claim(lambda claim: claim["multiplier"].reverse()),
+    "the number of crossings": _claim(lambda claim: claim.update(crossings=2)),
+    "the direction": _claim(lambda claim: claim.update(direction=-1)),
+    "the centre": _claim(lambda claim: claim["centre"].reverse()),
+    "the vector field": lambda entry: entry["statement"].update(vector_field="v0 = x\nreturn v0"),
+    "a hypothesis less": lambda entry: entry["hypotheses"].pop(),
+    "no enclosures": lambda entry: entry.update(enclosures=None),
+}
+
+
+@pytest.mark.parametrize("forgery", FORGERIES)
+def test_forgeries_are_refused_without_integration(proved: dict[str, Certificate], forgery: str) -> None:
+    entry = copy.deepcopy(proved["round"].to_json())
+    FORGERIES[forgery](entry)
+    try:
+        certificate = _sealed(entry)
+    except InputError:
+        return
+    assert not recheck(certificate).stands
+
+
+def _derived(entry: dict[str, Any]) -> Certificate:
+    """A forger's best work: all that follows from changed claims or enclosures is derived anew."""
+    return _sealed({**derived(entry), "software": entry["software"]})
+
+
+def _another_time(entry: dict[str, Any]) -> None:
+    time = entry["enclosures"]["time"]
+    for part in ("box", "centre"):
+        time[part][0] = "0x7 +- 0x1p-20"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        _another_time,
+        lambda entry: entry["statement"]["candidate"]["parameters"].update(d="1", b="0x0"),
+        lambda entry: entry["statement"]["candidate"]["parameters"].update(b="1/3"),
+    ],
+)
+def test_what_integration_alone_can_refuse_is_refused(proved: dict[str, Certificate], change: Any) -> None:
+    entry = copy.deepcopy(proved["round"].to_json())
+    change(entry)
+    forged = _derived(entry)
+    assert forged.proved
+    assert recheck(forged).stands
+    found = recheck(forged, integrate=True)
+    assert not found.stands
+    assert found.passed is Level.CONCLUSION
+
+
+def test_claims_are_proved_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
+    claim = CLAIMS["round"]
+    write_candidates(path, [claim])
+    assert main([str(path), "-o", str(output), "--quiet", "--digits", "12"]) == 0
+    assert "proved" in capsys.readouterr().out
+    assert main(["--recheck", str(output), "--quiet"]) == 0
+    capsys.readouterr()
+    write_candidates(path, [replace(claim, parameters={**claim.parameters, "a": Fraction(1, 2**30)})])
+    assert main([str(path), "--quiet"]) == 1
+    assert "not proved" in capsys.readouterr().out
