@@ -19,6 +19,7 @@ PACKAGE = "orbitproof"
 
 CHAPTERS = {
     "bifurcation": ("verify.poincare.iterates", "verify.bifurcation.proved_bifurcation"),
+    "fold": ("verify.poincare.iterates", "verify.bifurcation.fold"),
     "orbit": ("verify.orbit.following", "verify.orbit.proved_orbit"),
     "curve": ("verify.curve.piece", "verify.curve.proved_curve"),
     "surface": ("verify.surface.piece", "verify.surface.libration_piece", "verify.surface.proved_surface"),
@@ -28,7 +29,8 @@ CHAPTERS = {
 """The modules that enclose, and the one that concludes, by what it concludes about."""
 
 OTHER_WORDS = {
-    "bifurcation": ("row", "candidate", "resonance", "fold", "symmetry-breaking", "period-tupling", "touch-and-go"),
+    "bifurcation": ("row", "candidate", "resonance", "symmetry-breaking", "period-tupling", "touch-and-go"),
+    "fold": ("extremum",),
     "orbit": ("one-orbit", "single-orbit"),
     "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
     "surface": ("mass", "masses", "birth"),

@@ -39,6 +39,7 @@ def test_what_a_theorem_rests_on_is_listed() -> None:
     assert {"verify.flow.step", "verify.newton.interval_newton", "shared.systems.program"} <= set(row)
     assert not any(name.startswith(("verify.curve", "verify.stability")) for name in row)
     assert "verify.curve.piece" in curve
+    assert "verify.bifurcation.fold" in set(reading_list.reading_list(reading_list.CHAPTERS["fold"])) - set(row)
     assert set(curve) - {"verify.curve.proved_curve"} < set(whole)
     assert not any(name.startswith(("verify.oracle", "verify.certificate", "verify.words")) for name in (*row, *whole))
 

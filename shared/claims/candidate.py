@@ -13,7 +13,6 @@ from orbitproof.shared.errors import InputError, short
 from orbitproof.shared.numbers import NUMBER, RATIONAL, format_exact, format_rational
 from orbitproof.shared.stored import Rational, rules, stored
 from orbitproof.shared.systems import ID, ID_IN_WORDS, ReversibleSystem, fits
-from orbitproof.shared.wording import counted
 
 FOLD = "fold"
 ONCE = ("symmetry_breaking", FOLD)
@@ -110,7 +109,7 @@ class Candidate:
         size, wanted = len(names), ", ".join(names)
         for name, values in (("centre", self.centre), ("radii", self.radii)):
             if len(values) != size:
-                refuse(name, counted(len(values), "number"), f"{self.system.name} needs {size}: {wanted}")
+                refuse(name, f"{len(values)} numbers", f"{self.system.name} needs {size}: {wanted}")
         for name, matrix, n in (("frame", self.frame, size), ("kernel_frame", self.kernel_frame, kernel)):
             if len(matrix) != n or any(len(row) != n for row in matrix):
                 refuse(name, "wrong shape", f"give {n} rows of {n} numbers")

@@ -18,9 +18,9 @@ from support.map_cases import failed, proof
 
 from orbitproof.shared import format_exact
 from orbitproof.shared.formats import Candidate, InputError, candidate_from_json, candidate_to_json, read_candidates
-from orbitproof.verify.bifurcation import BifurcationResults
+from orbitproof.verify.bifurcation import BifurcationResults, fold, proved_bifurcation, theorem_of
 from orbitproof.verify.certificate import Certificate, Limits, certify, digest, recheck
-from orbitproof.verify.evidence import Outcome, bounds
+from orbitproof.verify.evidence import Checklist, NotProved, Outcome, bounds
 
 Function = Callable[[Sequence[Any], Callable[[F], Any]], Any]
 
@@ -65,6 +65,15 @@ def outcome(
     integral = None if level is None else table(level, radii)
     candidate = claim(description(len(radii) - 1, level is not None), "fold", 1, radii)
     return verdict(candidate, tables, integral)
+
+
+def test_a_theorem_says_nothing_of_claims_of_another_kind() -> None:
+    turning, branching = claim(description(1, False), "fold", 1, RADII), known("fs3")
+    for theory, about, other in ((fold, turning, branching), (proved_bifurcation, branching, turning)):
+        assert theory.theorem_of(about) == theorem_of(about)
+        refused = theory.prove(other, Checklist(), (), None)
+        assert isinstance(refused, NotProved)
+        assert refused.reason.condition == "theorem"
 
 
 @pytest.mark.parametrize("equation, side, beta", [(upward, "above", 1), (downward, "below", -1)])

@@ -13,6 +13,5 @@ from orbitproof.verify.algebra.programs import (
     partial_derivatives,
     prepare,
 )
-from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power
-from orbitproof.verify.algebra.time_powers import integer_part
+from orbitproof.verify.algebra.series import Arithmetic, Series, correct_power, integer_part
 from orbitproof.verify.algebra.wide import WideArithmetic

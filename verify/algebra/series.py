@@ -15,12 +15,11 @@ from fractions import Fraction
 from functools import cached_property, reduce
 from operator import mul
 
-from flint import arb, fmpz, fmpz_poly
+from flint import arb, arb_series, ctx, fmpz, fmpz_poly
 
 from orbitproof.verify.algebra.grading import Grading, Pairs
 from orbitproof.verify.algebra.norms import GradedNorm, add, convolve, float_above, fraction_above, geometric, inflate
-from orbitproof.verify.algebra.time_powers import power_in_time
-from orbitproof.verify.evidence import GUARD_BITS
+from orbitproof.verify.evidence import GUARD_BITS, IntegrationFailure, guarded
 
 Products = tuple[fmpz_poly, float]
 """An exact sum of products, with the fractional bits of both factors, and a bound for what it lacks."""
@@ -34,6 +33,11 @@ _CUTS_IN_A_UNIT = 16
 
 _WORTH_CUTTING = 24
 """Fewer bits than so many are not cut off."""
+
+
+def integer_part(value: arb) -> fmpz | None:
+    """The floor of the midpoint of a ball; `None` if it is not finite."""
+    return value.mid().floor().mid().unique_fmpz() if value.is_finite() else None
 
 
 @dataclass(frozen=True)
@@ -167,8 +171,28 @@ class Arithmetic:
         return fmpz_poly([polynomial(fmpz(1))]) if polynomial.length() else polynomial
 
     def power(self, base: fmpz_poly, exponent: Fraction) -> tuple[fmpz_poly, fmpz_poly]:
-        """Approximations of ``base ** exponent``, exponent < 0, and of ``1 / base``, polynomials of grade 0."""
-        return power_in_time(base, exponent, self.bits, self.degree)
+        """Approximations of ``base ** exponent``, exponent < 0, and of ``1 / base``, polynomials of grade 0.
+
+        Nothing is proved by them: `correct_power` bounds how far the first is from the power. Raises
+        `IntegrationFailure` if there are none.
+        """
+        length, scale, cap = self.degree + 1, arb(2) ** self.bits, ctx.cap
+        ctx.cap = length
+        try:
+            with guarded(self.bits):
+                series = arb_series([arb(value) / scale for value in base.coeffs()], prec=length)
+                found = [series ** (arb(a.numerator) / a.denominator) for a in (exponent, Fraction(-1))]
+                integers = [[integer_part(each[n] * scale) for n in range(length)] for each in found]
+        finally:
+            ctx.cap = cap
+        power, inverse = ([value for value in values if value is not None] for values in integers)
+        if len(power) + len(inverse) < 2 * length:
+            raise IntegrationFailure(
+                "singularity",
+                "a power or quotient of the vector field has no finite expansion at the centre",
+                "the orbit meets a singularity of the vector field: give another centre",
+            )
+        return fmpz_poly(power), fmpz_poly(inverse)
 
     def balls_in_time(self, polynomial: fmpz_poly, part: arb | None) -> list[arb]:
         """Enclosures of the coefficients of the powers of theta of a polynomial of grade 0, for s in `part`."""

@@ -2,7 +2,7 @@
 
 from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
 from orbitproof.verify.bifurcation.counsel import Counsel, Failure, silent
-from orbitproof.verify.bifurcation.fold import TurningCurve, check_curve, check_fold
+from orbitproof.verify.bifurcation.fold import FoldTheorem, TurningCurve, check_curve, check_fold
 from orbitproof.verify.bifurcation.level_forms import (
     check_own_box,
     coordinates_in_box,
@@ -17,7 +17,7 @@ from orbitproof.verify.bifurcation.proved_bifurcation import (
     check_exactly,
     parameter_name,
     prepare,
-    theorem_of,
 )
 from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family, reduced_function
-from orbitproof.verify.bifurcation.refusals import prove
+from orbitproof.verify.bifurcation.refusals import prove_by
+from orbitproof.verify.bifurcation.theorems import TheoremInBox, prove, theorem_of

@@ -10,13 +10,66 @@ from dataclasses import dataclass
 
 from flint import arb
 
+from orbitproof.shared.formats import Candidate
 from orbitproof.verify.bifurcation.conditions import Problem, narrowed_zero, require_inside, require_nonzero
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_level_slope, side_of
-from orbitproof.verify.evidence import Checklist, DerivativeTable, MultiIndex, meet
+from orbitproof.verify.bifurcation.proved_bifurcation import (
+    BifurcationResults,
+    Tell,
+    around,
+    conclude,
+    results_at,
+)
+from orbitproof.verify.evidence import Checklist, DerivativeTable, MultiIndex, Outcome, Reason, meet
 from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet, compose
 
 _ALONG = 1
 _REMEDY = "move the centre to the extremum, align p_1 with the curve there, or choose smaller radii"
+
+
+@dataclass(frozen=True)
+class FoldTheorem:
+    """The box of a claim contains exactly one fold (Theorem 9.1).
+
+    Attributes:
+        claim, in_own_box: as of `BifurcationTheorem`.
+    """
+
+    claim: Candidate
+    in_own_box: bool = False
+
+    @property
+    def hypotheses(self) -> tuple[str, ...]:
+        """As in `evidence.Theorem`."""
+        names = ["curve", "extremum", "point", *([] if self.claim.is_family_of_maps else ["dH/dp_0"])]
+        return around(self.claim, names, self.in_own_box)
+
+
+def theorem_of(candidate: Candidate) -> FoldTheorem | Reason:
+    """The theorem that a candidate claims, or why none applies."""
+    if not candidate.is_fold:
+        return Reason("theorem", f"{candidate.kind} is no fold", "claim a fold")
+    if candidate.k != 1:
+        return Reason("theorem", f"a fold with k = {candidate.k}", "claim a fold with k = 1")
+    return FoldTheorem(candidate)
+
+
+def prove(
+    candidate: Candidate,
+    checklist: Checklist,
+    iterates: Sequence[Sequence[DerivativeTable]],
+    first_integral: DerivativeTable | None,
+    return_times: Sequence[arb] = (),
+    tell: Tell = lambda _problem, reason: reason,
+) -> Outcome[BifurcationResults]:
+    """Check that there is a fold as `candidate` claims; as `proved_bifurcation.prove`."""
+    theorem = theorem_of(candidate)
+    return conclude(theorem, check, candidate, checklist, iterates, first_integral, return_times, tell)
+
+
+def check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
+    """The conditions, one by one; raises `NotEstablishedError` for the first that is not shown."""
+    return results_at(candidate, problem, *check_fold(checklist, problem))
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,15 @@
-"""Theorems: which one a candidate claims, its hypotheses, and its conclusion (section 9)."""
+"""Where orbits branch off: which theorem a candidate claims, its hypotheses, and its conclusion (section 9)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated
 
 from flint import arb
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import FOLD, ONCE, Candidate
+from orbitproof.shared.formats import ONCE, Candidate
 from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.bifurcation.conditions import (
     Problem,
@@ -21,7 +21,6 @@ from orbitproof.verify.bifurcation.conditions import (
     check_transversality,
     locate,
 )
-from orbitproof.verify.bifurcation.fold import check_fold
 from orbitproof.verify.bifurcation.nondegeneracy import Nondegeneracy, check_family_of_maps, check_hamiltonian
 from orbitproof.verify.bifurcation.reduction import DoublySymmetricFamily, Family
 from orbitproof.verify.claim import (
@@ -39,6 +38,7 @@ from orbitproof.verify.evidence import (
     Outcome,
     Proved,
     Reason,
+    Theorem,
     dot,
     enclose,
     without_result,
@@ -68,9 +68,7 @@ class BifurcationResults:
 
 @dataclass(frozen=True)
 class BifurcationTheorem:
-    """The box of a claim contains exactly one bifurcation, of the kind that it names.
-
-    Theorems 9.1, 11.2 and 11.3; for folds section 9.6.
+    """The box of a claim contains exactly one bifurcation, of the kind that it names (section 9; Theorems 11.2, 11.3).
 
     Attributes:
         claim: what the hypotheses are about; made by `theorem_of`, which refuses claims that no theorem is about.
@@ -84,43 +82,38 @@ class BifurcationTheorem:
     @property
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
-        return (*_hypotheses(self.claim), *(("level-box", "candidate-box") if self.in_own_box else ()))
+        k, hamiltonian = self.claim.k, not self.claim.is_family_of_maps
+        prefix = "H" if hamiltonian else ""
+        names = ["family", *(f"regular-{i}" for i in range(1, k))] if k > 1 else []
+        names += [f"{prefix}C2", f"{prefix}C3", f"{prefix}C4", "point"]
+        if hamiltonian:
+            names += ["dH/dp_0", "h_fp'", "h_b'" if k == 3 else "h_b''"]
+        else:
+            names += ["G_11"] if k == 3 else ["G_01", "G_111"]
+        return around(self.claim, names, self.in_own_box)
 
 
-def _hypotheses(candidate: Candidate) -> tuple[str, ...]:
-    k, hamiltonian = candidate.k, not candidate.is_family_of_maps
-    prefix = "H" if hamiltonian else ""
-    names = ["symmetries", "frames"]
-    names += ["level"] if candidate.uses_level else []
-    names += ["adapted-frames"] if candidate.kind == "symmetry_breaking" else []
-    names += ["poincare-map"]
-    names += ["half-orbit"] if candidate.crossings > 1 else []
-    if candidate.kind == FOLD:
-        return (*names, "curve", "extremum", "point", *(["dH/dp_0"] if hamiltonian else []))
-    names += ["family", *(f"regular-{i}" for i in range(1, k))] if k > 1 else []
-    names += [f"{prefix}C2", f"{prefix}C3", f"{prefix}C4", "point"]
-    if hamiltonian:
-        names += ["dH/dp_0", "h_fp'", "h_b'" if k == 3 else "h_b''"]
-    else:
-        names += ["G_11"] if k == 3 else ["G_01", "G_111"]
-    return tuple(names)
+def around(claim: Candidate, names: Sequence[str], in_own_box: bool) -> tuple[str, ...]:
+    """The hypotheses of a theorem with these conditions, in the order of checking."""
+    before = ["symmetries", "frames"]
+    before += ["level"] if claim.uses_level else []
+    before += ["adapted-frames"] if claim.breaks_symmetry else []
+    before += ["poincare-map"]
+    before += ["half-orbit"] if claim.crossings > 1 else []
+    return (*before, *names, *(("level-box", "candidate-box") if in_own_box else ()))
 
 
 Tell = Callable[[Problem, Reason], Reason]
 """Why a condition failed, in better words (`refusals`)."""
 
 
-def theorem_of(candidate: Candidate, form: Candidate | None = None) -> BifurcationTheorem | Reason:
-    """The theorem that a candidate claims, or why none of those that can be checked applies.
-
-    `form` is its level form, if that is what is checked.
-    """
-    if form is not None:
-        theorem = theorem_of(form)
-        return theorem if isinstance(theorem, Reason) else replace(theorem, in_own_box=True)
+def theorem_of(candidate: Candidate) -> BifurcationTheorem | Reason:
+    """The theorem that a candidate claims, or why none applies."""
     kind, k = candidate.kind, candidate.k
+    if not candidate.has_branch:
+        return Reason("theorem", f"{kind}: no orbits branch off", "claim another kind")
     if (kind in ONCE) != (k == 1):
-        return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking and fold have k = 1, the other kinds k > 1")
+        return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking has k = 1, the other kinds k > 1")
     if kind == "touch_and_go" and k % 2 == 0:
         return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
     if k == 3 and kind == "period_tupling":
@@ -153,6 +146,20 @@ def prove(
     condition fails.
     """
     theorem = theorem_of(candidate)
+    return conclude(theorem, check, candidate, checklist, iterates, first_integral, return_times, tell)
+
+
+def conclude(
+    theorem: Theorem | Reason,
+    check: Callable[[Candidate, Checklist, Problem], BifurcationResults],
+    candidate: Candidate,
+    checklist: Checklist,
+    iterates: Sequence[Sequence[DerivativeTable]],
+    first_integral: DerivativeTable | None,
+    return_times: Sequence[arb],
+    tell: Tell,
+) -> Outcome[BifurcationResults]:
+    """The same for any theorem about a box, whose conditions `check` looks at, one by one."""
     if isinstance(theorem, Reason):
         return NotProved(theorem, tuple(checklist.hypotheses))
     problem: Problem | None = None
@@ -173,7 +180,7 @@ def prepare(candidate: Candidate, checklist: Checklist) -> None:
     check_frames(checklist, candidate)
     if candidate.uses_level:
         check_level(checklist, candidate)
-    if candidate.kind == "symmetry_breaking":
+    if candidate.breaks_symmetry:
         check_adapted_frames(checklist, candidate)
 
 
@@ -186,8 +193,6 @@ def check_exactly(checklist: Checklist, candidate: Candidate) -> None:
 def check(candidate: Candidate, checklist: Checklist, problem: Problem) -> BifurcationResults:
     """The conditions, one by one; raises `NotEstablishedError` for the first that is not shown."""
     k = candidate.k
-    if candidate.kind == FOLD:
-        return _results(candidate, problem, *check_fold(checklist, problem))
     family: Family
     if k > 1:
         family = check_family(checklist, problem)
@@ -204,12 +209,13 @@ def check(candidate: Candidate, checklist: Checklist, problem: Problem) -> Bifur
         conclusion = check_family_of_maps(checklist, problem, family, reduction, point)
     else:
         conclusion = check_hamiltonian(checklist, problem, family, reduction, point)
-    return _results(candidate, problem, point.where, conclusion)
+    return results_at(candidate, problem, point.where, conclusion)
 
 
-def _results(
+def results_at(
     candidate: Candidate, problem: Problem, where: tuple[arb, ...], conclusion: Nondegeneracy
 ) -> BifurcationResults:
+    """What is known of the bifurcation point, from the enclosure of its coordinates p and from its type."""
     coordinates = [
         enclose(origin) + dot([enclose(value) for value in row], where)
         for origin, row in zip(candidate.centre, candidate.frame, strict=True)

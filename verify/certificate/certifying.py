@@ -15,7 +15,6 @@ import numpy as np
 from orbitproof.shared.formats import BoxClaim, Candidate, InputError
 from orbitproof.verify.bifurcation import (
     BifurcationResults,
-    BifurcationTheorem,
     check_own_box,
     level_spread,
 )
@@ -264,6 +263,9 @@ def for_origin(origin: BoxClaim, outcome: Verdict, precision: int) -> Verdict:
     if form is None or not (isinstance(origin, Candidate) and isinstance(outcome.results, BifurcationResults)):
         reason = Reason("level-box", "the candidate has no level form", "verify it with `level` coordinates")
         return NotProved(reason, outcome.hypotheses)
+    theorem = theorem_of(origin, form)
+    if isinstance(theorem, Reason):
+        return NotProved(theorem, outcome.hypotheses)
     checklist = Checklist()
     checklist.hypotheses += outcome.hypotheses
     with guarded(precision):
@@ -274,4 +276,4 @@ def for_origin(origin: BoxClaim, outcome: Verdict, precision: int) -> Verdict:
             if reason.condition == "candidate-box" and missing is not None:
                 reason = replace(reason, needs_precision=True, enough_precision=precision + missing)
             return NotProved(reason, tuple(checklist.hypotheses))
-    return Proved(BifurcationTheorem(form, in_own_box=True), outcome.results, tuple(checklist.hypotheses))
+    return Proved(theorem, outcome.results, tuple(checklist.hypotheses))

@@ -15,9 +15,11 @@ from orbitproof.verify.evidence.balls_as_text import (
 from orbitproof.verify.evidence.comparisons import (
     EmptyIntersectionError,
     all_finite,
+    bounds,
     dot,
     dyadic_above,
     enclose,
+    exact_value,
     excludes_zero,
     hull,
     is_below,
@@ -31,7 +33,7 @@ from orbitproof.verify.evidence.comparisons import (
     total,
     up_to,
 )
-from orbitproof.verify.evidence.decimals import bounds, decimal_interval, exact_value
+from orbitproof.verify.evidence.decimals import decimal_interval
 from orbitproof.verify.evidence.derivatives import (
     MAX_ORDER,
     Brief,
@@ -43,12 +45,12 @@ from orbitproof.verify.evidence.derivatives import (
     indices_up_to,
 )
 from orbitproof.verify.evidence.failure import IntegrationFailure, without_result
+from orbitproof.verify.evidence.not_known import NotKnown
 from orbitproof.verify.evidence.outcome import (
     Checklist,
     Evidence,
     Hypothesis,
     NotEstablishedError,
-    NotKnown,
     NotProved,
     Outcome,
     Proved,

@@ -9,11 +9,10 @@ from math import ceil, floor
 from flint import arb
 
 from orbitproof.shared.numbers import format_dyadic, format_rational, parse_exact
+from orbitproof.verify.evidence.comparisons import bounds, exact_value
 from orbitproof.verify.evidence.decimals import (
-    bounds,
     decimal,
     decimal_interval,
-    exact_value,
     floor_log10,
     places_of,
     ten,

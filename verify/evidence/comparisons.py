@@ -23,6 +23,20 @@ def enclose(value: Fraction) -> arb:
     return arb(fmpq(value.numerator, value.denominator))
 
 
+def exact_value(point: arb) -> Fraction:
+    """The exact value of a ball of radius zero, for example a midpoint or a radius."""
+    mantissa, exponent = point.man_exp()
+    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def bounds(ball: arb) -> tuple[Fraction, Fraction]:
+    """Exact lower and upper end of a finite ball. Raises `ValueError` for others."""
+    if not ball.is_finite():
+        raise ValueError("the ball is not finite")
+    middle, radius = exact_value(ball.mid()), exact_value(ball.rad())
+    return middle - radius, middle + radius
+
+
 def symmetric(radius: Fraction) -> arb:
     """A ball that contains [-radius, radius], for radius >= 0."""
     return arb(0, enclose(radius).upper())

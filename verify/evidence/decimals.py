@@ -1,4 +1,4 @@
-"""The ends of balls, exactly and as decimals that are rounded outward (section 10.2)."""
+"""The ends of balls as decimals that are rounded outward (section 10.2)."""
 
 from __future__ import annotations
 
@@ -7,22 +7,10 @@ from math import ceil, floor
 
 from flint import arb
 
+from orbitproof.verify.evidence.comparisons import bounds
+
 _PLAIN = range(-7, 22)
 """Decimal exponents that are written without an exponent."""
-
-
-def exact_value(point: arb) -> Fraction:
-    """The exact value of a ball of radius zero, for example a midpoint or a radius."""
-    mantissa, exponent = point.man_exp()
-    return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-
-
-def bounds(ball: arb) -> tuple[Fraction, Fraction]:
-    """Exact lower and upper end of a finite ball. Raises `ValueError` for others."""
-    if not ball.is_finite():
-        raise ValueError("the ball is not finite")
-    middle, radius = exact_value(ball.mid()), exact_value(ball.rad())
-    return middle - radius, middle + radius
 
 
 def decimal_interval(ball: arb, digits: int = 40) -> str:

@@ -14,7 +14,6 @@ from typing import Generic, Protocol, TypeVar
 from flint import arb
 
 from orbitproof.verify.evidence.comparisons import EmptyIntersectionError
-from orbitproof.verify.evidence.decimals import decimal_interval
 
 
 @dataclass(frozen=True)
@@ -70,13 +69,6 @@ class Reason:
     excluded: bool = False
     reached: float | None = None
     enclosures: Mapping[str, arb] = field(default_factory=dict, compare=False)
-
-
-@dataclass(frozen=True)
-class NotKnown:
-    """What stands where something is not known, which is not needed for what is proved: why it is not."""
-
-    reason: Reason
 
 
 Results = TypeVar("Results", covariant=True)
@@ -185,5 +177,5 @@ class Checklist:
 
 
 def show(ball: arb) -> str:
-    """A ball for a message: an interval with few digits, rounded outward."""
-    return decimal_interval(ball, 4)
+    """A ball for a message, with few digits: FLINT's decimal interval, which contains it."""
+    return ball.str(4)

@@ -16,7 +16,14 @@ from flint import arb
 
 from orbitproof.shared.formats import Candidate, SurfacePiece, evaluate
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.bifurcation import BifurcationResults, Counsel, check_exactly, prove, silent
+from orbitproof.verify.bifurcation import (
+    BifurcationResults,
+    Counsel,
+    check_exactly,
+    prove_by,
+    proved_bifurcation,
+    silent,
+)
 from orbitproof.verify.curve import Account, Interval, PieceResult, attempt
 from orbitproof.verify.evidence import (
     Checklist,
@@ -166,7 +173,7 @@ class _Parts:
         except NotEstablishedError as error:
             return NotProved(error.reason, tuple(checklist.hypotheses))
         kernel, level = self.returned.tables(part)
-        return prove(candidate, checklist, [kernel], level, [self.returned.time], self.counsel)
+        return prove_by(proved_bifurcation, candidate, checklist, [kernel], level, [self.returned.time], self.counsel)
 
 
 def _finite(hypothesis: Hypothesis) -> dict[str, arb]:

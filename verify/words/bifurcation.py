@@ -8,7 +8,7 @@ from typing import Protocol
 from flint import arb
 
 from orbitproof.shared.formats import FOLD, Candidate
-from orbitproof.verify.bifurcation import BifurcationTheorem, parameter_name
+from orbitproof.verify.bifurcation import TheoremInBox, parameter_name
 from orbitproof.verify.claim import claim_in_words
 from orbitproof.verify.evidence import decimal_interval, located
 
@@ -31,7 +31,7 @@ class Located(Protocol):
         """Parameter values at which there are new orbits."""
 
 
-def bifurcation_in_words(theorem: BifurcationTheorem) -> str:
+def bifurcation_in_words(theorem: TheoremInBox) -> str:
     """The theorem, in short."""
     statement = _statement(claim_in_words(theorem.claim))
     if not theorem.in_own_box:

@@ -9,7 +9,7 @@ from itertools import count
 from math import floor, log10
 
 from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicBifurcation, PeriodicOrbit
-from orbitproof.verify.bifurcation import BifurcationTheorem
+from orbitproof.verify.bifurcation import BifurcationTheorem, FoldTheorem
 from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words
 from orbitproof.verify.evidence import (
     Theorem,
@@ -48,7 +48,7 @@ _SHORT = 6
 def theorem_in_words(theorem: Theorem) -> str:
     """A theorem about a box, in short. Raises `TypeError` if it is about no box."""
     match theorem:
-        case BifurcationTheorem():
+        case BifurcationTheorem() | FoldTheorem():
             return bifurcation_in_words(theorem)
         case OrbitTheorem():
             return orbit_in_words(theorem)
@@ -80,7 +80,7 @@ def in_full(candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults
                 return "\n".join(torus_in_full(candidate, words, found))
         raise TypeError("the results are those of another kind of claim")
     system = candidate.system
-    form = theorem.claim if isinstance(theorem, BifurcationTheorem) and theorem.in_own_box else None
+    form = theorem.claim if isinstance(theorem, (BifurcationTheorem, FoldTheorem)) and theorem.in_own_box else None
     own, claim = claim_in_words(candidate), claim_in_words(form or candidate)
     with guarded(_BITS):
         lines = setting(system, candidate.parameters, candidate.symmetry, candidate.crossings)
