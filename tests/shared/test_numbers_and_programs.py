@@ -260,7 +260,8 @@ def test_a_piece_that_is_no_tube_about_a_curve_is_refused(change: dict[str, Any]
 
 def test_a_frame_that_only_looks_singular_is_regular() -> None:
     for rows in ([["3", "2"], ["2", "2"]], [["0", "1"], ["1", "0"]], [["2", "4"], ["1", "1"]]):
-        piece_from_json({**to_json(TUBE), "frame": rows}, TWIST, "here")
+        read = piece_from_json({**to_json(TUBE), "frame": rows}, TWIST, "here")
+        assert read.frame == tuple(tuple(map(Fraction, row)) for row in rows)
 
 
 @pytest.mark.parametrize(("kind", "pattern"), [("number", NUMBER), ("rational", RATIONAL)])

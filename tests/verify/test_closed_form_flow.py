@@ -138,7 +138,9 @@ def test_more_precision_is_not_worse() -> None:
 
 
 def test_the_description_shows_the_symmetry() -> None:
-    check_symmetries(Checklist(), TWIST)
+    checklist = Checklist()
+    check_symmetries(checklist, TWIST)
+    assert [hypothesis.holds for hypothesis in checklist.hypotheses] == [True]
 
 
 def derivatives(candidate: Candidate, p: Sequence[Fraction], alpha: tuple[int, ...], crossing: int) -> Fraction:

@@ -20,10 +20,11 @@ from orbitproof.verify.evidence import Checklist, NotEstablishedError
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_known_systems_have_their_symmetries(name: str) -> None:
-    system = SYSTEMS[name]
-    check_symmetries(Checklist(), system)
+    system, checklist = SYSTEMS[name], Checklist()
+    check_symmetries(checklist, system)
     for symmetry in system.symmetries:
-        check_symmetries(Checklist(), system, symmetry)
+        check_symmetries(checklist, system, symmetry)
+    assert [found.holds for found in checklist.hypotheses] == [True] * (1 + len(system.symmetries))
 
 
 def numerically_reversible(system: ReversibleSystem, signs: Sequence[int], orientation: int) -> bool:
@@ -104,7 +105,9 @@ def test_wrong_symmetries_are_refused(name: str) -> None:
 
 
 def test_the_identity_is_a_symmetry() -> None:
-    check_symmetries(Checklist(), replace(CR3BP, symmetries={"S": (1,) * 6}), "S")
+    checklist = Checklist()
+    check_symmetries(checklist, replace(CR3BP, symmetries={"S": (1,) * 6}), "S")
+    assert [found.holds for found in checklist.hypotheses] == [True]
 
 
 def test_parities_of_all_operations() -> None:
