@@ -48,7 +48,21 @@ def validator(name: str) -> Draft202012Validator:
     checker = Draft202012Validator.TYPE_CHECKER.redefine("integer", lambda _, value: type(value) is int)
     text = resources.files("orbitproof.shared").joinpath("schemas", f"{name}.schema.json").read_text("utf-8")
     strict: type[Draft202012Validator] = extend(Draft202012Validator, {"anyOf": _any_of}, type_checker=checker)
-    return strict(json.loads(text))
+    schema = json.loads(text)
+    return strict(_with_definitions(schema, schema.get("$defs", {})))
+
+
+def _with_definitions(part: Any, definitions: Mapping[str, Any]) -> Any:
+    """A part of a schema with definitions in place of references, which are otherwise looked up for each value."""
+    if isinstance(part, list):
+        return [_with_definitions(entry, definitions) for entry in part]
+    if not isinstance(part, dict):
+        return part
+    if "$ref" in part and part.keys() <= {"$ref", "description"}:
+        return definitions[part["$ref"].removeprefix("#/$defs/")]
+    for key, entry in part.items():
+        part[key] = _with_definitions(entry, definitions)
+    return part
 
 
 _MOST_ERRORS = 100
