@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
+import sys
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -25,6 +30,37 @@ multiprocessing.set_forkserver_preload(
 )
 _start_method = processes._start_method
 processes._start_method = lambda: "forkserver"
+
+
+def pytest_collection_finish() -> None:
+    """What is imported and collected stays to the end: it is not looked through again for what can be freed."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(20_000)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def fonts_made_smaller_once() -> Iterator[None]:
+    """A font is made smaller for a document, as matplotlib does, if it has characters that none before had."""
+    if "matplotlib" not in sys.modules:
+        yield
+        return
+    from matplotlib.backends import _backend_pdf_ps
+
+    make = _backend_pdf_ps.get_glyphs_subset
+    made: dict[str, tuple[set[Any], Any]] = {}
+
+    def subset(font: Any, characters: Any) -> AbstractContextManager[Any]:
+        known, found = made.get(str(font), (set(), None))
+        if not known.issuperset(characters):
+            known = known.union(characters)
+            found = opened.enter_context(make(font, known))
+            made[str(font)] = known, found
+        return nullcontext(found)
+
+    with ExitStack() as opened, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_backend_pdf_ps, "get_glyphs_subset", subset)
+        yield
 
 
 @pytest.fixture
