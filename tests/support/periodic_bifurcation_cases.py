@@ -54,13 +54,13 @@ a (1 + (e + 1/4) b) = (c + (e + 1/4) d) U^2.
 BREAKING = define_system(
     {
         "name": "breaking",
-        "state": "x y u",
+        "state": "x y u v",
         "parameters": "a b c d e",
         "where": {"q": "x**2 + y**2", "s": "1 + b*a - q - d*u**2"},
-        "field": {"x": "x*s/8 - y", "y": "x + y*s/8", "u": "(a + e*(q - 1) - c*u**2)*u"},
+        "field": {"x": "x*s/8 - y", "y": "x + y*s/8", "u": "(a + e*(q - 1) - c*u**2)*u", "v": "-v/2"},
     }
 )
-"""The circle with r^2 = 1 + b a in the fixed set of u -> -u; a (1 + e b) = (c + e d) u^2."""
+"""The circle with r^2 = 1 + b a in the fixed set of (u, v) -> (-u, -v); a (1 + e b) = (c + e d) u^2."""
 
 HALF_A_PERIOD = define_system(
     {
@@ -203,10 +203,10 @@ def doubling(b: Any = 0, c: Any = 1, d: Any = 0, e: Any = 0, **more: Any) -> Per
 
 
 def breaking(b: Any = 0, c: Any = 1, d: Any = 0, e: Any = 0, **more: Any) -> PeriodicBifurcation:
-    """The pitchfork of `BREAKING` through (1, 0, 0)."""
-    symmetry = (unit(3, 0), unit(3, 1), (ZERO, ZERO, -ONE))
+    """The pitchfork of `BREAKING` through (1, 0, 0, 0)."""
+    symmetry = (unit(4, 0), unit(4, 1), (ZERO, ZERO, -ONE, ZERO), (ZERO, ZERO, ZERO, -ONE))
     given: dict[str, Any] = {"parameters": numbers(b=b, c=c, d=d, e=e), "parameter": "a", "symmetry": symmetry, **more}
-    return bifurcation(BREAKING, "periodic-pitchfork", 1, [ONE, ZERO, ZERO], [ZERO, ONE], **given)
+    return bifurcation(BREAKING, "periodic-pitchfork", 1, [ONE, ZERO, ZERO, ZERO], [ZERO, ONE, ZERO], **given)
 
 
 def half_a_period(b: Any = 0, c: Any = 1, d: Any = 0, e: Any = 0, **more: Any) -> PeriodicBifurcation:

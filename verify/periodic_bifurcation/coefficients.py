@@ -20,7 +20,7 @@ class Coefficients:
     Attributes:
         speed: of s; not 0.
         bend: of y^2.
-        pairing: l . w over the coordinates that the first integral does not replace.
+        pairing: l . w.
     """
 
     speed: arb
@@ -39,7 +39,7 @@ def fold_coefficients(equations: PointEquations, place: Place, normal: Sequence[
     covector = _covector(equations, place, 1, normal)
     bent = equations.curvatures(place.where, [*place.kernel, arb(0)])
     curvature = dot(covector, [dot(row[:-1], place.kernel) for row in bent])
-    return Coefficients(dot(covector, [row[-1] for row in slopes]), curvature / 2, _pairing(equations, place, covector))
+    return Coefficients(dot(covector, [row[-1] for row in slopes]), curvature / 2, dot(covector, place.kernel))
 
 
 def flip_coefficients(equations: PointEquations, place: Place, normal: Sequence[arb]) -> Coefficients:
@@ -53,15 +53,10 @@ def flip_coefficients(equations: PointEquations, place: Place, normal: Sequence[
     third = equations.cubic(place.where, [*place.kernel, arb(0)])
     speed = dot(covector, [dot(row, [*along, arb(1)]) for row in bent])
     bend = dot(covector, [dot(row[:-1], even) + value / 6 for row, value in zip(bent, third, strict=True)])
-    return Coefficients(speed, bend, _pairing(equations, place, covector))
+    return Coefficients(speed, bend, dot(covector, place.kernel))
 
 
 def _covector(equations: PointEquations, place: Place, sigma: int, normal: Sequence[arb]) -> list[arb]:
     """l with l (D_p E - sigma J) = 0."""
     singular = equations.minus(sigma, equations.slopes(place.where))
     return left_kernel(singular, bordering(singular, normal), normal)
-
-
-def _pairing(equations: PointEquations, place: Place, covector: Sequence[arb]) -> arb:
-    kept = [value * equations.kept(row) for row, value in enumerate(covector)]
-    return dot(kept, place.kernel)

@@ -46,9 +46,8 @@ def check_mirrored(checklist: Checklist, claim: PeriodicBifurcation, place: Plac
             for position, (image, ball) in enumerate(zip(_image_of(claim, place), place.where, strict=False)):
                 evidence.record(f"p_{position} of S x - x", image - ball)
             apart = map(excludes_zero, evidence.enclosures.values())
-            evidence.require(
-                any(apart), "S may fix the point, and does not map the box to itself", needs_precision=True
-            )
+            message = "S may fix the point, and does not map the box to itself"
+            evidence.require(any(apart), message, needs_precision=True)
         else:
             turned = [sign == -1 and excludes_zero(ball) for sign, ball in zip(signs, place.kernel, strict=True)]
             evidence.require(any(turned), "S may leave the eigenvector alone")
