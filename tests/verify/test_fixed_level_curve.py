@@ -30,9 +30,9 @@ from orbitproof.shared.formats import (
 )
 from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.__main__ import main
-from orbitproof.verify.certificate import Certificate, certify
+from orbitproof.verify.certificate import Certificate, certify, write_certificates
 from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, enclose_other_point, prove_piece
-from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved
+from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.stability import TubeOfOrbits
 from orbitproof.verify.stability.matrix import orbit_functions
@@ -159,13 +159,34 @@ def test_the_other_point_of_an_orbit_counts_on_its_sheet_only() -> None:
     assert found["u2"] < 0
 
 
-def test_no_list_of_resonances_is_claimed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def tube(system: ReversibleSystem) -> TubeOfOrbits:
     (piece,) = atlas().curve_pieces()
-    with pytest.raises(IntegrationFailure, match="fixed level"):
-        orbit_functions(TubeOfOrbits(atlas().system, {}, piece, WHOLE, PieceLimits(), "physical", ORACLE))
-    words = ["atlas", str(FILE), "--complete", "4", "-o", str(tmp_path / "certificate.json"), "--quiet"]
-    assert main(words) == 2
-    assert "--complete: no list is claimed on a fixed level" in capsys.readouterr().err
+    return TubeOfOrbits(system, {}, piece, WHOLE, PieceLimits(), "physical", ORACLE)
+
+
+def test_the_stability_of_orbits_found_otherwise_is_enclosed_across_two_sheets() -> None:
+    """Half a period later w has the other sign: the second half begins on the other sheet."""
+    (piece,) = atlas().curve_pieces()
+    functions = orbit_functions(tube(atlas().system)).stored
+    problem = ShootingProblem(atlas().system, {})
+    for tau in (-0.9, 0.0, 0.6):
+        s = F(tau) * F(33, 32)
+        parameter, place = (float(value) for value in piece.point(s))
+        orbit = problem.orbit(problem.correct(np.array([parameter, place, 4.0]), np.array([1.0, 0.0, 0.0])))
+        (stability,) = orbit.stability
+        assert abs(float(functions.characteristic[0].enclosed.value(arb(tau)).mid()) - stability) < 1e-8
+        assert abs(float(functions.level.enclosed.value(arb(tau)).mid()) - parameter) < 1e-12
+
+
+def test_the_list_of_resonances_on_a_level_has_the_certified_one(tmp_path: Path) -> None:
+    target, rows = tmp_path / "certificate.json", tmp_path / "rows.json"
+    write_certificates(rows, [certificate()])
+    words = ["atlas", str(FILE), "--complete", "4", "--bifurcations", str(rows), "-o", str(target), "--quiet"]
+    assert main(words) == 0
+    listed = json.loads(target.read_text())["conclusion"]["complete"]
+    assert [(entry["k"], entry["certificates"]) for entry in listed["points"]] == [(3, []), (4, ["quadrupling"])]
+    assert listed["gaps"] == []
+    assert main(["atlas", "--recheck", str(target), "--quiet"]) == 0
 
 
 def test_surfaces_and_single_orbits_are_refused() -> None:

@@ -201,8 +201,6 @@ def limits_of(
             "{complete}: lists what is on a curve of symmetric orbits, and this atlas is about {0}; leave it out",
             kind_of(atlas).about,
         )
-    if complete is not None and isinstance(atlas, Atlas) and atlas.system.fixed_level is not None:
-        raise ArgumentError("{complete}: no list is claimed on a fixed level of a first integral; leave it out")
     given = {name: value for name, value in integrator.items() if value is not None}
     limits = RunLimits(given, timeout, max_splits, complete is not None, 1 if complete is None else complete)
     try:

@@ -18,7 +18,7 @@ from flint import arb, fmpq, fmpq_mat
 from numpy.polynomial.polynomial import polyval
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import FixedLevel, ReversibleSystem
 from orbitproof.verify.algebra import Floats, Grading, Series, WideArithmetic, recentred
 from orbitproof.verify.curve import (
     BEYOND,
@@ -32,7 +32,7 @@ from orbitproof.verify.curve import (
     tube_points,
 )
 from orbitproof.verify.distances import DistanceAlongCurve, DistanceFunctions, is_distance_of_orbits
-from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded, is_inside
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded, is_inside, is_positive
 from orbitproof.verify.functions import (
     REACH,
     StoredFunction,
@@ -155,9 +155,10 @@ class TubeOfOrbits:
         system, widths = self.system, half.widths
         flow = half.state[0].arithmetic
         assert isinstance(flow, WideArithmetic)
-        integral = first_integral(system, flow, half.start)
+        integral = first_integral(system, flow, half.start) if system.family_parameter is None else None
         level = half.start[str(system.family_parameter)] if integral is None else integral
         curve = self._curve(half)
+        beyond = self._at_other_point(curve, half.state)
         there = self._named(half.start, half.state)
         other = OtherPoint.of([curve.value(element) for element in there])
         images = [
@@ -168,7 +169,7 @@ class TubeOfOrbits:
         around = _as_wide(out, max(widths))
         begun = {**half.start, **other.tube(flow, system.centre_coordinates, around)}
 
-        returns = HalfOrbits(system, flow, begun, self.oracle, self.coordinates)
+        returns = HalfOrbits(beyond, flow, begun, self.oracle, self.coordinates)
         along = DistanceAlongCurve(returns, SHARE) if is_distance_of_orbits(system, self.symmetry) else None
 
         def after_step(number: float) -> None:
@@ -180,7 +181,7 @@ class TubeOfOrbits:
         second, _ = returns.half_orbit(self.crossings, after_step)
         back = self._back(curve, widths, around, self._named(begun, second))
         sigma = _stability_matrix(out, back)
-        points = self._initial(curve, half.start), self._initial(curve, half.start, there)
+        points = self._initial(system, curve, half.start), self._initial(beyond, curve, half.start, there)
         return OrbitFunctions(
             tuple(_minors(sigma, order) for order in range(1, len(widths) + 1)),
             restricted(curve.value(level), SHARE),
@@ -199,11 +200,29 @@ class TubeOfOrbits:
         start = {name: curve.value(element) for name, element in half.start.items()}
         return variations_across(self.system, flow, start, SHARE, self.crossings, self.oracle)
 
-    def _initial(self, curve: CurveInTube, start: Mapping[str, Series], point: Sequence[Series] = ()) -> list[Series]:
+    def _at_other_point(self, curve: CurveInTube, state: Sequence[Series]) -> ReversibleSystem:
+        """The system with the sheet of its fixed level, if it has one, on which P(x) lies along the curve."""
+        system, level = self.system, self.system.fixed_level
+        if level is None:
+            return system
+        name = str(system.level_coordinate)
+        there = bounded(restricted(curve.value(state[system.state.index(name)]), SHARE))
+        for sign in (1, -1):
+            if all(is_positive(sign * there.value(part)) for part in _PARTS):
+                return replace(system, fixed_level=FixedLevel(level.value, sign))
+        raise IntegrationFailure(
+            "stability",
+            f"{name} is not shown to have one sign at the other points of the orbits",
+            "give a narrower piece",
+        )
+
+    def _initial(
+        self, system: ReversibleSystem, curve: CurveInTube, start: Mapping[str, Series], point: Sequence[Series] = ()
+    ) -> list[Series]:
         """State and parameters on Fix(R) as functions of sigma: at x(s), or at a point with these coordinates."""
         moved = {**start, **dict(zip(self.system.centre_coordinates, point, strict=True))} if point else start
         values = {name: curve.value(element) for name, element in moved.items()}
-        return initial_values(self.system, self.arithmetic, values)
+        return initial_values(system, self.arithmetic, values)
 
     def _curve(self, half: HalfReturn) -> CurveInTube:
         """omega on the curve, from the state at the first return."""
@@ -274,10 +293,6 @@ def orbit_functions(
 
     Raises `IntegrationFailure`.
     """
-    if tube.system.fixed_level is not None:
-        raise IntegrationFailure(
-            "stability", "no list is claimed on a fixed level of a first integral", "leave `complete` out"
-        )
     with guarded(tube.limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
         try:
             return tube.functions(tube.wider(progress) if half is None else half, progress)

@@ -219,6 +219,8 @@ def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence
 def _held(atlas: Atlas) -> str:
     if atlas.system.normalised:
         return f"in the plane and on its level of the Jacobi constant (at {level_name(atlas)} = 0 the limit of that)"
+    if atlas.system.fixed_level is not None:
+        return f"{level_name(atlas)} and the level held fixed"
     if atlas.system.family_parameter is not None:
         return f"{level_name(atlas)} held fixed"
     return f"on its level of the {level_name(atlas)}"
