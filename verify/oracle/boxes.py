@@ -16,7 +16,8 @@ from orbitproof.verify.oracle.remedies import advice_on
 
 _OF_A_WIDE_BOX = ("tube", "crossing count", "section", "collision", "derivatives", "poincare-map", "return-map")
 """Conditions that fail where orbits of the box part too far, if no enclosure says more."""
-_NARROWER = arb(2) ** -8
+_NARROWER, _MUCH_NARROWER = arb(2) ** -8, arb(2) ** -12
+"""For orbits, and for P_1 of a bifurcation, whose third derivatives have to be known."""
 _SLACK = 1 + arb(2) ** -4
 _ROOM = 4
 """A box that an image reaches out of becomes so many times as wide as the image."""
@@ -52,7 +53,7 @@ def _factors(
         if advice is not None:
             return {axis: _SLACK * factor if factor > 1 else factor / _SLACK for axis, factor in advice.factors.items()}
         order = 1 if claim.kind == "touch_and_go" else 2
-        narrower = {axis: _NARROWER**power for axis, power in enumerate((order, 1, 2)[: len(radii)])}
+        narrower = {axis: _MUCH_NARROWER**power for axis, power in enumerate((order, 1, 2)[: len(radii)])}
     else:
         narrower = dict.fromkeys(range(len(radii)), _NARROWER)
         if failed is not None and failed.enclosures:
@@ -60,7 +61,8 @@ def _factors(
             size = isqrt(len(matrix))
             if matrix and is_regular([matrix[size * row : size * (row + 1)] for row in range(size)]):
                 return _wide_enough(failed.enclosures, radii)
-    return narrower if reason.condition in (*_OF_A_WIDE_BOX, "family", "orbit", "periodic") else {}
+    wide = reason.condition in _OF_A_WIDE_BOX or (failed is not None and bool(failed.enclosures))
+    return narrower if wide else {}
 
 
 def _wide_enough(enclosures: Mapping[str, arb], radii: Sequence[Fraction]) -> Mapping[int, arb]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, ArgumentError, InputError, Piece, check_writable
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
