@@ -75,6 +75,21 @@ def test_wrong_reversals_are_refused(name: str) -> None:
         check_symmetries(Checklist(), WRONG_REVERSALS[name])
 
 
+def test_a_true_symmetry_that_is_not_recognised_is_refused_with_the_way_to_write_it() -> None:
+    def field(square: Any) -> Any:
+        return lambda s, p: (s[1], s[2], p[0] * (s[1] * s[1] - 1) - s[0] * s[2] + square(s))
+
+    factored, expanded = (
+        replace(FALKNER_SKAN, vector_field=field(square))
+        for square in (lambda s: (s[1] + s[0]) * (s[1] - s[0]), lambda s: s[1] * s[1] - s[0] * s[0])
+    )
+    assert numerically_reversible(factored, factored.reversing_symmetry, -1)
+    check_symmetries(Checklist(), expanded)
+    with pytest.raises(NotEstablishedError, match="not shown to have the symmetry R") as refusal:
+        check_symmetries(Checklist(), factored)
+    assert "true and not be recognised: write sums of terms that R and S change alike" in refusal.value.reason.remedy
+
+
 @pytest.mark.parametrize(
     "distance",
     [lambda s, p: (s[0] * s[0] + s[1] * s[1] * s[1] + 1,), lambda s, p: (s[1],), lambda s, p: (1 + s[0] * s[1],)],

@@ -72,7 +72,8 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
         "1.3",
         "f(R x) = -R f(x), and f(S x) = S f(x) if a symmetry S is named, from the parities of the program; a first "
         "integral H satisfies grad H . f = 0 identically (1.4), and R and S leave it unchanged",
-        "correct the description of the system",
+        "correct the description of the system; a symmetry or an integral may be true and not be recognised: write "
+        "sums of terms that R and S change alike, and H without divisors and roots that the vector field does not have",
     ) as evidence:
         integral = system.first_integral_program
         distance = system.squared_distance_program
