@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 PERIODIC_FAMILY = "periodic-family"
 STATUS = "numerics in double precision, nothing is proved"
 
-Kind = Literal["fold", "branch point", "period doubling", "Neimark-Sacker"]
+Kind = Literal["fold", "branch point", "pitchfork", "period doubling", "Neimark-Sacker"]
 
 
 @dataclass(frozen=True)

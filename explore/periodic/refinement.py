@@ -5,7 +5,7 @@ The unknowns are the point and the period; the equations are those of `correctio
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, floor, log2
@@ -17,6 +17,7 @@ from orbitproof.explore.engines import Progress
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.explore.refinement import (
     IntegrationFailure,
+    Jet,
     JetBasis,
     JetStepper,
     RefinementFailure,
@@ -25,7 +26,7 @@ from orbitproof.explore.refinement import (
 )
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.shared.systems import System
+from orbitproof.shared.systems import Program, System
 
 _FIRST_BITS = 90
 _GUARD_BITS = 24
@@ -70,30 +71,65 @@ def refine_periodic(task: PeriodicTask, progress: Progress | None = None) -> Per
 
     Raises `RefinementFailure`, one line, if Newton's method does not converge near the guess.
     """
-    report = progress or (lambda _message, _fraction: None)
-    goal = ceil((task.digits + _MARGIN_DIGITS) * log2(10))
-    size = len(task.point)
     unknowns = [Fraction(value) for value in (*task.point, task.period)]
+    found = newton_with_digits(
+        lambda each, context: _linearised(task, each, context), unknowns, task.digits, _FARTHEST, progress
+    )
+    return _claim(task, found.unknowns[: len(task.point)], found.spread, found.steps)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where Newton's method converged.
+
+    Attributes:
+        unknowns: exact numbers, close to the solution.
+        spread: how much the flow magnifies there, as the equations say.
+        steps: of Newton's method.
+    """
+
+    unknowns: list[Fraction]
+    spread: float
+    steps: int
+
+
+def newton_with_digits(
+    linearised: Callable[[Sequence[Fraction], mpmath.MPContext], tuple[Any, Any, float]],
+    guess: Sequence[Fraction],
+    digits: int,
+    farthest: float,
+    progress: Progress | None = None,
+) -> Solution:
+    """The solution near a guess to so many digits, with as much precision in each step as it can use.
+
+    Arguments:
+        linearised: residual, matrix and spread at unknowns, with the precision of a context; more equations than
+            unknowns are solved in the sense of least squares.
+        farthest: largest distance from the guess, relative where an unknown exceeds 1.
+
+    Raises `RefinementFailure`, one line, if it does not converge near the guess.
+    """
+    report = progress or (lambda _message, _fraction: None)
+    goal = ceil((digits + _MARGIN_DIGITS) * log2(10))
+    unknowns = list(guess)
     bits, guard = _FIRST_BITS, _GUARD_BITS
     try:
-        for number in range(_MOST_NEWTON_STEPS):
-            report(f"Newton step {number + 1} with {bits} bits", min(0.9, bits / (goal + 60)))
+        for step in range(_MOST_NEWTON_STEPS):
+            report(f"Newton step {step + 1} with {bits} bits", min(0.9, bits / (goal + 60)))
             context = working_context(bits)
-            residual, matrix, spread = _linearised(task, unknowns, context)
+            residual, matrix, spread = linearised(unknowns, context)
             correction, _ = context.qr_solve(matrix, -residual)
             length = max(float(abs(value)) for value in correction)
             unknowns = [
-                value + round_dyadic(_fraction(change), bits)
-                for value, change in zip(unknowns, correction, strict=True)
+                value + round_dyadic(fraction(change), bits) for value, change in zip(unknowns, correction, strict=True)
             ]
-            guess = (*task.point, task.period)
-            far = max(abs(float(u) - g) / max(1.0, abs(g)) for u, g in zip(unknowns, guess, strict=True))
-            if not far <= _FARTHEST:
+            far = max(float(abs(u - g)) / max(1.0, abs(float(g))) for u, g in zip(unknowns, guess, strict=True))
+            if not far <= farthest:
                 raise RefinementFailure("Newton's method leaves the neighbourhood of the guess")
             guard = max(_GUARD_BITS, ceil(log2(max(spread, 1.0))) + 16)
             wanted = goal + guard
             if bits >= wanted and length < 2.0**-goal:
-                return _claim(task, [round_dyadic(value, bits) for value in unknowns[:size]], spread, number + 1)
+                return Solution([round_dyadic(value, bits) for value in unknowns], spread, step + 1)
             known = -2 * log2(max(length, 2.0**-bits))
             bits = min(max(bits, ceil(known) + guard), wanted)
     except (IntegrationFailure, ZeroDivisionError, ValueError) as failure:
@@ -105,68 +141,53 @@ def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmat
     """phi_T(x) - x, the section and, with a first integral, its level; derivatives; the largest entry of D phi."""
     *x, time = unknowns
     size = len(x)
-    end, derivative = flow_jets(task.system, task.parameters, x, time, context)
-    velocity = task.system.program.evaluate(
-        [*end, *(_number(task.parameters[name], context) for name in task.system.parameters)],
-        lambda value: _number(value, context),
-        lambda base, exponent: base ** _number(exponent, context),
-    )
+    basis = JetBasis.graded((1,) * size, 1)
+    start = []
+    for i, value in enumerate(x):
+        start.append(basis.constant(value))
+        start[i].coefficients[basis.variable(i)] = Fraction(1)
+    end = flow_jets(task.system, task.parameters, start, time, context)
+    derivative = [[jet.coefficients[basis.variable(j)] for j in range(size)] for jet in end]
+    given = [number(task.parameters[name], context) for name in task.system.parameters]
+    velocity = evaluated(task.system.program, [*(jet.coefficients[0] for jet in end), *given], context)
     rows = [[*(derivative[i][j] - int(i == j) for j in range(size)), velocity[i]] for i in range(size)]
-    values = [end[i] - _number(x[i], context) for i in range(size)]
+    values = [end[i].coefficients[0] - number(x[i], context) for i in range(size)]
     normal = task.section.normal
-    rows.append([*(_number(a, context) for a in normal), 0])
-    values.append(_number(sum(a * u for a, u in zip(normal, x, strict=True)) - task.section.offset, context))
+    rows.append([*(number(a, context) for a in normal), 0])
+    values.append(number(sum(a * u for a, u in zip(normal, x, strict=True)) - task.section.offset, context))
     if task.level is not None:
-        value, slopes = _level(task, x, context)
-        rows.append([*slopes, 0])
-        values.append(value - _number(task.level, context))
+        assert task.system.first_integral_program is not None
+        here = [Jet(basis, [number(value, context) for value in jet.coefficients]) for jet in start]
+        (integral,) = evaluated(task.system.first_integral_program, [*here, *given], context)
+        rows.append([*(integral.coefficients[basis.variable(j)] for j in range(size)), 0])
+        values.append(integral.coefficients[0] - number(task.level, context))
     spread = max(float(abs(entry)) for row in derivative for entry in row)
     return context.matrix(values), context.matrix(rows), spread
-
-
-def _level(task: PeriodicTask, x: Sequence[Fraction], context: mpmath.MPContext) -> tuple[Any, list[Any]]:
-    """The first integral and its derivatives at a point."""
-    basis = JetBasis.graded((1,) * len(x), 1)
-    jets = []
-    for i, value in enumerate(x):
-        jet = basis.constant(_number(value, context))
-        jet.coefficients[basis.variable(i)] = context.mpf(1)
-        jets.append(jet)
-
-    def power(base: Any, exponent: Fraction) -> Any:
-        if hasattr(base, "power"):
-            return base.power(exponent, power)
-        return base ** _number(exponent, context)
-
-    given = [_number(task.parameters[name], context) for name in task.system.parameters]
-    program = task.system.first_integral_program
-    (jet,) = program.evaluate([*jets, *given], lambda value: _number(value, context), power)
-    return jet.coefficients[0], [jet.coefficients[basis.variable(i)] for i in range(len(x))]
 
 
 def flow_jets(
     system: System,
     parameters: Mapping[str, Fraction],
-    point: Sequence[Fraction],
+    start: Sequence[Jet],
     time: Fraction,
     context: mpmath.MPContext,
-) -> tuple[list[Any], list[list[Any]]]:
-    """phi_T(x), shape (N,), and its derivative, shape (N, N), with the precision of `context`.
+) -> list[Jet]:
+    """The jets of phi_T, N of them, with the precision of `context`.
+
+    Arguments:
+        parameters: those that are numbers.
+        start: jets of the state, then of the other parameters, with exact coefficients.
 
     Raises `IntegrationFailure` if the orbit cannot be followed.
     """
-    bits, size = context.prec, len(point)
-    basis = JetBasis.graded((1,) * size, 1)
+    bits, size, basis = context.prec, len(system.state), start[0].basis
     stepper = JetStepper(Tape(system.program, parameters), size, basis, bits)
     unit = 1 << bits
-    places = [basis.variable(j) for j in range(size)]
-    state = [
-        [round(value * unit), *(unit * (m == place) for m in range(1, len(basis.monomials)))]
-        for value, place in zip(point, places, strict=True)
-    ]
+    state = [[round(value * unit) for value in jet.coefficients] for jet in start]
+    given = state[size:]
     left, exponent = Fraction(time), -3
     for _ in range(_MOST_STEPS):
-        result = stepper.step(state, exponent)
+        result = stepper.step([*state[:size], *given], exponent)
         exponent = result.proposal
         if exponent < _SMALLEST_EXPONENT:
             raise IntegrationFailure("the orbit runs into a singularity")
@@ -182,23 +203,43 @@ def flow_jets(
         ]
         left -= length
         if left <= 0:
-            numbers = [[context.ldexp(context.mpf(value), -bits) for value in jets] for jets in state]
-            return [row[0] for row in numbers], [[row[place] for place in places] for row in numbers]
+            return [Jet(basis, [context.ldexp(context.mpf(value), -bits) for value in jets]) for jets in state]
     raise IntegrationFailure(f"the period takes more than {_MOST_STEPS} steps")
 
 
-def _number(value: Any, context: mpmath.MPContext) -> Any:
+def evaluated(program: Program, inputs: Sequence[Any], context: mpmath.MPContext) -> list[Any]:
+    """A program at numbers of `context` and jets of them."""
+
+    def power(base: Any, exponent: Fraction) -> Any:
+        if isinstance(base, Jet):
+            return base.power(exponent, power)
+        return base ** number(exponent, context)
+
+    return list(program.evaluate(list(inputs), lambda value: number(value, context), power))
+
+
+def number(value: Any, context: mpmath.MPContext) -> Any:
+    """An exact number with the precision of `context`."""
     exact = Fraction(value)
     return context.mpf(exact.numerator) / exact.denominator
 
 
-def _fraction(value: Any) -> Fraction:
+def fraction(value: Any) -> Fraction:
+    """A number of mpmath, exactly."""
     sign, mantissa, exponent, _ = mpmath.mpf(value)._mpf_ if isinstance(value, int) else value._mpf_
     return (-1) ** sign * Fraction(int(mantissa)) * Fraction(2) ** exponent
 
 
+def box_exponent(digits: int, spread: float) -> int:
+    """-log2 of the half-widths of a box about a point that is known to so many digits.
+
+    Arguments:
+        spread: how much the map magnifies.
+    """
+    return ceil((_BOX_SHARE * digits + _BOX_DIGITS) * log2(10) + log2(max(1.0, spread)))
+
+
 def _claim(task: PeriodicTask, point: Sequence[Fraction], spread: float, steps: int) -> PeriodicOrbit:
-    exponent = ceil((_BOX_SHARE * task.digits + _BOX_DIGITS) * log2(10) + log2(max(1.0, spread)))
     return PeriodicOrbit(
         id=task.id,
         system=task.system,
@@ -209,7 +250,7 @@ def _claim(task: PeriodicTask, point: Sequence[Fraction], spread: float, steps: 
         crossings=task.crossings,
         centre=task.section.onto(point),
         frame=task.section.frame(),
-        radii=(Fraction(1, 2**exponent),) * (len(point) - 1),
+        radii=(Fraction(1, 2 ** box_exponent(task.digits, spread)),) * (len(point) - 1),
         level=task.level,
         provenance={"digits": task.digits, "newton_steps": steps, **task.provenance},
     )

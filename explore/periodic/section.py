@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -81,20 +81,28 @@ def _middle(values: Vector) -> Fraction:
     return Fraction(str(round((low + high) / 2, int(np.ceil(-np.log10(high - low))) + 1)))
 
 
-def suggested(loop: Matrix, velocities: Matrix) -> AffineSection:
-    """A section for a closed orbit: a coordinate at the middle of its range, crossed seldom and steeply."""
+def suggested(loop: Matrix, velocities: Matrix, normals: Iterable[tuple[Fraction, ...]] | None = None) -> AffineSection:
+    """A section for a closed orbit, in the middle of its range, crossed seldom and steeply.
+
+    Arguments:
+        normals: to choose from; by default those of the coordinates.
+
+    Raises `ValueError` if none of them is crossed.
+    """
     best: tuple[tuple[int, float], AffineSection] | None = None
     size = loop.shape[1]
-    for j in range(size):
-        if not np.ptp(loop[:, j]) > 0:
+    for normal in normals or (tuple(Fraction(int(i == j)) for i in range(size)) for j in range(size)):
+        across = np.array(list(map(float, normal)))
+        values = loop @ across
+        if not np.ptp(values) > 0:
             continue
-        offset = _middle(loop[:, j])
+        offset = _middle(values)
         for direction in (1, -1):
-            section = AffineSection(tuple(Fraction(int(i == j)) for i in range(size)), offset, direction)
+            section = AffineSection(normal, offset, direction)
             where = section.crossings(loop)
             if not where:
                 continue
-            steep = min(abs(velocities[i, j]) / (np.linalg.norm(velocities[i]) or 1.0) for i in where)
+            steep = min(abs(velocities[i] @ across) / (np.linalg.norm(velocities[i]) or 1.0) for i in where)
             key = (len(where), -float(steep))
             if best is None or key < best[0]:
                 best = key, section

@@ -1,0 +1,197 @@
+"""Bifurcations of periodic orbits as claims for the verifier: the section, the eigenvector, and many digits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from orbitproof.explore.engines import Progress
+from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem
+from orbitproof.explore.periodic.detection import BRANCH, DOUBLING, FOLD, PITCHFORK, TORUS, Bifurcation
+from orbitproof.explore.periodic.extended import ExtendedSystem
+from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, velocity_at
+from orbitproof.explore.periodic.refinement import box_exponent, newton_with_digits
+from orbitproof.explore.periodic.section import AffineSection, map_derivative, suggested
+from orbitproof.explore.refinement import RefinementFailure
+from orbitproof.shared.claims import (
+    PERIODIC_DOUBLING,
+    PERIODIC_FOLD,
+    PERIODIC_PITCHFORK,
+    PERIODIC_TORUS,
+    PeriodicBifurcation,
+)
+
+_CLAIMED = {
+    FOLD: PERIODIC_FOLD,
+    DOUBLING: PERIODIC_DOUBLING,
+    PITCHFORK: PERIODIC_PITCHFORK,
+    TORUS: PERIODIC_TORUS,
+}
+_FARTHEST = 3e-2
+"""Largest distance from the guess, relative where an unknown exceeds 1."""
+_SAMPLED = 2
+_TIMES = 4
+
+
+@dataclass(frozen=True)
+class _Start:
+    """Where Newton's method begins.
+
+    Attributes:
+        point: shape (N,), on the section, in float64.
+        time: of the return.
+        vectors: for each part of the eigenvector its coordinates in the section, shape (N - 1,), and a time.
+    """
+
+    section: AffineSection
+    crossings: int
+    point: Vector
+    time: float
+    vectors: tuple[tuple[Vector, float], ...]
+    multiplier: complex
+
+
+def refine_bifurcation(
+    found: Bifurcation, name: str, digits: int, progress: Progress | None = None, section: AffineSection | None = None
+) -> PeriodicBifurcation:
+    """The claim about a bifurcation: its point, parameter and eigenvector to so many digits, in a box.
+
+    Arguments:
+        section: `None` for one that suits the orbit; for a pitchfork it must be one that the symmetry maps to itself,
+            and another one is chosen if it is not.
+
+    Raises `RefinementFailure`, one line.
+    """
+    if found.kind == BRANCH:
+        raise RefinementFailure("a branch point without a symmetry that explains it is no claim")
+    try:
+        start = _start(found, section)
+    except (FlowFailure, PeriodicFailure) as failure:
+        raise RefinementFailure(str(failure)) from None
+    kernel = [tuple(map(Fraction, vector)) for vector, _ in start.vectors]
+    length = sum((value * value for vector in kernel for value in vector), Fraction(0))
+    extended = ExtendedSystem(
+        found.problem.system, found.problem.parameters, found.name, found.level,
+        start.section.onto(tuple(map(Fraction, start.point))), start.section.frame(), found.symmetry,
+        None if found.kind == TORUS else 1 if found.kind == FOLD else -1,
+        tuple(tuple(value / length for value in vector) for vector in kernel),
+    )  # fmt: skip
+    n = extended.size
+    guess = [*(Fraction(0),) * n, Fraction(start.time), Fraction(found.member.value)]
+    for vector, (_, time) in zip(kernel, start.vectors, strict=True):
+        guess += [*vector, Fraction(time)]
+    if found.kind == TORUS:
+        guess += [Fraction(start.multiplier.real), Fraction(start.multiplier.imag)]
+    solution = newton_with_digits(extended.linearised, guess, digits, _FARTHEST, progress)
+    return _claim(found, name, digits, start, extended, solution.unknowns, solution.spread)
+
+
+def _claim(
+    found: Bifurcation,
+    name: str,
+    digits: int,
+    start: _Start,
+    extended: ExtendedSystem,
+    unknowns: list[Fraction],
+    spread: float,
+) -> PeriodicBifurcation:
+    n, system = extended.size, found.problem.system
+    radius = Fraction(1, 2 ** box_exponent(digits, spread))
+    value = unknowns[n + 1]
+    return PeriodicBifurcation(
+        id=name,
+        system=system,
+        parameters=dict(found.problem.parameters) if found.name is None else {
+            each: value if each == found.name else exact for each, exact in found.problem.parameters.items()
+        },
+        normal=start.section.normal,
+        offset=start.section.offset,
+        direction=start.section.direction,
+        crossings=start.crossings,
+        centre=extended.point(unknowns),
+        frame=extended.frame,
+        radii=(radius,) * n,
+        kind=_CLAIMED[found.kind],
+        kernel=tuple(tuple(extended.vector(unknowns, j)) for j in range(extended.vectors)),
+        kernel_radius=radius,
+        parameter_radius=radius,
+        parameter=found.name,
+        level=value if found.name is None else found.level,
+        multiplier=(unknowns[-2], unknowns[-1]) if found.kind == TORUS else None,
+        symmetry=None if found.symmetry is None else found.symmetry.rows,
+        provenance={"digits": digits},
+    )  # fmt: skip
+
+
+def _start(found: Bifurcation, section: AffineSection | None) -> _Start:
+    """The orbit from the steepest of its crossings of a section, with the eigenvector there."""
+    orbit, system, symmetry = found.member.orbit, found.problem.system, found.symmetry
+    values = orbit.values
+    velocities = np.array([velocity_at(system, state, values) for state in orbit.loop[::_SAMPLED]])
+    if section is None or (symmetry is not None and not symmetry.leaves(section.normal)):
+        try:
+            normals = None if symmetry is None else list(symmetry.normals())
+            if normals == []:
+                raise PeriodicFailure("the symmetry maps no section to itself with its direction")
+            section = suggested(orbit.loop[::_SAMPLED], velocities, normals)
+        except ValueError:
+            raise PeriodicFailure("no section that the symmetry maps to itself is crossed") from None
+    where = section.crossings(orbit.loop)
+    if not where or len(where) % found.parts:
+        raise PeriodicFailure("the orbit does not cross the section in the direction; give another section")
+    normal = np.array(list(map(float, section.normal)))
+
+    def steepness(index: int) -> float:
+        velocity = velocity_at(system, orbit.loop[index], values)
+        return float(abs(normal @ velocity) / (np.linalg.norm(velocity) or 1.0))
+
+    point = _onto(found.problem, orbit, section, max(where, key=steepness))
+    time = orbit.period / found.parts
+    arc = arc_of(system, point, time, values)
+    matrix = np.eye(len(point)) if symmetry is None else symmetry.matrix
+    flow, velocity = matrix @ arc.by_state, matrix @ arc.velocity
+    derivative = map_derivative(section, flow, velocity)
+    frame = np.array([[float(value) for value in row] for row in section.frame()])
+    multiplier, vectors = _eigenvector(found, derivative, frame, point)
+    speed = normal @ velocity
+    pairs = tuple((vector, float(-(normal @ flow @ frame @ vector) / speed)) for vector in vectors)
+    return _Start(section, len(where) // found.parts, point, time, pairs, multiplier)
+
+
+def _eigenvector(
+    found: Bifurcation, derivative: Matrix, frame: Matrix, point: Vector
+) -> tuple[complex, tuple[Vector, ...]]:
+    """The multiplier and its eigenvector: real, or real and imaginary part; of length 1."""
+    if found.kind == TORUS:
+        values, vectors = np.linalg.eig(derivative)
+        j = int(np.argmin(np.abs(values - found.multiplier)))
+        # Real and imaginary part are as far from parallel as a complex factor can make them.
+        vector = vectors[:, j] * np.exp(-0.5j * np.angle(np.sum(vectors[:, j] ** 2)))
+        vector = vector / np.linalg.norm(vector)
+        return values[j] / abs(values[j]), (vector.real, vector.imag)
+    sign = 1.0 if found.kind == FOLD else -1.0
+    rows = derivative - sign * np.eye(len(derivative))
+    if found.name is None or found.level is not None:
+        slopes, _ = found.problem.level_slopes(point, found.member.orbit.values)
+        across = slopes @ frame
+        rows = np.vstack([rows, across / np.linalg.norm(across)])
+    return complex(sign), (np.linalg.svd(rows)[2][-1],)
+
+
+def _onto(problem: PeriodicProblem, orbit: ClosedOrbit, section: AffineSection, index: int) -> Vector:
+    """The crossing after a sample of an orbit."""
+    normal, offset = np.array(list(map(float, section.normal))), float(section.offset)
+    step = orbit.period / (len(orbit.loop) - 1)
+    before = orbit.loop[index]
+    low, high = (section.heights(orbit.loop[[index, index + 1]])).tolist()
+    time = step * min(0.999, max(1e-3, -low / (high - low)))
+    point = before
+    for _ in range(_TIMES):
+        arc = arc_of(problem.system, before, time, orbit.values)
+        point = arc.end
+        change = -(normal @ point - offset) / (normal @ arc.velocity)
+        time = min(2 * step, max(1e-3 * step, time + change))
+    return point

@@ -1,0 +1,264 @@
+"""Bifurcations between two neighbours of a family: multipliers followed one by one to the unit circle, in float64."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+from scipy.optimize import brentq, linear_sum_assignment
+
+from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
+from orbitproof.explore.periodic.family import Family, FamilyMember
+from orbitproof.explore.periodic.flow import Vector, arc_of
+from orbitproof.explore.periodic.symmetries import Symmetry, invariance
+
+FOLD, BRANCH, DOUBLING, TORUS = "fold", "branch point", "period doubling", "Neimark-Sacker"
+PITCHFORK = "pitchfork"
+
+_RESOLUTION = 1e-9
+_REAL = 1e-7
+"""An imaginary part below this, relative to the multiplier, is rounding."""
+_FARTHEST = 0.2
+"""Multipliers move at most so far from orbit to orbit, relative to their sizes, where they are followed."""
+_ZERO = 1e-6
+"""Gaps below this, relative to the size of the orbit, are rounding."""
+
+Test = Callable[[FamilyMember], float]
+
+
+@dataclass(frozen=True)
+class Bifurcation:
+    """Where multipliers meet the unit circle, in float64.
+
+    Attributes:
+        kind: `FOLD`: the family turns back in the parameter; `DOUBLING`: a multiplier is -1; `TORUS`: a complex pair;
+            `PITCHFORK`: a multiplier is 1, and -1 for the return map followed by a symmetry of the orbit; `BRANCH`: a
+            multiplier is 1 for another reason, as where two families cross.
+        member: the orbit there.
+        multiplier: the one that meets the circle.
+        problem: the system with its parameters; that of `name` is the orbit's.
+        name: of the parameter that varies; `None` for the level of the first integral.
+        level: of the first integral where a parameter varies on it; exact.
+        symmetry: of a pitchfork.
+        parts: 2 if the symmetry maps the orbit to itself half a period later, else 1.
+        ends: whether the family that was followed is that of the new orbits, which begins here.
+    """
+
+    kind: str
+    member: FamilyMember
+    multiplier: complex
+    problem: PeriodicProblem
+    name: str | None
+    level: Fraction | None = None
+    symmetry: Symmetry | None = None
+    parts: int = 1
+    ends: bool = False
+
+
+class UnresolvedError(Exception):
+    """The multipliers moved too far to be followed; a shorter step may do."""
+
+
+@dataclass(frozen=True)
+class Passage:
+    """What lies between two neighbours.
+
+    Attributes:
+        bifurcations: in order of their detection.
+        end: why the family ends here; `None` where it goes on.
+    """
+
+    bifurcations: list[Bifurcation]
+    end: str | None = None
+
+
+def passage(family: Family, before: FamilyMember, now: FamilyMember, length: float, patient: bool) -> Passage:
+    """The bifurcations on one step.
+
+    Arguments:
+        length: of the step from one orbit to the next.
+        patient: whether a shorter step is possible: then `UnresolvedError` is raised where it is needed.
+    """
+    crossed = list(_crossings(before, now, family.conservative))
+    if patient:
+        _check_resolved(before, now, crossed, family.conservative)
+    found: list[Bifurcation] = []
+    if family.rate(before) * family.rate(now) < 0:
+        birth = _birth(family, before, now, length)
+        if birth is not None:
+            return Passage([birth], "ends where its orbits are born from " + _PARENT[birth.kind])
+        member = _located(family, before, now, length, family.rate)
+        found.append(_bifurcation(family, FOLD, member, _nearest(member.orbit.multipliers, 1.0)))
+    taken = {each.kind for each in found}
+    for kind, goal, old in crossed:
+        if (kind == BRANCH and FOLD in taken) or (kind in taken and (kind == TORUS or family.conservative)):
+            continue
+        taken.add(kind)
+        member = _located(family, before, now, length, _test(kind, old, family.conservative))
+        near = _nearest(member.orbit.multipliers, goal) if goal is not None else _on_circle(member)
+        bifurcation = _bifurcation(family, kind, member, near)
+        found.append(_with_symmetry(family, bifurcation) if kind == BRANCH else bifurcation)
+    return Passage(found)
+
+
+_PARENT = {DOUBLING: "those of half the period", PITCHFORK: "those with a symmetry"}
+
+
+def _bifurcation(family: Family, kind: str, member: FamilyMember, multiplier: complex) -> Bifurcation:
+    return Bifurcation(kind, member, multiplier, family.problem, family.name, family.level)
+
+
+def _check_resolved(
+    before: FamilyMember, now: FamilyMember, crossed: list[tuple[str, float | None, complex]], conservative: bool
+) -> None:
+    """Multipliers moved little, and those that were found to cross the circle are all that did."""
+    old, new = before.orbit.multipliers, now.orbit.multipliers
+    for left, right in _followed(old, new):
+        if abs(left - right) > _FARTHEST * (1 + abs(left) + abs(right)):
+            raise UnresolvedError
+    if not conservative:
+        outward = {True: 1, False: -1}
+        change = sum((2 if kind == TORUS else 1) * outward[abs(each) < 1] for kind, _, each in crossed)
+        if int(np.sum(np.abs(new) > 1)) - int(np.sum(np.abs(old) > 1)) != change:
+            raise UnresolvedError
+
+
+def _followed(old: Vector, new: Vector) -> list[tuple[complex, complex]]:
+    """Each multiplier with the one that it becomes."""
+    if not len(old):
+        return []
+    sizes = 1 + np.abs(old)[:, None] + np.abs(new)[None]
+    rows, columns = linear_sum_assignment(np.abs(old[:, None] - new[None]) / sizes)
+    return [(complex(old[i]), complex(new[j])) for i, j in zip(rows, columns, strict=True)]
+
+
+def is_real(value: complex) -> bool:
+    """Up to rounding."""
+    return abs(value.imag) <= _REAL * max(1.0, abs(value))
+
+
+def _half_trace(value: complex) -> complex:
+    """(mu + 1/mu)/2, which is real for real multipliers and for those on the circle."""
+    return (value + 1 / value) / 2 if value else complex(np.inf)
+
+
+def _crossings(
+    before: FamilyMember, now: FamilyMember, conservative: bool
+) -> Iterator[tuple[str, float | None, complex]]:
+    """Which multipliers cross the circle: the kind, where they meet it, and which one before."""
+    for old, new in _followed(before.orbit.multipliers, now.orbit.multipliers):
+        left, right = (_half_trace(old), _half_trace(new)) if conservative else (old, new)
+        if is_real(left) and is_real(right):
+            for kind, goal in ((BRANCH, 1.0), (DOUBLING, -1.0)):
+                if (left.real - goal) * (right.real - goal) < 0:
+                    yield kind, goal, old
+        elif not (conservative or is_real(old) or is_real(new)) and old.imag > 0 > (abs(old) - 1) * (abs(new) - 1):
+            yield TORUS, None, old
+
+
+def _test(kind: str, near: complex, conservative: bool) -> Test:
+    """A function of the orbit with a zero where a multiplier that is near another one meets the circle."""
+
+    def test(member: FamilyMember) -> float:
+        found = member.orbit.multipliers
+        here = complex(found[int(np.argmin(np.abs(found - near) / (1 + np.abs(found))))])
+        if kind == TORUS:
+            return abs(here) - 1
+        value = _half_trace(here) if conservative else here
+        return value.real - (1.0 if kind == BRANCH else -1.0)
+
+    return test
+
+
+def _located(family: Family, before: FamilyMember, now: FamilyMember, length: float, test: Test) -> FamilyMember:
+    """The orbit on a step at which a test changes its sign; the end of the step if it cannot be reached."""
+    known = {0.0: before, length: now}
+
+    def value(place: float) -> float:
+        known[place] = known[place] if place in known else family.corrected(before, place)
+        return test(known[place])
+
+    try:
+        return known[brentq(value, 0.0, length, xtol=_RESOLUTION * length, rtol=1e-15)]
+    except (PeriodicFailure, ValueError, KeyError):
+        return min(known.values(), key=lambda each: abs(test(each)))
+
+
+def _with_symmetry(family: Family, found: Bifurcation) -> Bifurcation:
+    """A pitchfork, if a symmetry of the orbit maps the direction of the multiplier 1 to its negative."""
+    orbit = found.member.orbit
+    for symmetry in family.symmetries:
+        try:
+            parts = invariance(family.problem, orbit, symmetry)
+            if parts is not None and _is_flip(family, orbit, symmetry, parts):
+                return replace(found, kind=PITCHFORK, symmetry=symmetry, parts=parts)
+        except FlowFailure:
+            continue
+    return found
+
+
+def _is_flip(family: Family, orbit: ClosedOrbit, symmetry: Symmetry, parts: int) -> bool:
+    """Whether the flow over the period or half of it, followed by S, has a multiplier near -1."""
+    arc = orbit.arc if parts == 1 else arc_of(family.problem.system, orbit.point, orbit.period / 2, orbit.values)
+    found = np.linalg.eigvals(symmetry.matrix @ arc.by_state)
+    return bool(np.min(np.abs(found + 1)) < 1e-2)
+
+
+def _birth(family: Family, before: FamilyMember, now: FamilyMember, length: float) -> Bifurcation | None:
+    """The doubling or pitchfork at which the orbits of a family are born, if this is why it turns back.
+
+    There a point meets the one half a period later, or its mirror image, and passes it.
+    """
+    ways: list[tuple[Symmetry | None, int]] = [(None, 2)]
+    ways += [(symmetry, parts) for symmetry in family.symmetries for parts in (2, 1)]
+    for symmetry, parts in ways:
+
+        def gap(member: FamilyMember, symmetry: Symmetry | None = symmetry, parts: int = parts) -> Vector:
+            return _gap(family, member.orbit, symmetry, parts)
+
+        try:
+            left, right = gap(before), gap(now)
+            sizes = np.linalg.norm(left), np.linalg.norm(right)
+            if min(sizes) < _ZERO * before.orbit.size or left @ right > -0.5 * sizes[0] * sizes[1]:
+                continue
+            axis = left
+            member = _located(family, before, now, length, lambda each, axis=axis, gap=gap: float(gap(each) @ axis))
+            if symmetry is not None:
+                found = _bifurcation(family, PITCHFORK, member, _nearest(member.orbit.multipliers, 1.0))
+                return replace(found, symmetry=symmetry, parts=parts, ends=True)
+            return replace(_bifurcation(family, DOUBLING, _half(family, member), -1.0), ends=True)
+        except (FlowFailure, PeriodicFailure):
+            continue
+    return None
+
+
+def _gap(family: Family, orbit: ClosedOrbit, symmetry: Symmetry | None, parts: int) -> Vector:
+    """From a point of an orbit to the image of the one half a period later (`parts` = 2), or of itself."""
+    end = orbit.point
+    if parts == 2:
+        end = arc_of(family.problem.system, orbit.point, orbit.period / 2, orbit.values).end
+    return (end if symmetry is None else symmetry.matrix @ end) - orbit.point
+
+
+def _half(family: Family, member: FamilyMember) -> FamilyMember:
+    """The orbit that a nearby one runs through nearly twice. Raises `PeriodicFailure`."""
+    problem, orbit = family.problem, member.orbit
+    if family.name is not None:
+        exact = {**problem.parameters, family.name: Fraction(member.value)}
+        problem = PeriodicProblem(problem.system, exact)
+    half = correct(problem, orbit.point, orbit.period / 2, None, orbit.level)
+    if abs(half.period - orbit.period / 2) > 1e-2 * orbit.period:
+        raise PeriodicFailure("there is no orbit of half the period")
+    return FamilyMember(half, member.value, member.tangent)
+
+
+def _nearest(found: Vector, goal: complex) -> complex:
+    return complex(found[int(np.argmin(np.abs(found - goal)))]) if len(found) else complex(np.nan)
+
+
+def _on_circle(member: FamilyMember) -> complex:
+    found = member.orbit.multipliers
+    return complex(found[int(np.argmin(np.abs(np.abs(found) - 1)))])

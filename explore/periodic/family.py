@@ -1,0 +1,141 @@
+"""The equations of a family of periodic orbits: in a parameter, or over the levels of a first integral, in float64.
+
+The unknowns are the point, the period and the parameter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from orbitproof.explore.flow import FlowFailure
+from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, multipliers
+from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of
+from orbitproof.explore.periodic.symmetries import Symmetry
+
+_NEWTON_STEPS = 8
+_TOLERANCE = 1e-10
+_STALLED = 1e-7
+
+
+@dataclass(frozen=True)
+class FamilyMember:
+    """One orbit of a family: the orbit, the value of the parameter or level, and the tangent of the family there."""
+
+    orbit: ClosedOrbit
+    value: float
+    tangent: Vector
+
+
+@dataclass(frozen=True)
+class Family:
+    """The equations of a family.
+
+    Attributes:
+        name: of the parameter; `None` for the level of the first integral.
+        scale: shape of the unknowns (N, 1 and, with a parameter, 1 more), in which steps are measured.
+        level: of the first integral, if a parameter varies on it; exact.
+        symmetries: of the vector field, that orbits may have.
+    """
+
+    problem: PeriodicProblem
+    name: str | None
+    scale: Vector
+    level: Fraction | None
+    symmetries: tuple[Symmetry, ...]
+
+    @property
+    def place(self) -> int | None:
+        """Of the parameter among all."""
+        return None if self.name is None else list(self.problem.system.parameters).index(self.name)
+
+    @property
+    def conservative(self) -> bool:
+        """Whether multipliers come in pairs mu, 1/mu, as with a first integral they are taken to do."""
+        return self.problem.system.first_integral_program is not None
+
+    def values(self, z: Vector) -> Vector:
+        """All parameters at the unknowns z."""
+        values = self.problem.values
+        if self.place is not None:
+            values[self.place] = z[-1]
+        return values
+
+    def equations(self, z: Vector, phase: tuple[Vector, Vector]) -> tuple[Vector, Matrix, ClosedOrbit]:
+        """What is zero on the family, its derivatives by z / scale, and the orbit, for what it is worth."""
+        normal, origin = phase
+        n = len(normal)
+        x, time, values = z[:n], float(z[n]), self.values(z)
+        arc = arc_of(self.problem.system, x, time, values)
+        columns = [arc.by_state - np.eye(n), arc.velocity[:, None]]
+        if self.place is not None:
+            columns.append(arc.by_parameters[:, [self.place]])
+        rows = [np.hstack(columns), np.append(normal, np.zeros(len(z) - n))[None]]
+        residual = [arc.end - x, [normal @ (x - origin)]]
+        if self.level is not None:
+            by_state, by_values = self.problem.level_slopes(x, values)
+            assert self.place is not None
+            rows.append(np.concatenate([by_state, [0.0], [by_values[self.place]]])[None])
+            residual.append([(self.problem.level(x, values) or 0.0) - float(self.level)])
+        found = multipliers(self.problem, x, arc, values)
+        orbit = ClosedOrbit(x, time, values, arc, self.problem.level(x, values), found, 0.0)
+        size = np.concatenate([self.scale[:n] ** -1, [1.0] * (len(np.concatenate(residual)) - n)])
+        return size * np.concatenate(residual), size[:, None] * np.vstack(rows) * self.scale, orbit
+
+    def phase(self, orbit: ClosedOrbit) -> tuple[Vector, Vector]:
+        """The plane across the flow at the orbit's point."""
+        velocity = orbit.arc.velocity
+        return velocity / (np.linalg.norm(velocity) * self.scale[0]), orbit.point
+
+    def member(self, z: Vector, orbit: ClosedOrbit, matrix: Matrix, along: Vector | None) -> FamilyMember:
+        """With the tangent in the direction of `along`."""
+        tangent = np.linalg.svd(matrix)[2][-1]
+        if along is not None and tangent @ along < 0:
+            tangent = -tangent
+        value = float(z[-1]) if self.place is not None else float(orbit.level or 0.0)
+        return FamilyMember(orbit, value, tangent)
+
+    def member_of(self, orbit: ClosedOrbit) -> FamilyMember:
+        """A periodic orbit as a member."""
+        z = np.append(orbit.point, orbit.period)
+        z = z if self.place is None else np.append(z, orbit.values[self.place])
+        _, matrix, again = self.equations(z, self.phase(orbit))
+        return self.member(z, again, matrix, None)
+
+    def rate(self, member: FamilyMember) -> float:
+        """The derivative of the parameter or level along the family, in the length of its steps."""
+        if self.place is not None:
+            return float(member.tangent[-1])
+        slopes, _ = self.problem.level_slopes(member.orbit.point, member.orbit.values)
+        n = len(slopes)
+        return float(slopes @ (member.tangent * self.scale)[:n])
+
+    def corrected(self, before: FamilyMember, length: float) -> FamilyMember:
+        """The orbit so far along the family. Raises `PeriodicFailure`."""
+        start = self.unknowns(before)
+        phase, predicted = self.phase(before.orbit), start + length * before.tangent * self.scale
+        z, last = predicted.copy(), np.inf
+        try:
+            for _ in range(_NEWTON_STEPS):
+                residual, matrix, orbit = self.equations(z, phase)
+                here = before.tangent @ ((z - predicted) / self.scale)
+                step = -np.linalg.lstsq(np.vstack([matrix, before.tangent]), np.append(residual, here), rcond=None)[0]
+                z = z + step * self.scale
+                size = float(np.max(np.abs(step)))
+                if not np.isfinite(size) or size > 10 * abs(length) + 1e-3 or not z[len(phase[0])] > 0:
+                    break
+                # A step that is hardly shorter than the one before is rounding.
+                if size < _TOLERANCE or (size < _STALLED and size > last / 4):
+                    residual, matrix, orbit = self.equations(z, phase)
+                    return self.member(z, replace(orbit, error=size), matrix, before.tangent)
+                last = size
+        except (FlowFailure, np.linalg.LinAlgError) as failure:
+            raise PeriodicFailure(str(failure)) from None
+        raise PeriodicFailure("Newton's method does not converge")
+
+    def unknowns(self, member: FamilyMember) -> Vector:
+        """z of an orbit."""
+        z = np.append(member.orbit.point, member.orbit.period)
+        return z if self.place is None else np.append(z, member.orbit.values[self.place])
