@@ -124,8 +124,10 @@ multiplicity = _whole(1, MAX_MULTIPLICITY, "a multiplicity")
 digits = _whole(*DIGITS, "a number of digits")
 """A number of decimal digits."""
 
+generations = _whole(0, 20, "a number of generations")
+
 # argparse names the type in its message about text that is no number at all.
 for _type in (positive, number):
     _type.__name__ = "number"
-for _type in (count, index, jobs, multiplicity, digits):
+for _type in (count, index, jobs, multiplicity, digits, generations):
     _type.__name__ = "whole number"

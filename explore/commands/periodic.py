@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import exact_number, given_values, own_system, section_of
-from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims, write_candidates, write_text
+from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, follow_families, refine_orbits
+from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of
+from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims
+from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import System
 
 if TYPE_CHECKING:
@@ -26,10 +28,13 @@ examples:
   orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \
       --along c 1 4 --csv family.csv --family-output family.json
       its family in the parameter c, with folds, branch points, period doublings and Neimark-Sacker points
+  orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \
+      --along c 5/2 21/5 --generations 2 -o doublings.json
+      the first three doublings of its cascade, as claims
   orbitproof verify lorenz.json -o certificates.json
 
 The system's file needs neither R nor section. For a system with a first integral the orbits on one level are looked
-for. Exit codes: 0 found, 1 not, 2 bad input.
+for. Exit codes: 0 found, 1 something is not found or not refined, 2 bad input.
 """
 
 
@@ -70,7 +75,26 @@ def add_parser(commands: Any) -> None:
         nargs=3,
         metavar=("NAME", "MIN", "MAX"),
         help="continue the first orbit in a parameter, or over the levels of the first integral (NAME: level), both "
-        "ways until it leaves this interval; bifurcations are located in double precision",
+        "ways until it leaves this interval; with -o the bifurcations that are met are refined",
+    )
+    parser.add_argument(
+        "--generations",
+        type=common.generations,
+        default=0,
+        metavar="N",
+        help="with --along: follow also the orbits that are born at period doublings and pitchforks, those that are "
+        "born from these, and so on, N times (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--symmetry",
+        metavar="IMAGE",
+        help="with --along: a linear symmetry of the vector field, for pitchforks, as the image of the state, for "
+        "example --symmetry=-x,-y,z (default: changes of sign and exchanges of coordinates are tried)",
+    )
+    parser.add_argument(
+        "--claims",
+        choices=("orbits", "bifurcations", "all"),
+        help="with --along: what -o writes (default: bifurcations)",
     )
     parser.add_argument("--csv", type=Path, metavar="FILE", help="with --along: the orbits of the family as a table")
     parser.add_argument(
@@ -123,30 +147,36 @@ def run(options: argparse.Namespace) -> int:
         options.follow,
     )
     orbits: list[FoundOrbit] = []
+    lines: list[str] = []
+    claims = options.claims or ("orbits" if along is None else "bifurcations")
+    code = 0
     with Reporter(options.quiet) as report:
         report.stage(f"looking for periodic orbits of {system.name}")
         try:
             for orbit in find_periodic(request, report.update):
                 orbits.append(orbit)
+                lines += described(orbit)
         except PeriodicFailure as failure:
             report.error(f"{system.name}: {failure}")
             return 1
-        complete, lines = True, []
-        if along is not None:
-            try:
-                lines = _continued(options, orbits[0], along, report)
-            except PeriodicFailure as failure:
-                report.error(f"{system.name}: {failure}")
-                complete = False
-        if options.output is not None:
-            complete = _write(options, orbits, kept, report) and complete
-    for orbit in orbits:
-        print("\n".join(described(orbit)))
-    print("\n".join(lines), end="\n" if lines else "")
-    return 0 if complete else 1
+        store = None if options.output is None else ClaimStore(options.output, kept, report)
+        try:
+            if store is not None and claims != "bifurcations":
+                refine_orbits(options, orbits, store, report)
+            if along is not None:
+                wanted = None if claims == "orbits" else store
+                code = follow_families(options, orbits[0], along, wanted, report, lines)
+        except KeyboardInterrupt:
+            report.error("interrupted")
+            code = INTERRUPTED
+        if store is not None:
+            store.close()
+            code = max(code, 0 if store.complete else 1)
+    print("\n".join(lines))
+    return code
 
 
-def _along(options: argparse.Namespace, system: System) -> tuple[str | None, float, float] | None:
+def _along(options: argparse.Namespace, system: System) -> Along | None:
     """The parameter (`None`: the level) and the interval of ``--along``. Raises `InputError`."""
     for option, path in (("--csv", options.csv), ("--family-output", options.family_output)):
         if path is not None:
@@ -154,7 +184,14 @@ def _along(options: argparse.Namespace, system: System) -> tuple[str | None, flo
                 raise InputError(f"{option}: belongs to --along; give that too")
             check_writable(path)
     if options.along is None:
+        for option, given in (
+            ("--generations", options.generations), ("--symmetry", options.symmetry), ("--claims", options.claims)
+        ):  # fmt: skip
+            if given:
+                raise InputError(f"{option}: belongs to --along; give that too")
         return None
+    if options.symmetry is not None:
+        options.symmetry = symmetry_of(system, options.symmetry)
     name, *ends = options.along
     low, high = (float(exact_number(f"--along {name}", text)) for text in ends)
     if not low < high:
@@ -165,47 +202,3 @@ def _along(options: argparse.Namespace, system: System) -> tuple[str | None, flo
         return None, low, high
     known = ", ".join([*system.parameters, *(["level"] if system.first_integral_program is not None else [])])
     raise InputError(f"--along {name}: there is nothing of that name to vary; there are {known or 'none'}")
-
-
-def _continued(
-    options: argparse.Namespace, orbit: FoundOrbit, along: tuple[str | None, float, float], report: Any
-) -> list[str]:
-    """The family of an orbit, in lines; written as a table and as JSON if that is asked for."""
-    from orbitproof.explore.periodic import continue_orbit, family_csv, family_described, write_periodic_family
-
-    name, low, high = along
-    report.stage(f"following the family in {name or 'the level'}")
-    family = continue_orbit(
-        orbit.problem, orbit.orbit, name, (low, high), progress=lambda done: report.update("", done)
-    )
-    if options.csv is not None:
-        write_text(options.csv, family_csv(family))
-        report.message(f"{len(family.members)} orbits are in {options.csv}")
-    if options.family_output is not None:
-        write_periodic_family(options.family_output, family)
-        report.message(f"{len(family.members)} orbits are in {options.family_output}")
-    return family_described(family)
-
-
-def _write(options: argparse.Namespace, orbits: list[FoundOrbit], kept: list[BoxClaim], report: Any) -> bool:
-    """Refine all orbits and write them; whether all were refined. Raises `InputError`."""
-    from orbitproof.explore.periodic import refined
-    from orbitproof.explore.refinement import RefinementFailure
-
-    complete, claims = True, list(kept)
-    known = {claim.id for claim in kept}
-    for number, orbit in enumerate(orbits, start=1):
-        base = options.id or orbit.problem.system.name
-        name = base if len(orbits) == 1 else f"{base}-{number}"
-        if name in known:
-            raise InputError(f"--id {name}: is in {options.output} already; choose another name")
-        report.stage(f"refining {name}")
-        try:
-            claims.append(refined(orbit, name, options.digits, report.update))
-        except RefinementFailure as failure:
-            report.error(f"{name}: not refined: {failure}")
-            complete = False
-    if claims:
-        write_candidates(options.output, claims)
-        report.message(f"{len(claims)} claims are in {options.output}")
-    return complete

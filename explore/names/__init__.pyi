@@ -21,3 +21,4 @@ from .resonances import short_name as short_name
 from .sections import given_values as given_values
 from .sections import own_system as own_system
 from .sections import section_of as section_of
+from .sections import symmetry_of as symmetry_of

@@ -58,22 +58,44 @@ def section_of(
         raise InputError(f"--section {text}: no equation; write for example {system.state[-1]}=1/2")
     offset = exact_number("--section, right side", right.strip())
 
+    normal, constant = _linear(system, f"--section {text}", left)
+    if not any(normal):
+        raise InputError(f"--section {text}: no coordinate is in it; there are {', '.join(system.state)}")
+    return normal, offset - constant, -1 if direction == "-" else 1
+
+
+def symmetry_of(system: System, text: str) -> tuple[tuple[Fraction, ...], ...]:
+    """The rows of a linear map such as ``-x,-y,z``, the image of the state (x, y, z). Raises `InputError`."""
+    option = f"--symmetry={text}"
+    parts = text.split(",")
+    if len(parts) != len(system.state):
+        raise InputError(f"{option}: give the image of ({', '.join(system.state)}), one expression for each")
+    rows = []
+    for part in parts:
+        row, constant = _linear(system, option, part)
+        if constant:
+            raise InputError(f"{option}: {part.strip()} has a constant; a symmetry is linear")
+        rows.append(row)
+    return tuple(rows)
+
+
+def _linear(system: System, option: str, expression: str) -> tuple[tuple[Fraction, ...], Fraction]:
+    """The coefficients of a linear expression in the state, and its constant. Raises `InputError`."""
+    names, size = ", ".join(system.state), len(system.state)
+
     def value(point: Sequence[Fraction]) -> Fraction:
         try:
-            return Fraction(evaluate_formula(left, dict(zip(system.state, point, strict=True))))
+            return Fraction(evaluate_formula(expression, dict(zip(system.state, point, strict=True))))
         except (FormulaError, TypeError, ZeroDivisionError) as error:
-            raise InputError(f"--section {text}: {error}; write a linear expression in {names}") from None
+            raise InputError(f"{option}: {error}; write a linear expression in {names}") from None
 
-    names, size = ", ".join(system.state), len(system.state)
     units = [tuple(Fraction(int(i == j)) for i in range(size)) for j in range(size)]
     constant = value((Fraction(0),) * size)
-    normal = tuple(value(unit) - constant for unit in units)
+    slopes = tuple(value(unit) - constant for unit in units)
     for point in (
         tuple(Fraction(3 * i + 2, i + 3) for i in range(size)),
         tuple(Fraction(-i - 1, 7) for i in range(size)),
     ):
-        if value(point) != constant + sum((a * x for a, x in zip(normal, point, strict=True)), Fraction(0)):
-            raise InputError(f"--section {text}: its left side is not linear; write one such as {system.state[0]}+2*..")
-    if not any(normal):
-        raise InputError(f"--section {text}: no coordinate is in it; there are {names}")
-    return normal, offset - constant, -1 if direction == "-" else 1
+        if value(point) != constant + sum((a * x for a, x in zip(slopes, point, strict=True)), Fraction(0)):
+            raise InputError(f"{option}: {expression} is not linear; write one such as {system.state[0]}+2*..")
+    return slopes, constant

@@ -1,12 +1,12 @@
 from .bifurcations import refine_bifurcation as refine_bifurcation
+from .births import families as families
+from .births import is_same as is_same
+from .births import new_orbits as new_orbits
 from .continuation import PeriodicFamily as PeriodicFamily
 from .continuation import StepControl as StepControl
 from .continuation import continue_orbit as continue_orbit
-from .continuation import families as families
 from .continuation import family_csv as family_csv
 from .continuation import family_described as family_described
-from .continuation import is_same as is_same
-from .continuation import new_orbits as new_orbits
 from .correction import ClosedOrbit as ClosedOrbit
 from .correction import PeriodicFailure as PeriodicFailure
 from .correction import PeriodicProblem as PeriodicProblem
@@ -30,6 +30,7 @@ from .search import FoundOrbit as FoundOrbit
 from .search import PeriodicRequest as PeriodicRequest
 from .search import described as described
 from .search import find_periodic as find_periodic
+from .search import followed as followed
 from .search import refined as refined
 from .section import AffineSection as AffineSection
 from .section import map_derivative as map_derivative

@@ -25,6 +25,9 @@ _FARTHEST = 0.2
 """Multipliers move at most so far from orbit to orbit, relative to their sizes, where they are followed."""
 _ZERO = 1e-6
 """Gaps below this, relative to the size of the orbit, are rounding."""
+_NEARBY, _SECANTS = 1e-4, 6
+_SINGULAR = 1e-4
+"""Singular values below this part of the largest are those of two families that cross."""
 
 Test = Callable[[FamilyMember], float]
 
@@ -100,7 +103,7 @@ def passage(family: Family, before: FamilyMember, now: FamilyMember, length: flo
         member = _located(family, before, now, length, _test(kind, old, family.conservative))
         near = _nearest(member.orbit.multipliers, goal) if goal is not None else _on_circle(member)
         bifurcation = _bifurcation(family, kind, member, near)
-        found.append(_with_symmetry(family, bifurcation) if kind == BRANCH else bifurcation)
+        found.append(_with_symmetry(family, bifurcation, before) if kind == BRANCH else bifurcation)
     return Passage(found)
 
 
@@ -178,7 +181,11 @@ def _located(family: Family, before: FamilyMember, now: FamilyMember, length: fl
     known = {0.0: before, length: now}
 
     def value(place: float) -> float:
-        known[place] = known[place] if place in known else family.corrected(before, place)
+        if place not in known:
+            try:
+                known[place] = family.corrected(before, place)
+            except PeriodicFailure:
+                known[place] = family.corrected(before, place, _SINGULAR)
         return test(known[place])
 
     try:
@@ -187,12 +194,15 @@ def _located(family: Family, before: FamilyMember, now: FamilyMember, length: fl
         return min(known.values(), key=lambda each: abs(test(each)))
 
 
-def _with_symmetry(family: Family, found: Bifurcation) -> Bifurcation:
-    """A pitchfork, if a symmetry of the orbit maps the direction of the multiplier 1 to its negative."""
+def _with_symmetry(family: Family, found: Bifurcation, before: FamilyMember) -> Bifurcation:
+    """A pitchfork, if a symmetry of the orbits maps the direction of the multiplier 1 to its negative.
+
+    Whether they have it is asked of a neighbour: at the point itself rounding moves them in that direction.
+    """
     orbit = found.member.orbit
     for symmetry in family.symmetries:
         try:
-            parts = invariance(family.problem, orbit, symmetry)
+            parts = invariance(family.problem, before.orbit, symmetry)
             if parts is not None and _is_flip(family, orbit, symmetry, parts):
                 return replace(found, kind=PITCHFORK, symmetry=symmetry, parts=parts)
         except FlowFailure:
@@ -217,7 +227,7 @@ def _birth(family: Family, before: FamilyMember, now: FamilyMember, length: floa
     for symmetry, parts in ways:
 
         def gap(member: FamilyMember, symmetry: Symmetry | None = symmetry, parts: int = parts) -> Vector:
-            return _gap(family, member.orbit, symmetry, parts)
+            return gap_of(family, member.orbit, symmetry, parts)
 
         try:
             left, right = gap(before), gap(now)
@@ -235,7 +245,7 @@ def _birth(family: Family, before: FamilyMember, now: FamilyMember, length: floa
     return None
 
 
-def _gap(family: Family, orbit: ClosedOrbit, symmetry: Symmetry | None, parts: int) -> Vector:
+def gap_of(family: Family, orbit: ClosedOrbit, symmetry: Symmetry | None, parts: int) -> Vector:
     """From a point of an orbit to the image of the one half a period later (`parts` = 2), or of itself."""
     end = orbit.point
     if parts == 2:
@@ -244,15 +254,28 @@ def _gap(family: Family, orbit: ClosedOrbit, symmetry: Symmetry | None, parts: i
 
 
 def _half(family: Family, member: FamilyMember) -> FamilyMember:
-    """The orbit that a nearby one runs through nearly twice. Raises `PeriodicFailure`."""
+    """The orbit that a nearby one runs through nearly twice, where its multiplier is -1. Raises `PeriodicFailure`."""
     problem, orbit = family.problem, member.orbit
     if family.name is not None:
-        exact = {**problem.parameters, family.name: Fraction(member.value)}
-        problem = PeriodicProblem(problem.system, exact)
+        problem = PeriodicProblem(problem.system, {**problem.parameters, family.name: Fraction(member.value)})
     half = correct(problem, orbit.point, orbit.period / 2, None, orbit.level)
     if abs(half.period - orbit.period / 2) > 1e-2 * orbit.period:
         raise PeriodicFailure("there is no orbit of half the period")
-    return FamilyMember(half, member.value, member.tangent)
+    return _polished(family, family.member_of(half), _test(DOUBLING, -1.0, family.conservative))
+
+
+def _polished(family: Family, start: FamilyMember, test: Test) -> FamilyMember:
+    """The orbit near one of a family at which a test is 0, by the secant method. Raises `PeriodicFailure`."""
+    places, values, best = [0.0, _NEARBY], [test(start)], start
+    for _ in range(_SECANTS):
+        best = family.corrected(start, places[-1])
+        values.append(test(best))
+        slope = (values[-1] - values[-2]) / (places[-1] - places[-2])
+        change = -values[-1] / slope if slope else 0.0
+        if abs(change) < _RESOLUTION or abs(places[-1] + change) > 1e3 * _NEARBY:
+            break
+        places.append(places[-1] + change)
+    return best
 
 
 def _nearest(found: Vector, goal: complex) -> complex:

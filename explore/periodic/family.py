@@ -112,8 +112,15 @@ class Family:
         n = len(slopes)
         return float(slopes @ (member.tangent * self.scale)[:n])
 
-    def corrected(self, before: FamilyMember, length: float) -> FamilyMember:
-        """The orbit so far along the family. Raises `PeriodicFailure`."""
+    def corrected(self, before: FamilyMember, length: float, least: float | None = None) -> FamilyMember:
+        """The orbit so far along the family.
+
+        Arguments:
+            least: singular values below this part of the largest count as 0, as where families cross: there rounding
+                would be magnified. `None`: below the precision of numbers.
+
+        Raises `PeriodicFailure`.
+        """
         start = self.unknowns(before)
         phase, predicted = self.phase(before.orbit), start + length * before.tangent * self.scale
         z, last = predicted.copy(), np.inf
@@ -121,7 +128,8 @@ class Family:
             for _ in range(_NEWTON_STEPS):
                 residual, matrix, orbit = self.equations(z, phase)
                 here = before.tangent @ ((z - predicted) / self.scale)
-                step = -np.linalg.lstsq(np.vstack([matrix, before.tangent]), np.append(residual, here), rcond=None)[0]
+                bordered = np.vstack([matrix, before.tangent])
+                step = -np.linalg.lstsq(bordered, np.append(residual, here), rcond=least)[0]
                 z = z + step * self.scale
                 size = float(np.max(np.abs(step)))
                 if not np.isfinite(size) or size > 10 * abs(length) + 1e-3 or not z[len(phase[0])] > 0:

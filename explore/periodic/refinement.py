@@ -118,7 +118,7 @@ def newton_with_digits(
             report(f"Newton step {step + 1} with {bits} bits", min(0.9, bits / (goal + 60)))
             context = working_context(bits)
             residual, matrix, spread = linearised(unknowns, context)
-            correction, _ = context.qr_solve(matrix, -residual)
+            correction = _least_squares(matrix, -residual, context)
             length = max(float(abs(value)) for value in correction)
             unknowns = [
                 value + round_dyadic(fraction(change), bits) for value, change in zip(unknowns, correction, strict=True)
@@ -135,6 +135,15 @@ def newton_with_digits(
     except (IntegrationFailure, ZeroDivisionError, ValueError) as failure:
         raise RefinementFailure(" ".join(str(failure).split()) or "the arithmetic broke down") from None
     raise RefinementFailure(f"Newton's method did not converge in {_MOST_NEWTON_STEPS} steps")
+
+
+def _least_squares(matrix: Any, values: Any, context: mpmath.MPContext) -> Any:
+    """The x with the least |matrix x - values|, by the normal equations with twice the precision.
+
+    mpmath's QR decomposition takes a matrix with a zero on the way down its diagonal for a singular one.
+    """
+    with context.workprec(2 * context.prec + _GUARD_BITS):
+        return context.lu_solve(matrix.T * matrix, matrix.T * values)
 
 
 def _linearised(task: PeriodicTask, unknowns: Sequence[Fraction], context: mpmath.MPContext) -> tuple[Any, Any, float]:

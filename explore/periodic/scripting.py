@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
+from typing import overload
 
 from orbitproof.explore.engines import Reporter
-from orbitproof.explore.names import exact_number, given_values, section_of
-from orbitproof.explore.periodic.search import FOLLOWED, FoundOrbit, PeriodicRequest, refined
+from orbitproof.explore.names import exact_number, given_values, section_of, symmetry_of
+from orbitproof.explore.periodic.bifurcations import refine_bifurcation
+from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
+from orbitproof.explore.periodic.detection import Bifurcation
+from orbitproof.explore.periodic.search import FOLLOWED, FoundOrbit, PeriodicRequest, followed, refined
 from orbitproof.explore.periodic.search import find_periodic as found_orbits
 from orbitproof.explore.periodic.section import AffineSection
-from orbitproof.shared.formats import InputError, PeriodicOrbit
+from orbitproof.shared.claims import PeriodicBifurcation, PeriodicOrbit
+from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import System
 
 Number = Fraction | int | float | str
@@ -69,14 +74,93 @@ def find_periodic(
         return list(found_orbits(request, report.update))
 
 
-def refine_periodic(found: FoundOrbit, *, digits: int = 50, name: str = "orbit", quiet: bool = False) -> PeriodicOrbit:
-    """The claim about an orbit, for `verify.certify`: its point to so many digits, in a box.
+def follow_periodic(
+    found: FoundOrbit,
+    name: str | None,
+    bounds: tuple[float, float],
+    *,
+    generations: int = 0,
+    symmetry: str | None = None,
+    control: StepControl | None = None,
+    quiet: bool = False,
+) -> list[PeriodicFamily]:
+    """The family of an orbit in a parameter or over levels, both ways, with its bifurcations, in double precision.
 
-    Raises `RefinementFailure`.
+    Arguments:
+        found: from `find_periodic`.
+        name: of the parameter; `None`: over the levels of the first integral.
+        bounds: of the parameter or level.
+        generations: follow also the orbits that are born at period doublings and pitchforks, so many times.
+        symmetry: the image of the state under a linear symmetry, such as "-x,-y,z", that pitchforks may have; `None`:
+            changes of sign and exchanges of coordinates are tried.
+        control: steps, and the largest number of orbits of a family.
+        quiet: nothing on standard error; else progress.
+
+    Gives the family of the orbit, then those that are born from it; an interrupt ends the list early. Raises
+    `ValueError` for what is unknown, and `PeriodicFailure` if the family cannot be followed at all.
+    """
+    system = found.problem.system
+    if name is not None and name not in system.parameters:
+        raise ValueError(
+            f"{name}: {system.name} has no such parameter; it has {', '.join(system.parameters) or 'none'}"
+        )
+    try:
+        rows = None if symmetry is None else symmetry_of(system, symmetry)
+    except InputError as error:
+        raise ValueError(str(error)) from None
+    with Reporter(quiet) as report:
+        report.stage(f"following the family in {name or 'the level'}")
+        return list(followed(found, name, bounds, generations, rows, report.update, control))
+
+
+@overload
+def refine_periodic(
+    found: FoundOrbit, *, digits: int = 50, name: str = "orbit", quiet: bool = False
+) -> PeriodicOrbit: ...
+
+
+@overload
+def refine_periodic(
+    found: Bifurcation,
+    *,
+    digits: int = 50,
+    name: str = "orbit",
+    section: str | None = None,
+    direction: str | None = None,
+    quiet: bool = False,
+) -> PeriodicBifurcation: ...
+
+
+def refine_periodic(
+    found: FoundOrbit | Bifurcation,
+    *,
+    digits: int = 50,
+    name: str = "orbit",
+    section: str | None = None,
+    direction: str | None = None,
+    quiet: bool = False,
+) -> PeriodicOrbit | PeriodicBifurcation:
+    """The claim about an orbit, or about a bifurcation of a family, for `verify.certify`: to so many digits, in a box.
+
+    Arguments:
+        found: from `find_periodic`, or from the `bifurcations` of a family.
+        digits: decimal digits of the point and of the parameter.
+        name: of the claim.
+        section, direction: for a bifurcation, as in `find_periodic`.
+
+    Raises `RefinementFailure`, also for a branch point that no symmetry explains, of which there is no claim.
     """
     with Reporter(quiet) as report:
         report.stage(f"refining {name}")
-        return refined(found, name, digits, report.update)
+        if isinstance(found, FoundOrbit):
+            return refined(found, name, digits, report.update)
+        try:
+            chosen = section_of(found.problem.system, section, direction)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        return refine_bifurcation(
+            found, name, digits, report.update, None if chosen is None else AffineSection(*chosen)
+        )
 
 
 def _words(values: Mapping[str, object]) -> list[str]:

@@ -10,11 +10,14 @@ from math import floor, log10
 import numpy as np
 
 from orbitproof.explore.engines import Progress
+from orbitproof.explore.periodic.births import families
+from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, correct
 from orbitproof.explore.periodic.flow import velocity_at
 from orbitproof.explore.periodic.nearly import follow, nearby_orbits, recurrences
 from orbitproof.explore.periodic.refinement import PeriodicTask, refine_periodic
 from orbitproof.explore.periodic.section import AffineSection, suggested, through_the_middle
+from orbitproof.explore.periodic.symmetries import Symmetry, is_symmetry
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import PeriodicOrbit
 from orbitproof.shared.systems import System
@@ -103,6 +106,32 @@ def refined(found: FoundOrbit, name: str, digits: int, progress: Progress | None
     if len(found.orbit.point) < 2:
         raise RefinementFailure("a state of one coordinate has no periodic orbits")
     return refine_periodic(found.task(name, digits), progress)
+
+
+def followed(
+    found: FoundOrbit,
+    name: str | None,
+    bounds: tuple[float, float],
+    generations: int = 0,
+    symmetry: Sequence[Sequence[Fraction]] | None = None,
+    progress: Progress | None = None,
+    control: StepControl | None = None,
+) -> Iterator[PeriodicFamily]:
+    """The family of an orbit and those that are born from it, one after another.
+
+    Arguments:
+        name, bounds, generations, control: see `families`.
+        symmetry: an involution, shape (N, N); `None` for those that are found.
+
+    Raises `ValueError` if the system does not have the symmetry, and `PeriodicFailure` as `families` does.
+    """
+    symmetries = None
+    if symmetry is not None:
+        if not is_symmetry(found.problem, symmetry, name):
+            raise ValueError(f"{found.problem.system.name} has no such symmetry, or it is none with square 1")
+        symmetries = (Symmetry(tuple(map(tuple, symmetry))),)
+    level = found.level if name is not None else None
+    yield from families(found.problem, found.orbit, name, bounds, generations, control, progress, symmetries, level)
 
 
 def _level(problem: PeriodicProblem, request: PeriodicRequest) -> Fraction | None:

@@ -20,6 +20,7 @@ _WIDTH = 7.2
 _MARKS = {
     "fold": ("v", "#111111"),
     "branch point": ("^", "#8c510a"),
+    "pitchfork": ("P", "#01665e"),
     "period doubling": ("s", "#b2182b"),
     "Neimark-Sacker": ("D", "#762a83"),
 }

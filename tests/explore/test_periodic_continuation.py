@@ -14,6 +14,7 @@ from orbitproof.explore.periodic import (
     BRANCH,
     DOUBLING,
     FOLD,
+    PITCHFORK,
     TORUS,
     PeriodicFamily,
     PeriodicProblem,
@@ -31,7 +32,8 @@ def _system(name: str, state: str, field: dict[str, str], **more: Any) -> Any:
 CIRCLE = {"x": "x*s - y", "y": "x + y*s"}
 ONE = {"s": "1 - x**2 - y**2"}
 TURNING = _system("turning", "x y u v", {**CIRCLE, "u": "a*u - v/3", "v": "u/3 + a*v"}, parameters="a", where=ONE)
-PITCHFORK = _system("pitchfork", "x y w", {**CIRCLE, "w": "a*w - w**3"}, parameters="a", where=ONE)
+MIRRORED = _system("pitchfork", "x y w", {**CIRCLE, "w": "a*w - w**3"}, parameters="a", where=ONE)
+EXCHANGE = _system("exchange", "x y w", {**CIRCLE, "w": "a*w - w**2"}, parameters="a", where=ONE)
 TWO_CYCLES = _system("cycles", "x y", CIRCLE, parameters="a", where={"r": "x**2 + y**2", "s": "a + r - r**2"})
 """Circles with a + r - r^2 = 0, r the square of the radius: a fold at a = -1/4, r = 1/2."""
 ROESSLER = _system("roessler", "x y z", {"x": "-y - z", "y": "x + y/5", "z": "1/5 + z*(x - c)"}, parameters="c")
@@ -58,10 +60,21 @@ def test_a_pair_that_crosses_the_circle_is_followed_to_it() -> None:
 
 
 def test_a_multiplier_1_where_the_family_goes_on_is_a_branch_point() -> None:
-    family = _family(PITCHFORK, "-1/10", [1, 0, 0], 6.3, (-0.11, 0.1))
+    family = _family(EXCHANGE, "-1/10", [1, 0, 0], 6.3, (-0.11, 0.1))
     (found,) = family.bifurcations
     assert found.kind == BRANCH
     assert found.member.value == pytest.approx(0, abs=1e-7)
+    assert found.symmetry is None
+
+
+def test_a_branch_point_that_a_symmetry_explains_is_a_pitchfork() -> None:
+    family = _family(MIRRORED, "-1/10", [1, 0, 0], 6.3, (-0.11, 0.1))
+    (found,) = family.bifurcations
+    assert found.kind == PITCHFORK
+    assert found.member.value == pytest.approx(0, abs=1e-7)
+    assert found.symmetry is not None
+    assert found.symmetry.described(("x", "y", "w")) == "(x, y, w) -> (x, y, -w)"
+    assert found.parts == 1
 
 
 def test_a_family_is_followed_through_its_fold() -> None:
@@ -109,7 +122,7 @@ def test_a_family_is_written_by_the_command(tmp_path: Path, capsys: pytest.Captu
     )
     said = capsys.readouterr().out
     assert "family in a:" in said
-    assert "branch point: a = " in said
+    assert "pitchfork: a = " in said
     lines = table.read_text().splitlines()
     assert lines[0] == "a,period,x,y,w,multiplier1 real,multiplier1 imaginary,multiplier2 real,multiplier2 imaginary"
     assert len(lines) > 5

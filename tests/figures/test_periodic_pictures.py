@@ -108,7 +108,7 @@ def test_a_family_is_drawn_as_its_file_says(family: Path) -> None:
     record = read_periodic_family(family)
     assert isinstance(record, PeriodicFamilyRecord)
     assert (record.name, record.over_levels, record.conservative) == ("strength", False, False)
-    assert [each.kind for each in record.bifurcations] == ["branch point"]
+    assert [each.kind for each in record.bifurcations] == ["pitchfork"]
     figure = draw_periodic_family(record)
     left, right = figure.axes
     assert left.get_xlabel() == right.get_xlabel() == r"$\mathrm{strength}$"
@@ -116,10 +116,10 @@ def test_a_family_is_drawn_as_its_file_says(family: Path) -> None:
     assert np.asarray(left.get_lines()[0].get_ydata()) == pytest.approx(np.full(len(values), 2 * np.pi))
     assert np.asarray(right.get_lines()[0].get_ydata()) == pytest.approx(np.exp(2 * np.pi * values), rel=1e-6)
     for axes in (left, right):
-        (mark,) = [line for line in axes.get_lines() if line.get_marker() == "^"]
+        (mark,) = [line for line in axes.get_lines() if line.get_marker() == "P"]
         assert mark.get_markerfacecolor() == "white"
         assert np.asarray(mark.get_xydata())[0, 0] == pytest.approx(0, abs=1e-6)
-    assert labels(figure) == ["double precision, nothing proved", "branch point"]
+    assert labels(figure) == ["double precision, nothing proved", "pitchfork"]
     assert unreadable(figure) == []
     close(figure)
 
