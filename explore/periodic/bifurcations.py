@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from math import ceil, log2
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure,
 from orbitproof.explore.periodic.detection import BRANCH, DOUBLING, FOLD, PITCHFORK, TORUS, Bifurcation
 from orbitproof.explore.periodic.extended import ExtendedSystem
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of, velocity_at
-from orbitproof.explore.periodic.refinement import box_exponent, newton_with_digits
+from orbitproof.explore.periodic.refinement import Solution, box_exponent, newton_with_digits
 from orbitproof.explore.periodic.section import AffineSection, map_derivative, suggested
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.claims import (
@@ -32,6 +33,7 @@ _CLAIMED = {
 }
 _FARTHEST = 3e-2
 """Largest distance from the guess, relative where an unknown exceeds 1."""
+_KERNEL_BITS = 6
 _SAMPLED = 2
 _TIMES = 4
 
@@ -75,7 +77,7 @@ def refine_bifurcation(
     length = sum((value * value for vector in kernel for value in vector), Fraction(0))
     extended = ExtendedSystem(
         found.problem.system, found.problem.parameters, found.name, found.level,
-        start.section.onto(tuple(map(Fraction, start.point))), start.section.frame(), found.symmetry,
+        start.section.onto(tuple(map(Fraction, start.point))), _frame(start.section, found), found.symmetry,
         None if found.kind == TORUS else 1 if found.kind == FOLD else -1,
         tuple(tuple(value / length for value in vector) for vector in kernel),
     )  # fmt: skip
@@ -86,7 +88,7 @@ def refine_bifurcation(
     if found.kind == TORUS:
         guess += [Fraction(start.multiplier.real), Fraction(start.multiplier.imag)]
     solution = newton_with_digits(extended.linearised, guess, digits, _FARTHEST, progress)
-    return _claim(found, name, digits, start, extended, solution.unknowns, solution.spread)
+    return _claim(found, name, digits, start, extended, solution)
 
 
 def _claim(
@@ -95,12 +97,13 @@ def _claim(
     digits: int,
     start: _Start,
     extended: ExtendedSystem,
-    unknowns: list[Fraction],
-    spread: float,
+    solution: Solution,
 ) -> PeriodicBifurcation:
-    n, system = extended.size, found.problem.system
-    radius = Fraction(1, 2 ** box_exponent(digits, spread))
-    value = unknowns[n + 1]
+    n, system, unknowns = extended.size, found.problem.system, solution.unknowns
+    radius = Fraction(1, 2 ** box_exponent(digits, solution.spread))
+    value, centre = unknowns[n + 1], extended.point(unknowns)
+    if found.symmetry is not None and found.parts == 1:
+        centre = tuple((x + y) / 2 for x, y in zip(centre, found.symmetry.applied(centre), strict=True))
     return PeriodicBifurcation(
         id=name,
         system=system,
@@ -111,12 +114,12 @@ def _claim(
         offset=start.section.offset,
         direction=start.section.direction,
         crossings=start.crossings,
-        centre=extended.point(unknowns),
+        centre=centre,
         frame=extended.frame,
         radii=(radius,) * n,
         kind=_CLAIMED[found.kind],
         kernel=tuple(tuple(extended.vector(unknowns, j)) for j in range(extended.vectors)),
-        kernel_radius=radius,
+        kernel_radius=radius * 2 ** _bits_of_kernel(extended, solution.matrix),
         parameter_radius=radius,
         parameter=found.name,
         level=value if found.name is None else found.level,
@@ -124,6 +127,31 @@ def _claim(
         symmetry=None if found.symmetry is None else found.symmetry.rows,
         provenance={"digits": digits},
     )  # fmt: skip
+
+
+def _bits_of_kernel(extended: ExtendedSystem, matrix: Matrix) -> int:
+    """log2 of how many times faster than the point the eigenvector moves in the box, and some more."""
+    n = extended.size
+    # The equations after those of the return, solved for the eigenvector (and its multiplier): the rest moves freely.
+    rows, free, bound = matrix[n + 1 :], slice(0, n + 2), slice(n + 2, None)
+    moved = np.linalg.lstsq(rows[:, bound], rows[:, free], rcond=None)[0]
+    return max(0, ceil(log2(max(1.0, float(np.max(np.sum(np.abs(moved), axis=1))))))) + _KERNEL_BITS
+
+
+def _frame(section: AffineSection, found: Bifurcation) -> tuple[tuple[Fraction, ...], ...]:
+    """Directions of the section; S maps each to itself or its negative where it leaves the points of the orbit alone."""
+    frame = section.frame()
+    if found.symmetry is None or found.parts == 2:
+        return frame
+    chosen: list[tuple[Fraction, ...]] = []
+    for column in zip(*frame, strict=True):
+        image = found.symmetry.applied(column)
+        for sign in (1, -1):
+            each = tuple((x + sign * y) / 2 for x, y in zip(column, image, strict=True))
+            rows = np.array([[float(value) for value in other] for other in (*chosen, each)])
+            if np.linalg.matrix_rank(rows) > len(chosen):
+                chosen.append(each)
+    return tuple(zip(*chosen, strict=True))
 
 
 def _start(found: Bifurcation, section: AffineSection | None) -> _Start:
@@ -153,8 +181,8 @@ def _start(found: Bifurcation, section: AffineSection | None) -> _Start:
     arc = arc_of(system, point, time, values)
     matrix = np.eye(len(point)) if symmetry is None else symmetry.matrix
     flow, velocity = matrix @ arc.by_state, matrix @ arc.velocity
-    derivative = map_derivative(section, flow, velocity)
-    frame = np.array([[float(value) for value in row] for row in section.frame()])
+    frame = np.array([[float(value) for value in row] for row in _frame(section, found)])
+    derivative = map_derivative(section, flow, velocity, frame)
     multiplier, vectors = _eigenvector(found, derivative, frame, point)
     speed = normal @ velocity
     pairs = tuple((vector, float(-(normal @ flow @ frame @ vector) / speed)) for vector in vectors)

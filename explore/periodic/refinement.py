@@ -12,8 +12,10 @@ from math import ceil, floor, log2
 from typing import Any
 
 import mpmath
+import numpy as np
 
 from orbitproof.explore.engines import Progress
+from orbitproof.explore.periodic.flow import Matrix
 from orbitproof.explore.periodic.section import AffineSection
 from orbitproof.explore.refinement import (
     IntegrationFailure,
@@ -86,11 +88,13 @@ class Solution:
         unknowns: exact numbers, close to the solution.
         spread: how much the flow magnifies there, as the equations say.
         steps: of Newton's method.
+        matrix: the derivatives of the equations, in float64.
     """
 
     unknowns: list[Fraction]
     spread: float
     steps: int
+    matrix: Matrix
 
 
 def newton_with_digits(
@@ -129,7 +133,8 @@ def newton_with_digits(
             guard = max(_GUARD_BITS, ceil(log2(max(spread, 1.0))) + 16)
             wanted = goal + guard
             if bits >= wanted and length < 2.0**-goal:
-                return Solution([round_dyadic(value, bits) for value in unknowns], spread, step + 1)
+                slopes = np.array([[float(value) for value in row] for row in matrix.tolist()])
+                return Solution([round_dyadic(value, bits) for value in unknowns], spread, step + 1, slopes)
             known = -2 * log2(max(length, 2.0**-bits))
             bits = min(max(bits, ceil(known) + guard), wanted)
     except (IntegrationFailure, ZeroDivisionError, ValueError) as failure:

@@ -57,13 +57,18 @@ class AffineSection:
         return [int(i) for i in np.flatnonzero((heights < 0) & (after >= 0))]
 
 
-def map_derivative(section: AffineSection, monodromy: Matrix, velocity: Vector) -> Matrix:
-    """The derivative of the return map at a fixed point, in the coordinates of `AffineSection.frame`."""
+def map_derivative(section: AffineSection, monodromy: Matrix, velocity: Vector, frame: Matrix | None = None) -> Matrix:
+    """The derivative of the return map at a fixed point, in the coordinates of a frame.
+
+    Arguments:
+        frame: shape (N, N - 1), whose columns span the section; by default `AffineSection.frame`.
+    """
     normal = np.array(list(map(float, section.normal)))
     across = monodromy - np.outer(velocity, normal @ monodromy) / (normal @ velocity)
-    frame = np.array([[float(value) for value in row] for row in section.frame()])
+    if frame is None:
+        frame = np.array([[float(value) for value in row] for row in section.frame()])
     others = [i for i in range(len(normal)) if i != section.pivot]
-    return (across @ frame)[others]
+    return np.linalg.solve(frame[others], (across @ frame)[others])
 
 
 def through_the_middle(states: Matrix) -> AffineSection:
