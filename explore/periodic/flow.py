@@ -73,6 +73,14 @@ def velocity_at(system: System, point: Sequence[float] | Vector, parameters: Seq
     return np.array([float(value) for value in system.program.evaluate([*map(float, point), *map(float, parameters)])])
 
 
+def stretching(system: System, states: Matrix, parameters: Sequence[float]) -> float:
+    """The mean over states of the fastest rate at which neighbours move apart, where they do."""
+    field, values = field_of(system), jnp.asarray(parameters, dtype=float)
+    slopes = np.asarray(jax.vmap(jax.jacfwd(lambda state: field(state, values)))(jnp.asarray(states)))
+    rates = np.linalg.eigvalsh((slopes + slopes.transpose(0, 2, 1)) / 2)[:, -1]
+    return float(np.mean(np.maximum(rates, 0.0)))
+
+
 def _integrator(system: System) -> Callable[..., Any]:
     field, m, count = field_of(system), len(system.state), len(system.parameters)
     shifts = jnp.concatenate([jnp.zeros((m, count)), jnp.eye(count)])
