@@ -152,7 +152,7 @@ def _again(entries: Sequence[Checked]) -> Section:
     lines += ["", "# integrated again, with other settings"]
     lines += [f"orbitproof {verify} --recheck --integrate {path.name}{curves[path]}" for path, verify in files.items()]
     if second := _second_proofs(entries):
-        lines += ["", "# bifurcations, by code that shares nothing with the first proof", *second]
+        lines += ["", "# once more, by code that shares nothing with the first proof", *second]
     words = f"With orbitproof {metadata.version('orbitproof')} installed and the certificate files at hand:"
     return Section("again", "How to check it again", (Paragraph((words,)), Listing("\n".join(lines))))
 

@@ -27,7 +27,7 @@ from orbitproof.verify.certificate import Certificate, Recheck, read_certificate
 from orbitproof.verify.run import LONG_CHECK_SECONDS, CheckLimits, Display
 from orbitproof.verify.run.branch_checks import conclusion_apart
 from orbitproof.verify.run.rows import rechecks
-from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_statement
+from orbitproof.verify.second_proof import BadCertificate, CannotFollow, read_claim
 
 
 class Refused(Exception):
@@ -162,7 +162,7 @@ def check_files(
 def has_second_proof(entry: CheckedRow) -> bool:
     """Whether the second proof is about such a claim."""
     with suppress(CannotFollow, BadCertificate):
-        read_statement(entry.certificate.to_json())
+        read_claim(entry.certificate.to_json())
         return True
     return False
 

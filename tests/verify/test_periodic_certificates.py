@@ -207,15 +207,6 @@ def test_every_result_that_a_certificate_carries_is_found_again(proved: dict[str
         assert len(list(unconfirmed({**entry, "results": other}, outcome, "again"))) == 1
 
 
-def test_what_is_not_available_for_such_orbits_says_so(
-    proved: dict[str, Certificate], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "certificates.json"
-    verify.write(str(path), list(proved.values()))
-    assert main(["--second-proof", str(path)]) == 1
-    assert "about periodic orbits without symmetry" in capsys.readouterr().out
-
-
 def test_claims_are_proved_by_the_command_and_from_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, output = tmp_path / "claims.json", tmp_path / "certificates.json"
     false = cases.shifted(CLAIMS["AB"], 0, Fraction(1, 10**10))

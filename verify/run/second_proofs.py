@@ -12,7 +12,6 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +35,15 @@ from orbitproof.verify.run import (
     positive_seconds,
     whole_number,
 )
+from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
+from orbitproof.verify.run.second_periodic import compare_periodic
 from orbitproof.verify.second_proof import (
     BadCertificate,
     CannotFollow,
     NotProved,
     Proved,
-    read_statement,
+    ProvedPeriodic,
+    read_claim,
     second_proof,
 )
 
@@ -49,7 +51,8 @@ FORMAT = "orbitproof-second-proofs"
 Row = dict[str, Any]
 
 _DESCRIPTION = """\
-Prove certified bifurcations once more, by code that shares nothing with the first proof, and compare the results.
+Prove certified bifurcations, and periodic orbits without symmetry, once more, by code that shares nothing with the
+first proof, and compare the results.
 """
 
 _EXAMPLES = """\
@@ -80,30 +83,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return refused(error)
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """`verdict` is ``agrees``, ``disagrees`` or ``cannot follow``; `reason` says where or why."""
-
-    verdict: str
-    reason: str
-
-
-NOT_CONFIRMED = "that the candidate's box holds no other orbits"
-"""What the first proof says besides, and no second proof does: its box is another one."""
-MARGIN = 8
-"""An enclosure narrower by this factor than the stored one has to lie inside it."""
-
-
-def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Comparison:
+def compare(certificate: Mapping[str, Any], result: Proved | ProvedPeriodic | NotProved) -> Comparison:
     """Whether a second proof says the same as the certificate, value by value. Section 7 of its chapter.
 
-    Kind, k, side; the point, the parameter and the normal form; the point in the box of the candidate. Raises
-    `LookupError` or `ValueError` for a certificate that is not well formed.
+    Of bifurcations kind, k, side; the point, the parameter and the normal form; the point in the box of the candidate.
+    Raises `LookupError` or `ValueError` for a certificate that is not well formed.
     """
     if isinstance(result, NotProved):
         return Comparison("cannot follow", result.reason)
     if certificate["verdict"] != "proved":
         return Comparison("cannot follow", "the certificate proves nothing to compare with")
+    if isinstance(result, ProvedPeriodic):
+        with guarded(4096):
+            return compare_periodic(certificate, result)
     claim, results = certificate["statement"]["candidate"], certificate["results"]
     if (result.kind, result.k) != (claim["kind"], claim["k"]):
         return Comparison("disagrees", f"kind or k: {result.kind}, {result.k}")
@@ -118,7 +110,7 @@ def compare(certificate: Mapping[str, Any], result: Proved | NotProved) -> Compa
             if name not in mine:
                 untold.append(name)
                 continue
-            found = _relation(name, mine[name], ball_from_json(entry))
+            found = relation(name, mine[name], ball_from_json(entry))
             if isinstance(found, Comparison):
                 return found
             (inside if found == "" else overlapping).append(name + found)
@@ -147,21 +139,6 @@ def _values_here(certificate: Mapping[str, Any], result: Proved) -> dict[str, ar
     return {"parameter": result.parameter} | {f"point.{name}": ball for name, ball in result.point.items()} | form
 
 
-def _relation(name: str, mine: arb, stored: arb) -> str | Comparison:
-    """Empty if the stored ball contains this one, a remark if they overlap, or why they do not agree."""
-    if not (mine.is_finite() and stored.is_finite()):
-        return Comparison("cannot follow", f"{name}: an enclosure is not finite")
-    if not mine.overlaps(stored):
-        return Comparison("disagrees", f"{name}: the enclosures have no common point")
-    if stored.contains(mine):
-        return ""
-    if arb(mine.rad()) * MARGIN < arb(stored.rad()):
-        return Comparison("cannot follow", f"{name}: the enclosure here is narrower and not inside the stored one")
-    if name.startswith("normal_form.") and mine.contains(0) and not stored.contains(0):
-        return Comparison("cannot follow", f"{name}: its sign is not shown here")
-    return f" (here to {max(0, int(mine.rel_accuracy_bits() * 0.30103))} digits)"
-
-
 def _is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
     """Whether a point certainly lies in the box of a claim, certainly does not, or None: neither is certain."""
     frame = arb_mat([[_exact(entry) for entry in row] for row in claim["frame"]])
@@ -187,6 +164,11 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
         row |= {name: getattr(result, name) for name in ("kind", "k", "side", "width", "bits", "steps")}
         row |= {"point": _texts(result.point), "parameter": _text(result.parameter)}
         row["normal_form"] = _texts(result.normal_form)
+    if isinstance(result, ProvedPeriodic):
+        row |= {name: getattr(result, name) for name in ("inside", "on", "outside", "width", "bits", "steps")}
+        row |= {"point": _texts(result.point), "period": _text(result.period)}
+        row["multipliers"] = [[_text(value.real), _text(value.imag)] for value in result.multipliers]
+    if not isinstance(result, NotProved):
         row["hypotheses"] = [{"name": h.name, "enclosures": _texts(h.enclosures)} for h in result.hypotheses]
     return row | {"cpu_seconds": round(time.process_time() - used, 1), "fingerprint": fingerprint(certificate)}
 
@@ -277,7 +259,7 @@ def _first_problem(certificates: Sequence[tuple[str, Row]]) -> str:
     for name, entry in certificates:
         try:
             with suppress(CannotFollow):
-                read_statement(entry)
+                read_claim(entry)
         except BadCertificate as error:
             return f"{name}: {error}"
     return ""

@@ -1,7 +1,12 @@
-"""A second proof of a certified bifurcation that shares no code with the rest: see README.md of this folder."""
+"""A second proof of what a certificate claims that shares no code with the rest: see README.md of this folder."""
 
+from .claims import read_claim, second_proof
 from .jets import CannotFollow
-from .proof import NotProved, Proved, second_proof
+from .periodic import ProvedPeriodic
+from .proof import NotProved, Proved
 from .statement import BadCertificate, read_statement
 
-__all__ = ["BadCertificate", "CannotFollow", "NotProved", "Proved", "read_statement", "second_proof"]
+__all__ = [
+    "BadCertificate", "CannotFollow", "NotProved", "Proved", "ProvedPeriodic", "read_claim", "read_statement",
+    "second_proof",
+]  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from flint import arb
 
-from .flow import Step, take_step
+from .flow import Field, Step, take_step
 from .jets import CannotFollow, Jet, implicit, joined, precision, substitute
 from .statement import Statement
 
@@ -51,7 +51,7 @@ def first_crossing(step: Step, section: int, sign: int, begin: arb, end: arb) ->
     return None, sign
 
 
-def crossing_state(statement: Statement, step: Step, piece: tuple[arb, arb]) -> tuple[list[Jet], arb]:
+def crossing_state(statement: Field, step: Step, piece: tuple[arb, arb]) -> tuple[list[Jet], arb]:
     """Jets of the state where the section is crossed in `piece`, and the crossing time within the step."""
     section, moment = statement.section, piece[0].union(piece[1])
     height = step.polynomials[section][()]

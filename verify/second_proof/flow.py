@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 from flint import acb, arb, arb_poly, arb_series
 
 from .jets import CannotFollow, Jet, precision
-from .statement import Statement
 
 DISC_BITS, SECTORS, STAGES, LEAST_STAGES = 64, 16, 48, 12
 LEAST_RADIUS = 2.0**-40
+
+
+class Field(Protocol):
+    """A vector field, and the coordinate whose zeros are crossings."""
+
+    @property
+    def section(self) -> int:
+        """Its place among the coordinates."""
+
+    def velocity(self, state: Sequence[Jet]) -> list[Jet]:
+        """The field on jets."""
 
 
 class Disc(NamedTuple):
@@ -23,7 +33,7 @@ class Disc(NamedTuple):
     bounds: list[arb]
 
 
-def disc(statement: Statement, start: Sequence[arb], guess: arb) -> Disc:
+def disc(statement: Field, start: Sequence[arb], guess: arb) -> Disc:
     """A disc of complex time, of radius <= `guess`, on which all solutions from a box exist. README, section 3.1."""
 
     def slope(box: Sequence[acb], turn: acb) -> list[acb]:
@@ -117,7 +127,7 @@ class Linear(NamedTuple):
         return Linear(matrix, inverse, n)
 
 
-def expand(statement: Statement, state: Sequence[Jet], length: int) -> list[Jet]:
+def expand(statement: Field, state: Sequence[Jet], length: int) -> list[Jet]:
     """Taylor coefficients in time, below t^length, of the jets of the solution. README, sections 3.2 and 3.3."""
     m, degree, n = len(state), state[0].degree, 1
     base = [arb_series([jet[()]], prec=1) for jet in state]
@@ -156,7 +166,7 @@ class Step:
         return [jet.map(lambda p: p(time)) for jet in self.polynomials]
 
 
-def take_step(statement: Statement, state: Sequence[Jet], guess: arb, bits: int) -> tuple[Step, arb]:
+def take_step(statement: Field, state: Sequence[Jet], guess: arb, bits: int) -> tuple[Step, arb]:
     """One step from jets of the state, and a guess for the next disc. README, section 3.4."""
     if not all(c.is_finite() for jet in state for c in jet.values()):
         raise CannotFollow("the enclosure of the state is not finite")

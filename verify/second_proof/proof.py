@@ -130,7 +130,8 @@ def second_proof(certificate: Mapping[str, Any]) -> Proved | NotProved:
     return NotProved("; ".join(reasons))
 
 
-def _dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
+def dot(left: Sequence[arb], right: Sequence[arb]) -> arb:
+    """The sum of products."""
     return sum((a * b for a, b in zip(left, right, strict=True)), arb(0))
 
 
@@ -151,7 +152,7 @@ class _Proof:
 
     def across(self, coordinates: Sequence[arb]) -> Vector:
         """A p in the coordinates of Fix(R)."""
-        return [_dot(line, coordinates) for line in zip(*self.columns, strict=True)]
+        return [dot(line, coordinates) for line in zip(*self.columns, strict=True)]
 
     def integrate(self, spread: arb, degree: int, bits: int) -> list[Jet]:
         """Jets of P in the coordinates of the section, on a box about the centre."""
@@ -166,7 +167,7 @@ class _Proof:
         """Jets in p of q(P), .., q(P^k) at all points centre + A p with p in `reach`, and of the first integral."""
         lines = self.state_of(list(zip(*self.columns, strict=True)), [arb(0)] * self.size)
         state = [
-            Jet({(): x + _dot(line, reach)} | {(j,): a for j, a in enumerate(line)}, 3)
+            Jet({(): x + dot(line, reach)} | {(j,): a for j, a in enumerate(line)}, 3)
             for x, line in zip(poincare.centre, lines, strict=True)
         ]
         level, found = self.statement.level(state), []

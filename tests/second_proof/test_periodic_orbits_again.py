@@ -1,0 +1,267 @@
+"""Periodic orbits without symmetry proved once more: closed forms, comparison with certificates, what is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import acb, arb, arb_mat, ctx
+from support.periodic_cases import hopf, lorenz, oscillators, planar
+
+from orbitproof.shared.formats import PeriodicOrbit, define_system
+from orbitproof.shared.numbers import format_exact, parse_exact
+from orbitproof.verify import second_proof as package
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.certificate import Certificate, Limits, certify, write_certificates
+from orbitproof.verify.run.second_proofs import compare
+from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedPeriodic, second_proof
+
+periodic = import_module(f"{package.__name__}.periodic")
+statement = import_module(f"{package.__name__}.statement")
+
+CASES: dict[str, PeriodicOrbit] = {
+    "on a slanted section": planar(Fraction(8)),
+    "on a level": oscillators(
+        system=define_system(
+            {
+                "name": "oscillators",
+                "state": "x y u v",
+                "field": {"x": "8*y", "y": "-8*x", "u": "8*v", "v": "-16*u"},
+                "first_integral": "x**2 + y**2",
+            }
+        )
+    ),
+    "in space": replace(
+        hopf(),
+        system=define_system(
+            {
+                "name": "hopf",
+                "state": "x y w",
+                "parameters": "c",
+                "where": {"s": "1 - x**2 - y**2"},
+                "field": {"x": "x*s - 8*y", "y": "8*x + y*s", "w": "-c*w"},
+            }
+        ),
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def certificates() -> dict[str, dict[str, Any]]:
+    return {name: certify(claim, Limits(digits=8)).to_json() for name, claim in CASES.items()}
+
+
+QUICK = ("on a slanted section", "on a level")
+
+
+@pytest.fixture(scope="module")
+def proofs(certificates: dict[str, dict[str, Any]]) -> dict[str, ProvedPeriodic]:
+    found = {name: second_proof(certificates[name]) for name in QUICK}
+    assert all(isinstance(each, ProvedPeriodic) for each in found.values()), str(found)
+    return found  # type: ignore[return-value]
+
+
+def test_orbits_of_closed_forms_are_proved_with_their_periods_and_multipliers(
+    proofs: dict[str, ProvedPeriodic],
+) -> None:
+    with ctx.workprec(400):
+        turn = arb.pi() / 4
+        assert all(each.period.contains(turn) for each in proofs.values())
+        (one,) = proofs["on a slanted section"].multipliers
+        assert one.real.contains((-turn / 2).exp())
+        angle = 8 * turn * arb(2).sqrt()
+        expected = [acb(angle.cos(), angle.sin()), acb(angle.cos(), -angle.sin())]
+        assert all(any(z.contains(e) for z in proofs["on a level"].multipliers) for e in expected)
+    counts = {name: (each.inside, each.on, each.outside) for name, each in proofs.items()}
+    assert counts == {"on a slanted section": (1, 0, 0), "on a level": (0, 2, 0)}
+    assert all(float(ball.rad()) < 1e-15 for each in proofs.values() for ball in each.multipliers)
+
+
+def test_hypotheses_are_shown_by_name(proofs: dict[str, ProvedPeriodic]) -> None:
+    names = [h.name for h in proofs["on a level"].hypotheses]
+    assert names == ["newton", "direction", "crossings", "gradient"]
+    assert all(h.holds for each in proofs.values() for h in each.hypotheses)
+    assert "mu" in proofs["on a level"].hypotheses[0].enclosures
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_certificates_agree(
+    name: str, certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
+) -> None:
+    found = compare(certificates[name], proofs[name])
+    assert found.verdict == "agrees", found.reason
+    assert "holds no other orbits" in found.reason
+
+
+def changed(certificate: dict[str, Any], change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
+    other = copy.deepcopy(certificate)
+    change(other)
+    return other
+
+
+def move(entry: dict[str, str], by: Fraction) -> None:
+    entry["mid"] = format_exact(parse_exact(entry["mid"]) + by)
+
+
+DIFFERENCES: dict[str, Callable[[dict[str, Any]], object]] = {
+    "period": lambda c: move(c["results"]["period"], Fraction(1, 2**60)),
+    "point.x": lambda c: move(c["results"]["point"]["x"], Fraction(1, 2**60)),
+    "point:": lambda c: c["results"]["point"].pop("x"),
+    "multiplier ": lambda c: move(c["results"]["multipliers"]["values"][0]["real"], Fraction(1, 2**40)),
+    "outside the circle": lambda c: c["results"]["multipliers"].update(outside=1, inside=0),
+    "another number of them": lambda c: c["results"]["multipliers"].update(outside=1),
+    "1 for every orbit": lambda c: c["results"]["multipliers"].update(trivial=2),
+    "not in the box": lambda c: c["statement"]["candidate"]["centre"].__setitem__(0, "0x10001p-16"),
+    "level": lambda c: c["results"].update(level=c["results"]["period"]),
+}
+
+
+@pytest.mark.parametrize("what", DIFFERENCES)
+def test_each_difference_is_reported(
+    what: str, certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
+) -> None:
+    found = compare(changed(certificates["on a slanted section"], DIFFERENCES[what]), proofs["on a slanted section"])
+    assert found.verdict == "disagrees"
+    assert what.rstrip(":") in found.reason
+
+
+def test_a_stored_level_that_is_another_one_disagrees(
+    certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
+) -> None:
+    other = changed(certificates["on a level"], lambda c: move(c["results"]["level"], Fraction(1, 2**40)))
+    assert compare(other, proofs["on a level"]).verdict == "disagrees"
+
+
+def test_counts_that_are_not_shown_here_are_not_confirmed(
+    certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
+) -> None:
+    unknown = replace(proofs["on a level"], on=0)
+    assert compare(certificates["on a level"], unknown).verdict == "cannot follow"
+    name = "on a slanted section"
+    assert compare(certificates[name], replace(proofs[name], inside=0)).verdict == "cannot follow"
+    nothing = replace(proofs[name], multipliers=(acb(arb("nan")),))
+    assert compare(certificates[name], nothing).verdict != "agrees"
+
+
+REFUSED: dict[str, tuple[str, Callable[[dict[str, Any]], object]]] = {
+    "the other direction": ("", lambda c: c["statement"]["candidate"].update(direction=1)),
+    "a box off the section": ("section", lambda c: c["statement"]["candidate"].update(offset="0x1p-90")),
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_false_claims_are_not_proved(what: str, certificates: dict[str, dict[str, Any]]) -> None:
+    word, change = REFUSED[what]
+    found = second_proof(changed(certificates["on a slanted section"], change))
+    assert isinstance(found, NotProved)
+    assert word in found.reason
+
+
+@pytest.mark.slow
+def test_an_orbit_run_through_twice_is_not_proved(certificates: dict[str, dict[str, Any]]) -> None:
+    twice = changed(certificates["in space"], lambda c: c["statement"]["candidate"].update(crossings=2))
+    found = second_proof(twice)
+    assert isinstance(found, NotProved)
+    assert "least period" in found.reason
+
+
+@pytest.mark.slow
+def test_an_orbit_in_space_is_proved_and_agrees(certificates: dict[str, dict[str, Any]]) -> None:
+    found = second_proof(certificates["in space"])
+    assert isinstance(found, ProvedPeriodic), str(found)
+    small, middle = sorted(found.multipliers, key=lambda z: float(z.real.mid()))
+    with ctx.workprec(400):
+        assert small.real.contains((-arb.pi() / 2).exp())
+        assert middle.real.contains((-arb.pi() / 16).exp())
+    assert compare(certificates["in space"], found).verdict == "agrees"
+
+
+def test_a_level_that_is_no_first_integral_is_not_proved(certificates: dict[str, dict[str, Any]]) -> None:
+    """With x^2 + 2 y^2 the term in the field does not vanish, or the gradient is not across the field."""
+    program = "v0 = x\nv1 = y\nv2 = u\nv3 = v\nv4 = v0 * v0\nv5 = v1 * v1\nv6 = v4 + v5\nv7 = v6 + v0\nreturn v7"
+
+    def change(c: dict[str, Any]) -> None:
+        c["statement"]["first_integral"] = program
+        c["statement"]["candidate"]["level"] = "0x6"
+
+    assert isinstance(second_proof(changed(certificates["on a level"], change)), NotProved)
+
+
+BAD: dict[str, Callable[[dict[str, Any]], object]] = {
+    "statement.vector_field": lambda c: c["statement"].update(vector_field="v0 = x\nreturn v7"),
+    "statement.candidate.centre": lambda c: c["statement"]["candidate"].update(centre=[1.5]),
+    "statement.candidate": lambda c: c["statement"]["candidate"].update(direction=2),
+    "statement.candidate.parameters": lambda c: c["statement"]["candidate"].update(parameters={}),
+}
+
+
+@pytest.mark.parametrize("field", BAD)
+def test_bad_input_names_the_field(field: str, certificates: dict[str, dict[str, Any]]) -> None:
+    with pytest.raises(BadCertificate, match=field):
+        second_proof(changed(certificates["in space"], BAD[field]))
+
+
+def test_the_gradient_is_that_of_the_program() -> None:
+    """x y/z - sqrt(x) + z^-3 - 2, and a coordinate on which nothing depends."""
+    text = (
+        "v0 = x\nv1 = y\nv2 = z\nv3 = v0 * v1\nv4 = v3 / v2\nv5 = v0 ** (1/2)\nv6 = v4 - v5\nv7 = v2 ** (-3)\n"
+        "v8 = v6 + v7\nv9 = 2\nv10 = v8 - v9\nreturn v10"
+    )
+    slopes = periodic.gradient(statement.Program.from_text(text), ("x", "y", "z", "w"))
+    x, y, z = 4.0, 3.0, 2.0
+    operations = {**statement.ARITHMETIC, "**": lambda base, exponent: base ** float(exponent)}
+    found = slopes.run({"x": x, "y": y, "z": z}, float, operations)
+    assert found == pytest.approx([y / z - 0.5 / x**0.5, x / z, -x * y / z**2 - 3 / z**4, 0.0])
+
+
+def test_multipliers_are_isolated_or_refused() -> None:
+    matrix = arb_mat([[1, 5, 0, 0], [0, "0.5", 0, 0], [0, 3, 0, -2], [0, 0, 2, 0]])
+    found = sorted(periodic.multipliers(matrix, 1), key=lambda z: float(z.imag.mid()))
+    for ball, exact in zip(found, (acb(0, -2), acb("0.5"), acb(0, 2)), strict=True):
+        assert ball.contains(exact)
+        assert float(ball.rad()) < 1e-10
+    assert found[1].imag == 0
+    with pytest.raises((ValueError, package.CannotFollow)):
+        periodic.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, 3]]), 1)
+    with pytest.raises((ValueError, package.CannotFollow)):
+        periodic.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, arb("3.001", "0.01")]]), 1)
+
+
+def test_volume_is_kept_only_where_no_rate_depends_on_its_own_coordinate() -> None:
+    field = {"x": "y + a*z", "y": "x*z", "z": "x - y"}
+    systems = [field, field | {"z": "x - y*z"}]
+    kept = []
+    for number, each in enumerate(systems):
+        system = define_system({"name": f"s{number}", "state": "x y z", "parameters": "a", "field": each})
+        claim = hopf()
+        claim = replace(claim, system=system, parameters={"a": Fraction(1)})
+        kept.append(periodic.read_periodic(certify(claim, Limits(max_precision=64)).to_json()).keeps_volume())
+    assert kept == [True, False]
+
+
+@pytest.mark.slow
+def test_an_orbit_of_lorenz_is_proved_and_agrees() -> None:
+    certificate = certify(lorenz("AB"), Limits(digits=20)).to_json()
+    result = second_proof(certificate)
+    assert isinstance(result, ProvedPeriodic), str(result)
+    assert [h.name for h in result.hypotheses][-1] == "least period, T/2"
+    assert compare(certificate, result).verdict == "agrees"
+
+
+@pytest.mark.slow
+def test_the_command_proves_and_compares(
+    certificates: dict[str, dict[str, Any]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, output = tmp_path / "certificates.json", tmp_path / "second.json"
+    write_certificates(path, [Certificate.from_json(certificates["on a slanted section"], "planar")])
+    assert main(["--second-proof", str(path), "-o", str(output), "--quiet"]) == 0
+    (row,) = json.loads(output.read_text())["rows"]
+    assert (row["verdict"], row["inside"], row["on"], row["outside"]) == ("agrees", 1, 0, 0)
+    assert "agrees" in capsys.readouterr().out

@@ -1,0 +1,107 @@
+"""Whether the second proof of a periodic orbit says the same as its certificate. Section 9.6 of its chapter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flint import acb, arb, arb_mat, fmpq
+
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.evidence import ball_from_json
+from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
+from orbitproof.verify.second_proof import ProvedPeriodic
+
+_PARTS = ("real", "imaginary")
+
+
+def compare_periodic(certificate: Mapping[str, Any], result: ProvedPeriodic) -> Comparison:
+    """Point, period and multipliers, ball by ball, and how many multipliers are where; the point in the claim's box.
+
+    Raises `LookupError` or `ValueError` for a certificate that is not well formed.
+    """
+    claim, results = certificate["statement"]["candidate"], certificate["results"]
+    if set(results["point"]) != set(result.point):
+        return Comparison("disagrees", "point: other coordinates in the certificate")
+    pairs = {f"point.{name}": (ball, results["point"][name]) for name, ball in result.point.items()}
+    pairs["period"] = result.period, results["period"]
+    inside, overlapping = list[str](), list[str]()
+    for name, (mine, entry) in pairs.items():
+        found = relation(name, mine, ball_from_json(entry))
+        if isinstance(found, Comparison):
+            return found
+        (inside if found == "" else overlapping).append(name + found)
+    if (result.level is None) != (results.get("level") is None):
+        return Comparison("disagrees", "level: is here or in the certificate, and not in both")
+    if result.level is not None and not result.level.overlaps(ball_from_json(results["level"])):
+        return Comparison("disagrees", "level: the enclosures have no common point")
+    stored = results["multipliers"]
+    found = _multipliers(stored, result)
+    if isinstance(found, Comparison):
+        return found
+    is_inside = _is_in_the_box(claim, list(result.point.values()))
+    if is_inside is None:
+        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
+    if not is_inside:
+        return Comparison("disagrees", "the point is not in the box of the candidate")
+    parts = ["the least period, with the crossings that are claimed", "the point in the box of the candidate", found]
+    parts += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
+    parts += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
+    left = [NOT_CONFIRMED] if result.level is None else ["that the first integral is one", NOT_CONFIRMED]
+    return Comparison("agrees", f"{'; '.join(parts)}. Not confirmed: {', '.join(left)}")
+
+
+def _multipliers(stored: Mapping[str, Any], result: ProvedPeriodic) -> str | Comparison:
+    """What is confirmed of the multipliers, or why they do not agree."""
+    if stored["trivial"] != (1 if result.level is None else 2):
+        return Comparison("disagrees", "multipliers: another number of them is 1 for every orbit")
+    mine = {"inside": result.inside, "on": result.on, "outside": result.outside}
+    size = len(result.multipliers)
+    if sum(stored[place] for place in (*mine, "undecided")) != size:
+        return Comparison("disagrees", "multipliers: another number of them")
+    for place, count in mine.items():
+        # What is shown here to be elsewhere cannot be there.
+        if stored[place] > size - sum(other for name, other in mine.items() if name != place):
+            return Comparison("disagrees", f"multipliers: {stored[place]} {place} the circle in the certificate")
+        if stored[place] > count:
+            return Comparison("cannot follow", f"multipliers: that {stored[place]} are {place} is not shown here")
+    values, entries = (
+        [acb(*(ball_from_json(value[part]) for part in _PARTS)) for value in stored["values"]],
+        stored["values"],
+    )
+    if not values:
+        return "how many multipliers are inside, on and outside the circle"
+    held = [0] * size
+    for number, ball in enumerate(result.multipliers, start=1):
+        near = [place for place, value in enumerate(values) if value.overlaps(ball)]
+        if not near:
+            return Comparison("disagrees", f"multiplier {number}: no stored ball has a point in common")
+        # The ball of a cluster is repeated; else each has one multiplier.
+        if any(entries[place] != entries[near[0]] for place in near):
+            return Comparison("cannot follow", f"multiplier {number}: may lie in either of two stored balls")
+        for index in near:
+            held[index] += 1
+        for part in _PARTS:
+            here, there = (getattr(value, part[:4]) for value in (ball, values[near[0]]))
+            found = relation(f"multiplier {number}, {part} part", here, there)
+            if isinstance(found, Comparison):
+                return found
+    if any(count != entries.count(entry) for count, entry in zip(held, entries, strict=True)):
+        return Comparison("disagrees", "multipliers: a stored ball has another number of them")
+    return "the multipliers in stored balls of their own, and how many are inside, on and outside the circle"
+
+
+def _is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
+    """Whether a point of the section certainly lies in the box, certainly does not, or None: neither is certain."""
+    rows = [[*map(_exact, row), _exact(a)] for row, a in zip(claim["frame"], claim["normal"], strict=True)]
+    right = [[x - _exact(c)] for x, c in zip(point, claim["centre"], strict=True)]
+    moved = arb_mat(rows).solve(arb_mat(right))
+    sizes = [(abs(moved[i, 0]), _exact(radius)) for i, radius in enumerate(claim["radii"])]
+    if any(size > radius for size, radius in sizes):
+        return False
+    return True if all(size <= radius for size, radius in sizes) else None
+
+
+def _exact(number: str) -> arb:
+    value = parse_exact(number)
+    return arb(fmpq(value.numerator, value.denominator))
