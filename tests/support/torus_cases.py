@@ -9,7 +9,7 @@ from flint import arb, ctx
 
 from orbitproof.shared.formats import PERIODIC_TORUS, PeriodicBifurcation, define_system
 from orbitproof.shared.systems import System
-from orbitproof.verify.evidence import exact_value
+from orbitproof.verify.evidence import enclose, exact_value
 
 ROUND = define_system(
     {
@@ -73,8 +73,12 @@ def on_circle(turns: Fraction) -> tuple[Fraction, Fraction]:
     """Cosine and sine of 2 pi times a number, about."""
     with ctx.workprec(160):
         angle = 2 * arb.pi() * turns.numerator / turns.denominator
-        cosine, sine = (exact_value(value.mid()) for value in (angle.cos(), angle.sin()))
-    return Fraction(round(cosine * 2**120), 2**120), Fraction(round(sine * 2**120), 2**120)
+        return _near(angle.cos()), _near(angle.sin())
+
+
+def _near(value: arb) -> Fraction:
+    """A number of 120 bits after the point."""
+    return Fraction(round(exact_value(value.mid()) * 2**120), 2**120)
 
 
 def in_plane(system: System, place: int, centre: list[Fraction], **more: Any) -> PeriodicBifurcation:
@@ -145,6 +149,31 @@ def langford(**more: Any) -> PeriodicBifurcation:
     }
     centre = [Fraction("0.9067071875616361603823729"), ZERO, Fraction("0.6999425160293761564796199")]
     return in_plane(LANGFORD, 1, centre, **given)
+
+
+def symmetric_langford(**more: Any) -> PeriodicBifurcation:
+    """The same with e = 0: in r, z it is r' = (z - b) r, z' = l + a z - z^3/3 - r^2 (1 + R z), R the last constant.
+
+    The cycle has z = b and r^2 (1 + R b) = l + a b - b^3/3; the trace a - b^2 - R r^2 vanishes for
+    a = b^2 + R (l + 2 b^3/3), and then the eigenvalues are +-i omega, omega^2 = 2 r^2 (1 + R b).
+    """
+    b, l, w, constant = Fraction(7, 10), Fraction(3, 5), Fraction(7, 2), Fraction(1, 4)
+    a = b**2 + constant * (l + 2 * b**3 / 3)
+    with ctx.workprec(200):
+        factor = enclose(1 + constant * b)
+        radius = (enclose(l + a * b - b**3 / 3) / factor).sqrt()
+        omega = (2 * factor).sqrt() * radius
+        angle = omega * 2 * arb.pi() / enclose(w)
+        x, slope, c, s = (_near(value) for value in (radius, omega / radius, angle.cos(), angle.sin()))
+    given: dict[str, Any] = {
+        "id": "symmetric",
+        "parameters": {"a": a, "b": b, "l": l, "w": w, "r": constant, "e": ZERO},
+        "parameter": "a",
+        "kernel": ((ONE, ZERO), (ZERO, slope)),
+        "multiplier": (c, s),
+        **more,
+    }
+    return in_plane(LANGFORD, 1, [x, ZERO, b], **given)
 
 
 def circuit(**more: Any) -> PeriodicBifurcation:

@@ -154,6 +154,23 @@ def test_a_published_torus_of_an_electronic_circuit_is_proved() -> None:
     assert not found.is_attracting
 
 
+def test_a_torus_of_langford_with_an_axis_of_symmetry_is_where_it_is_by_hand() -> None:
+    claim = cases.symmetric_langford()
+    found = _proved(claim)
+    with ctx.workprec(500):
+        assert _contains(found.parameter, enclose(claim.parameters["a"]))
+        period = 4 * arb.pi() / 7
+        assert _contains(found.period, period)
+        # The real part of the eigenvalues is (a - b^2 - R r^2)/2, and r^2 depends on a as well.
+        a, b, constant = (enclose(claim.parameters[name]) for name in ("a", "b", "r"))
+        rate = (1 - constant * b / (1 + constant * b)) / 2
+        assert _contains(found.speed, period * rate)
+        level = enclose(claim.parameters["l"]) + a * b - b * b * b / 3
+        assert _contains(found.multiplier, (acb(0, 1) * period * (2 * level).sqrt()).exp())
+    assert found.speed.rad() < 1e-10
+    assert (found.side, found.criticality) == ("above", "supercritical")
+
+
 @pytest.mark.slow
 def test_a_torus_of_langford_is_proved() -> None:
     found = _proved(cases.langford())
