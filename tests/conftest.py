@@ -6,7 +6,9 @@ import gc
 import multiprocessing
 import sys
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+from contextlib import AbstractContextManager, ExitStack, chdir, nullcontext
+from multiprocessing import forkserver
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -26,10 +28,19 @@ multiprocessing.set_forkserver_preload(
         "orbitproof.verify.run.rows",
         "orbitproof.verify.run.branch_checks",
         "orbitproof.verify.run.branches",
+        "tests.support.prepared",
     ]
 )
 _start_method = processes._start_method
-processes._start_method = lambda: "forkserver"
+
+
+def _as_copies() -> str:
+    with chdir(Path(__file__).parents[1]):
+        forkserver.ensure_running()
+    return "forkserver"
+
+
+processes._start_method = _as_copies
 
 
 def pytest_collection_finish() -> None:

@@ -156,12 +156,12 @@ def test_a_notebook_survives_an_integration_without_end(honest: dict[str, Any]) 
 
 
 ENDS = {
-    "hangs": (process_work.hanging, "the time limit of 0.5 s passed"),
-    "is ended by FLINT": (process_work.aborting, "SIGABRT"),
-    "takes memory without end": (process_work.growing, "more memory than 0.25 GiB"),
-    "takes memory in FLINT": (process_work.growing_in_flint, "SIGABRT"),
+    "hangs": (process_work.hanging, "the time limit of 0.5 s passed", 0.5),
+    "is ended by FLINT": (process_work.aborting, "SIGABRT", 60.0),
+    "takes memory without end": (process_work.growing, "more memory than 0.25 GiB", 60.0),
+    "takes memory in FLINT": (process_work.growing_in_flint, "SIGABRT", 60.0),
 }
-LIMITS = ["--row-timeout", "0.5", "--memory", "0.25"]
+"""What happens, how it is told, and a limit of time in seconds that comes first only where nothing else does."""
 
 
 @pytest.mark.usefixtures("little_grace")
@@ -173,10 +173,10 @@ def test_a_check_that_does_not_end_is_an_obstacle(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    work, words = ENDS[how]
+    work, words, seconds = ENDS[how]
     monkeypatch.setattr(side_by_side, "recheck_task", work)
     path = written(tmp_path / "one.json", honest)
-    assert main(["--recheck", path, "--quiet", *LIMITS]) == 1
+    assert main(["--recheck", path, "--quiet", "--row-timeout", str(seconds), "--memory", "0.25"]) == 1
     out = capsys.readouterr().out
     assert words in out
     assert "cannot be checked here" in out
@@ -186,9 +186,9 @@ def test_a_check_that_does_not_end_is_an_obstacle(
 @pytest.mark.usefixtures("little_grace")
 @pytest.mark.parametrize("how", ENDS)
 def test_the_check_of_a_curve_that_does_not_end_is_an_obstacle(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    work, words = ENDS[how]
+    work, words, seconds = ENDS[how]
     monkeypatch.setattr(apart, "check_of_conclusion", work)
-    found = conclusion_apart({"id": "curve", "verdict": "proved"}, CheckLimits(0.5, 2**28))
+    found = conclusion_apart({"id": "curve", "verdict": "proved"}, CheckLimits(seconds, 2**28))
     assert words in found.obstacle
     assert found.findings == ()
 
@@ -198,14 +198,14 @@ def test_the_check_of_a_curve_that_does_not_end_is_an_obstacle(how: str, monkeyp
 def test_a_place_that_does_not_end_is_an_obstacle_of_its_row(
     how: str, honest: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    work, words = ENDS[how]
+    work, words, seconds = ENDS[how]
     monkeypatch.setattr(apart, "recheck_place", work)
     plain = Certificate.from_json(honest)
     place = {"rests_on": {"id": "curve", "digest": "sha256:" + 64 * "0"}, "piece": "p", "s": ball_to_json(arb(0)),
              "mirrored": False, "other_point": False, "statement": "It lies there."}  # fmt: skip
     placed = plain.with_place(place)
     check = Recheck(plain.id, "proved", 11, (), level=Level.CONCLUSION)
-    found = apart.place_apart(None, None, placed, check, CheckLimits(0.5, 2**28))
+    found = apart.place_apart(None, None, placed, check, CheckLimits(seconds, 2**28))
     assert words in found.obstacle
     assert found.level is Level.FORM
     assert apart.place_apart(None, None, plain, check, CheckLimits(0.5)) is check

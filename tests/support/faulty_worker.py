@@ -10,7 +10,7 @@ from typing import Any
 
 from flint import fmpz
 
-import orbitproof.verify.run.rows
+import orbitproof.verify.run.other_boxes
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.processes import Report
 from orbitproof.verify.certificate import certify
@@ -39,5 +39,5 @@ def integrate(candidate: Candidate, settings: Any, *arguments: Any) -> Any:
 
 def certify_task(argument: Mapping[str, Any], report: Report) -> Mapping[str, Any]:
     """In place of `verify.certificate.side_by_side.certify_task`."""
-    orbitproof.verify.run.rows.certify = partial(certify, integrate=integrate)  # type: ignore[assignment]
+    orbitproof.verify.run.other_boxes.certify = partial(certify, integrate=integrate)  # type: ignore[assignment]
     return sound_task(argument, report)
