@@ -68,9 +68,14 @@ def outcome(
 
 
 def test_a_theorem_says_nothing_of_claims_of_another_kind() -> None:
-    turning, branching = claim(description(1, False), "fold", 1, RADII), known("fs3")
-    for theory, about, other in ((fold, turning, branching), (proved_bifurcation, branching, turning)):
+    turning, branching, breaking = claim(description(1, False), "fold", 1, RADII), known("fs3"), known("em1")
+    for theory, about in ((fold, turning), (proved_bifurcation, branching), (proved_bifurcation, breaking)):
         assert theory.theorem_of(about) == theorem_of(about)
+    for theory, other in (
+        (fold, branching), (fold, breaking), (fold, replace(turning, k=2)),
+        (proved_bifurcation, turning), (proved_bifurcation, replace(turning, k=2)),
+        (proved_bifurcation, replace(breaking, k=2)), (proved_bifurcation, replace(known("fs2"), k=1)),
+    ):  # fmt: skip
         refused = theory.prove(other, Checklist(), (), None)
         assert isinstance(refused, NotProved)
         assert refused.reason.condition == "theorem"

@@ -19,6 +19,7 @@ from support.forgeries import forged
 from support.springs import springs
 
 from orbitproof.shared import parse_exact
+from orbitproof.shared.errors import InputError
 from orbitproof.shared.numbers import format_dyadic
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate import (
@@ -323,6 +324,17 @@ def test_tables_of_another_kind_or_of_other_sizes_are_not_read(point: Certificat
     for changed in ({**entry, "more": "it is proved"}, {**entry, "half_period": half_period}):
         with pytest.raises(ValueError, match="enclosures"):
             tables_from_json(changed, candidate, computation)
+
+
+def test_results_of_another_kind_are_not_read(point: Certificate) -> None:
+    candidate, enclosures = springs("once")
+    other = chapter._conclude(candidate, 128, enclosures)
+    assert isinstance(other, Proved)
+    entry = point.to_json()
+    with pytest.raises(InputError, match="results: are not those of such a claim"):
+        Certificate.from_json({**entry, "results": results_to_json(other.results)})
+    with pytest.raises(InputError, match="results"):
+        Certificate.from_json({**entry, "results": {**entry["results"], "period": entry["results"]["parameter"]}})
 
 
 def unknown(change: Callable[[dict[str, Any]], Any] = lambda statement: None) -> dict[str, Any]:

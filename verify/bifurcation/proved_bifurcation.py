@@ -9,7 +9,7 @@ from typing import Annotated
 from flint import arb
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import ONCE, Candidate
+from orbitproof.shared.formats import Candidate
 from orbitproof.shared.stored import rules, stored
 from orbitproof.verify.bifurcation.conditions import (
     Problem,
@@ -112,7 +112,7 @@ def theorem_of(candidate: Candidate) -> BifurcationTheorem | Reason:
     kind, k = candidate.kind, candidate.k
     if not candidate.has_branch:
         return Reason("theorem", f"{kind}: no orbits branch off", "claim another kind")
-    if (kind in ONCE) != (k == 1):
+    if candidate.breaks_symmetry != (k == 1):
         return Reason("theorem", f"{kind} with k = {k}", "symmetry breaking has k = 1, the other kinds k > 1")
     if kind == "touch_and_go" and k % 2 == 0:
         return Reason("theorem", f"touch-and-go is for odd k, this is k = {k}", "claim period_tupling for even k")
