@@ -101,8 +101,6 @@ class Candidate:
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
         if (self.kind == ORBIT) != (self.equation is not None):
             refuse("equation", "a claim about an orbit has one, others have none", "give both or none")
-        if self.kind == ORBIT and self.system.fixed_level is not None:
-            refuse("kind", "orbits on a fixed level are not claimed", "leave fixed_level out of the system")
         if self.equation is not None:
             _check_equation(self, self.equation, refuse)
         names, kernel = self.coordinates, len(self.system.kernel_coordinates)
@@ -198,8 +196,9 @@ def _check_equation(candidate: Candidate, equation: Equation, refuse: Callable[[
     if equation.coordinate is not None and equation.coordinate not in system.centre_coordinates:
         known = ", ".join(system.centre_coordinates)
         refuse("equation.coordinate", f"{equation.coordinate!r} is no coordinate of Fix(R)", f"give one of {known}")
-    if equation.quantity == LEVEL and system.first_integral is None:
-        refuse("equation.quantity", f"{system.name} has no first integral", "give another quantity")
+    if equation.quantity == LEVEL and (system.first_integral is None or system.fixed_level is not None):
+        why = "has no first integral" if system.first_integral is None else "is on a level already"
+        refuse("equation.quantity", f"{system.name} {why}", "give another quantity")
     if equation.quantity == HALF_PERIOD and not equation.value > 0:
         refuse(_EQUATION_VALUE, "a half period is positive", "give a positive number")
     if candidate.symmetry is not None or candidate.level_sign is not None:

@@ -19,11 +19,9 @@ from support.stored import entry_of
 from orbitproof.explore.orbits import ShootingProblem
 from orbitproof.explore.refinement.newton import refine
 from orbitproof.shared.formats import (
-    ORBIT,
     SURFACE,
     Atlas,
     Candidate,
-    Equation,
     InputError,
     atlas_from_json,
     read_atlas,
@@ -189,11 +187,9 @@ def test_the_list_of_resonances_on_a_level_has_the_certified_one(tmp_path: Path)
     assert main(["atlas", "--recheck", str(target), "--quiet"]) == 0
 
 
-def test_surfaces_and_single_orbits_are_refused() -> None:
+def test_surfaces_are_refused() -> None:
     entry = json.loads(FILE.read_text())
     entry["claim"] = {"kind": SURFACE}
     del entry["parameters"]
     with pytest.raises(InputError, match="surfaces on a fixed level"):
         atlas_from_json(entry, "atlas")
-    with pytest.raises(InputError, match="fixed level"):
-        replace(claimed(), kind=ORBIT, k=1, equation=Equation("P", F(19, 10)))

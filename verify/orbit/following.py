@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import Annotated
 
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.stored import rules, stored
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Series, evaluate, prepare
 from orbitproof.verify.evidence import Briefs, DerivativeTable, enclose, exact_value, guarded
 from orbitproof.verify.flow import FlowStep, advance
@@ -29,7 +30,9 @@ from orbitproof.verify.poincare import (
     check_size,
     default_order,
     derivative_table,
+    initial_values,
     kernel_components,
+    on_sheet,
 )
 
 _BEYOND = Fraction(1, 2**40)
@@ -132,11 +135,17 @@ class _HalfOrbits:
         image = self._on_fixed_set(state)
         half_period = self._table(returns.return_time)
         distance = None
+        beyond = system
+        if system.fixed_level is not None:
+            level_coordinate = state[system.state.index(str(system.level_coordinate))]
+            beyond = on_sheet(system, [self._table(level_coordinate).box[(0,) * len(box.scales)]])
         if along is not None:
             kinds = along.end(half_period.box[(0,) * len(box.scales)])
             other = {**box.point, **dict(zip(self.names, image, strict=True))}
-            distance = Distance(self._distance(box.point), self._distance(other), *kinds, tuple(along.found))
-        back, steps = self._back(image)
+            distance = Distance(
+                self._distance(system, box.point), self._distance(beyond, other), *kinds, tuple(along.found)
+            )
+        back, steps = self._back(beyond, image)
         return OrbitEnclosures(
             tuple(iterates),
             tuple(map(self._table, image)),
@@ -162,14 +171,12 @@ class _HalfOrbits:
         named = {**self.box.point, **dict(zip(self.system.state, state, strict=True))}
         return [named[name] for name in self.names]
 
-    def _distance(self, point: Any) -> DerivativeTable:
-        system, program = self.system, self.system.squared_distance_program
+    def _distance(self, system: ReversibleSystem, point: Mapping[str, Series]) -> DerivativeTable:
+        program = system.squared_distance_program
         assert program is not None
-        zero = self.box.arithmetic.constant(Fraction(0))
-        arguments = [point.get(name, zero) for name in (*system.state, *system.parameters)]
-        return self._table(at_start(program, arguments)[0])
+        return self._table(at_start(program, initial_values(system, self.box.arithmetic, point))[0])
 
-    def _back(self, image: Sequence[Series]) -> tuple[tuple[tuple[arb, ...], ...], int]:
+    def _back(self, system: ReversibleSystem, image: Sequence[Series]) -> tuple[tuple[tuple[arb, ...], ...], int]:
         """Derivatives of P^m on Fix(R) at its points P^m(x), by the coordinates of Fix(R), and the number of steps."""
         arithmetic, scales = self.box.arithmetic, self.box.scales
         size = len(scales)
@@ -180,7 +187,7 @@ class _HalfOrbits:
             middle, radius = exact_value(where.mid()), exact_value(where.rad())
             terms = {(0,) * size: middle, units[row]: scales[row]}
             start[name] = arithmetic.polynomial(terms).widened(radius)
-        returns = HalfOrbits(self.system, arithmetic, start, self.oracle, self.coordinates)
+        returns = HalfOrbits(system, arithmetic, start, self.oracle, self.coordinates)
         state, _ = returns.half_orbit(self.candidate.crossings, lambda _steps: self.progress(0.75))
         tables = [self._table(element) for element in self._on_fixed_set(state)]
         return tuple(tuple(table.centre[unit] for unit in units) for table in tables), returns.steps

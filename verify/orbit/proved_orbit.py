@@ -99,8 +99,10 @@ class OrbitTheorem:
     def hypotheses(self) -> tuple[str, ...]:
         """As in `evidence.Theorem`."""
         system = self.claim.system
-        names = ["symmetries", "frames", "poincare-map", *(["half-orbit"] if self.claim.crossings > 1 else []), "orbit"]
-        names += ["level"] if system.first_integral is not None else []
+        on_level = system.fixed_level is not None
+        names = ["symmetries", "frames", *(["level"] if on_level else []), "poincare-map"]
+        names += [*(["half-orbit"] if self.claim.crossings > 1 else []), "orbit"]
+        names += ["level"] if system.first_integral is not None and not on_level else []
         names += ["distance"] if system.squared_distance is not None else []
         return tuple(names)
 
@@ -239,7 +241,7 @@ def _results(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures,
         for name, origin, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True)
     }
     integral = None if found.first_integral is None else BoxFunction(found.first_integral)
-    if integral is not None:
+    if integral is not None and system.fixed_level is None:
         _check_level(checklist, integral, where)
     half_period = BoxFunction(found.half_period).value(where)
     level = None if integral is None else integral.value(where)
@@ -247,6 +249,8 @@ def _results(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures,
         half_period = enclose(equation.value)
     elif equation.quantity == LEVEL:
         level = enclose(equation.value)
+    if system.fixed_level is not None:
+        level = enclose(system.fixed_level.value)
     least = greatest = None
     if found.distance is not None:
         least, greatest = _check_distance(checklist, found.distance, where, half_period)

@@ -29,3 +29,4 @@ from orbitproof.verify.poincare.returns import (
     initial_values,
     kernel_components,
 )
+from orbitproof.verify.poincare.sheets import on_sheet

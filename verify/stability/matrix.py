@@ -18,7 +18,7 @@ from flint import arb, fmpq, fmpq_mat
 from numpy.polynomial.polynomial import polyval
 
 from orbitproof.shared.formats import Piece
-from orbitproof.shared.systems import FixedLevel, ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Floats, Grading, Series, WideArithmetic, recentred
 from orbitproof.verify.curve import (
     BEYOND,
@@ -32,7 +32,7 @@ from orbitproof.verify.curve import (
     tube_points,
 )
 from orbitproof.verify.distances import DistanceAlongCurve, DistanceFunctions, is_distance_of_orbits
-from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded, is_inside, is_positive
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded, is_inside
 from orbitproof.verify.functions import (
     REACH,
     StoredFunction,
@@ -47,7 +47,15 @@ from orbitproof.verify.functions import (
     slope,
 )
 from orbitproof.verify.out_of_plane import VariationFunctions, variations_across
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, HalfOrbits, WideOracle, first_integral, initial_values
+from orbitproof.verify.poincare import (
+    PHYSICAL,
+    REGULARISED,
+    HalfOrbits,
+    WideOracle,
+    first_integral,
+    initial_values,
+    on_sheet,
+)
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.stored_stability import StabilityFunctions
 from orbitproof.verify.stability.units import in_own_units
@@ -202,19 +210,11 @@ class TubeOfOrbits:
 
     def _at_other_point(self, curve: CurveInTube, state: Sequence[Series]) -> ReversibleSystem:
         """The system with the sheet of its fixed level, if it has one, on which P(x) lies along the curve."""
-        system, level = self.system, self.system.fixed_level
-        if level is None:
+        system = self.system
+        if system.fixed_level is None:
             return system
-        name = str(system.level_coordinate)
-        there = bounded(restricted(curve.value(state[system.state.index(name)]), SHARE))
-        for sign in (1, -1):
-            if all(is_positive(sign * there.value(part)) for part in _PARTS):
-                return replace(system, fixed_level=FixedLevel(level.value, sign))
-        raise IntegrationFailure(
-            "stability",
-            f"{name} is not shown to have one sign at the other points of the orbits",
-            "give a narrower piece",
-        )
+        there = bounded(restricted(curve.value(state[system.state.index(str(system.level_coordinate))]), SHARE))
+        return on_sheet(system, [there.value(part) for part in _PARTS])
 
     def _initial(
         self, system: ReversibleSystem, curve: CurveInTube, start: Mapping[str, Series], point: Sequence[Series] = ()

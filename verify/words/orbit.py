@@ -26,7 +26,17 @@ def orbit_in_words(theorem: OrbitTheorem) -> str:
         f"P(x). Its orbit is symmetric under R and periodic with least period 2 T(x), and {_meetings(m)}. At x the "
         "derivative of these equations on Fix(R) is regular: near x the points with P(x) in Fix(R) are one regular "
         "curve, and the equation singles out x transversally. The results enclose what they name for this orbit."
+        f"{_on_level(candidate)}"
     )
+
+
+def _on_level(candidate: Candidate) -> str:
+    system, level = candidate.system, candidate.system.fixed_level
+    if level is None:
+        return ""
+    where = f"{system.first_integral_name or 'H'} = {exact_text(level.value)}"
+    side = f"{system.level_coordinate} {'>' if level.sign > 0 else '<'} 0"
+    return f" All points are on the level {where}, those of the box with {side}; Fix(R) stands for its points there."
 
 
 def _meetings(m: int) -> str:
@@ -62,6 +72,7 @@ def orbit_found(candidate: Candidate, found: OrbitResults) -> Iterator[str]:
 
 def _stability(stability: Stability, candidate: Candidate) -> Iterator[str]:
     family = "at fixed parameters" if candidate.system.family_parameter is not None else "on its level"
+    family += " on its level" if candidate.system.fixed_level is not None else ""
     if not stability.parameters:
         yield "Stability parameters are not enclosed."
         return
