@@ -15,7 +15,7 @@ from support import torus_cases as cases
 from support.normal_form_maps import KnownTorus, known_torus
 
 from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import PeriodicBifurcation
+from orbitproof.shared.formats import PERIODIC_DOUBLING, PeriodicBifurcation
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,
@@ -359,6 +359,12 @@ def test_what_is_missing_or_not_finite_proves_nothing(
     change: Callable[[BifurcationEnclosures], BifurcationEnclosures],
 ) -> None:
     assert _refused(cases.round_claim(), change(_round())) == "return-map"
+
+
+def test_a_claim_of_another_kind_is_no_torus() -> None:
+    claim = cases.round_claim()
+    other = replace(claim, kind=PERIODIC_DOUBLING, kernel=claim.kernel[:1], multiplier=None)
+    assert _refused(other, _round()) == "theorem"
 
 
 def test_nothing_proves_nothing() -> None:

@@ -13,7 +13,7 @@ import pytest
 from support import torus_cases as cases
 
 from orbitproof.shared.errors import InputError
-from orbitproof.shared.formats import PERIODIC_DOUBLING, write_candidates
+from orbitproof.shared.formats import PERIODIC_DOUBLING, PERIODIC_FOLD, write_candidates
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.certificate import Certificate, Level, certify, digest, is_proof_of
 from orbitproof.verify.certificate.rechecking import derived, recheck
@@ -153,6 +153,14 @@ def test_what_integration_alone_can_refuse_is_refused(proved: dict[str, Certific
     found = recheck(forged, integrate=True)
     assert not found.stands
     assert found.passed is Level.CONCLUSION
+
+
+@pytest.mark.parametrize("kind", [PERIODIC_FOLD, PERIODIC_DOUBLING])
+def test_a_torus_is_no_bifurcation_of_another_kind(kind: Any) -> None:
+    claim = CLAIMS["round"]
+    for vector in claim.kernel:
+        other = replace(claim, kind=kind, kernel=(vector,), multiplier=None)
+        assert not certify(other, Limits(digits=12)).proved
 
 
 def test_claims_are_proved_by_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

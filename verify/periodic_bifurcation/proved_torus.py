@@ -10,7 +10,7 @@ from typing import Literal
 from flint import acb, arb, arb_mat
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import PeriodicBifurcation
+from orbitproof.shared.formats import PERIODIC_TORUS, PeriodicBifurcation
 from orbitproof.verify.evidence import (
     Checklist,
     NotEstablishedError,
@@ -97,6 +97,8 @@ def prove_torus(
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
     try:
+        if claim.kind != PERIODIC_TORUS:
+            raise NotEstablishedError(Reason("theorem", f"{claim.kind} is about no torus", "claim a torus"))
         found = check_returns(checklist, claim, enclosures)
         equations = equations_of(claim, found)
         place = check_torus_point(checklist, claim, equations)
