@@ -2,6 +2,7 @@ from .families import FamilyFailure as FamilyFailure
 from .periodic import PeriodicFailure as PeriodicFailure
 from .periodic.scripting import find_periodic as find_periodic
 from .periodic.scripting import follow_periodic as follow_periodic
+from .periodic.scripting import periodic_atlas as periodic_atlas
 from .periodic.scripting import refine_periodic as refine_periodic
 from .points import refine_at as refine_at
 from .refinement import RefinementFailure as RefinementFailure

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
+from orbitproof.explore.commands.periodic_atlas import cover
 from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, follow_families, refine_orbits
 from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of
 from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims
@@ -31,6 +32,9 @@ examples:
   orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \
       --along c 5/2 21/5 --generations 2 -o doublings.json
       the first three doublings of its cascade, as claims
+  orbitproof explore periodic --system lorenz.py --parameter sigma=10 rho=28 beta=8/3 --start x=1 y=2 z=20 \
+      --section z=27 --direction - --returns 2 --along rho 27 29 --atlas curve.json
+      its curve in rho as pieces; then orbitproof verify atlas curve.json -o certificate.json
   orbitproof verify lorenz.json -o certificates.json
 
 The system's file needs neither R nor section. For a system with a first integral the orbits on one level are looked
@@ -100,6 +104,8 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--family-output", type=Path, metavar="FILE", help="with --along: the family as JSON, for orbitproof figures"
     )
+    words = "with --along: the curve of the first orbit as pieces, through its folds, for orbitproof verify atlas"
+    parser.add_argument("--atlas", type=Path, metavar="FILE", help=words)
     parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
     parser.add_argument(
         "--id", metavar="NAME", help="of the claim, numbered if there are several (default: the system)"
@@ -166,6 +172,8 @@ def run(options: argparse.Namespace) -> int:
             if along is not None:
                 wanted = None if claims == "orbits" else store
                 code = follow_families(options, orbits[0], along, wanted, report, lines)
+                if options.atlas is not None and code != INTERRUPTED:
+                    code = max(code, cover(options, orbits[0], along, report))
         except KeyboardInterrupt:
             report.error("interrupted")
             code = INTERRUPTED
@@ -178,7 +186,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _along(options: argparse.Namespace, system: System) -> Along | None:
     """The parameter (`None`: the level) and the interval of ``--along``. Raises `InputError`."""
-    for option, path in (("--csv", options.csv), ("--family-output", options.family_output)):
+    outputs = {"--csv": options.csv, "--family-output": options.family_output, "--atlas": options.atlas}
+    for option, path in outputs.items():
         if path is not None:
             if options.along is None:
                 raise InputError(f"{option}: belongs to --along; give that too")

@@ -1,3 +1,6 @@
+from .atlas import CoveredCurve as CoveredCurve
+from .atlas import CurveControl as CurveControl
+from .atlas import cover_curve as cover_curve
 from .bifurcations import refine_bifurcation as refine_bifurcation
 from .births import families as families
 from .births import is_same as is_same

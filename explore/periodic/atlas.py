@@ -34,6 +34,11 @@ _RELIABLE = 1e-7
 """Newton's method need not reach `_CONVERGED`, where float64 does not allow it."""
 _MARGIN = 50.0
 """A tube is so many times wider than the noise of its polynomial."""
+_LEAST_CHANGE = 1e-3
+_STRAIGHT = 0.8
+"""Least cosine of the angle between neighbours."""
+_INSIDE, _NEAR = 0.8, 1e-3
+"""A curve is closed if it comes back to its first piece, not next to its ends, and so near in units of its width."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +128,11 @@ class _Curve:
         assert normal.size
         return residual, matrix * np.append(self.scales, 1.0)
 
+    def tangent(self, place: Vector, period: float) -> Vector:
+        """Along the curve, in units of the scales."""
+        along = np.linalg.svd(self.linearised(place, period)[1])[2][-1][:-1]
+        return np.asarray(along / np.linalg.norm(along))
+
     def solved(self, guess: Vector, period: float, along: Vector, origin: Vector, length: float) -> _Point:
         """The orbit at which along . (place - origin)/scales is `length`. Raises `PeriodicFailure`."""
         place, time, last = guess.copy(), period, np.inf
@@ -167,14 +177,28 @@ class _Chart:
     noise: float
 
 
-def periodic_atlas(
+@dataclass(frozen=True)
+class CoveredCurve:
+    """The atlas of a curve.
+
+    Attributes:
+        ends: why it ends where it does, at its beginning and at its end; one line if it is closed.
+        reaches: whether it is closed, or both ends lie beyond the interval that was asked for.
+    """
+
+    atlas: PeriodicAtlas
+    ends: tuple[str, ...]
+    reaches: bool
+
+
+def cover_curve(
     found: FoundOrbit,
     name: str | None,
     bounds: tuple[float, float],
     identity: str,
     control: CurveControl | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> PeriodicAtlas:
+    progress: Callable[[str], None] | None = None,
+) -> CoveredCurve:
     """The curve of an orbit in a parameter (`None`: over the levels of the first integral), as pieces.
 
     Both ways it ends with the first piece that reaches beyond `bounds`, or where no further piece is found. Raises
@@ -185,82 +209,123 @@ def periodic_atlas(
     system = problem.system
     place = None if name is None else list(system.parameters).index(name)
     others = [i for i in range(len(system.state)) if i != section.pivot]
-    start = found.orbit.point[others]
-    scales = np.full(len(others), found.orbit.size)
+    start, scales = found.orbit.point[others], np.full(len(others), found.orbit.size)
     if place is not None:
         start = np.append(problem.values[place], start)
         scales = np.append(bounds[1] - bounds[0], scales)
+    if len(start) < 2:
+        raise PeriodicFailure("the orbits of a curve have no coordinate across it; there is nothing to prove")
     level = found.level if place is not None else None
     curve = _Curve(problem, section, place, scales, None if level is None else float(level))
-    _, matrix = curve.linearised(start, found.orbit.period)
-    tangent = np.linalg.svd(matrix)[2][-1][:-1]
+    tangent = curve.tangent(start, found.orbit.period)
+    if place is not None and tangent[0]:
+        # The curve shall not look straight where it turns: coordinates are measured by how much they change.
+        change = float(np.abs(tangent[1:] / tangent[0]).max())
+        scales[1:] *= min(max(change, _LEAST_CHANGE), 1.0)
+        curve = replace(curve, scales=scales)
+        tangent = curve.tangent(start, found.orbit.period)
     tangent = tangent / np.linalg.norm(tangent) * (-1.0 if tangent[0] < 0 else 1.0)
     first = curve.solved(start, found.orbit.period, tangent, start, 0.0)
-    middle = _chart(curve, first, _FIRST)
-    value = _value(curve, problem)
-    back = _traced(
-        curve, replace(middle.ends[0], tangent=-middle.ends[0].tangent), middle, bounds, value, control, progress
-    )
-    ahead = _traced(curve, middle.ends[1], middle, bounds, value, control, progress)
-    charts = [*(_turned(chart) for chart in reversed(back)), middle, *ahead]
+    middle = _first_chart(curve, first)
+    trace = _Trace(curve, bounds, control, middle, progress)
+    ahead, reason = trace.pieces(middle.ends[1])
+    varies = name or system.first_integral_name or "the first integral"
+    if reason is None:
+        charts, ends, reaches = [middle, *ahead], (f"the curve is closed: {len(ahead) + 1} pieces",), True
+    else:
+        behind, other = trace.pieces(replace(middle.ends[0], tangent=-middle.ends[0].tangent))
+        charts = [*(_turned(chart) for chart in reversed(behind)), middle, *ahead]
+        values = [trace.value(charts[0].ends[0]), trace.value(charts[-1].ends[1])]
+        ends = tuple(
+            f"{varies} = {value:.10g}: {why}" for value, why in zip(values, (other or "", reason), strict=True)
+        )  # fmt: skip
+        reaches = not any(bounds[0] <= value <= bounds[1] for value in values)
     pieces = tuple(_piece(curve, f"p{number:03d}", chart, control) for number, chart in enumerate(charts, start=1))
+    covers = None if reason is None else _covers(name, charts[0].ends[0], charts[-1].ends[1], bounds)
     claim = PeriodicCurveClaim(
-        "periodic-arc", section.normal, section.offset, section.direction, found.crossings, name,
-        level, (), _covers(name, value(charts[0].ends[0]), value(charts[-1].ends[1]), bounds),
+        "periodic-loop" if reason is None else "periodic-arc", section.normal, section.offset, section.direction,
+        found.crossings, name, level, (), covers,
     )  # fmt: skip
     parameters = {key: exact for key, exact in problem.parameters.items() if key != name}
-    varies = name or system.first_integral_name or "the first integral"
     title = f"Periodic orbits of the {system.title} along {varies}"
-    return PeriodicAtlas(identity, title, system, parameters, claim, pieces, {})
+    return CoveredCurve(PeriodicAtlas(identity, title, system, parameters, claim, pieces, {}), ends, reaches)
 
 
-def _value(curve: _Curve, problem: PeriodicProblem) -> Callable[[_Point], float]:
-    if curve.place is not None:
-        return lambda point: float(point.place[0])
-
-    def level(point: _Point) -> float:
-        x, values = curve.state(point.place)
-        return problem.level(x, values) or 0.0
-
-    return level
-
-
-def _traced(
-    curve: _Curve,
-    start: _Point,
-    before: _Chart,
-    bounds: tuple[float, float],
-    value: Callable[[_Point], float],
-    control: CurveControl,
-    progress: Callable[[float], None] | None,
-) -> list[_Chart]:
-    """Pieces from an end of a piece on, as far as `bounds`."""
-    found: list[_Chart] = []
-    end, width, last = start, before.half_width * _WIDER, before
-    while bounds[0] <= value(end) <= bounds[1] and len(found) < control.most:
-        chart = None
-        while chart is None and width > _LEAST:
-            try:
-                step = (1 - _OVERLAP) * width
-                guess = end.place + step * end.tangent * curve.scales
-                centre = curve.solved(guess, end.period, end.tangent, end.place, step)
-                tried = _chart(curve, centre, width)
-                if tried.centre.tangent @ end.tangent < _STRAIGHT:
-                    raise PeriodicFailure("it turns too fast")
-                chart = tried
-            except PeriodicFailure:
-                width *= _NARROWER
-        if chart is None:
-            break
-        found.append(chart)
-        last, end = chart, chart.ends[1]
-        width = last.half_width * (_WIDER if last.series.shape[1] < _DEGREE - 4 else 1.0)
-        if progress is not None:
-            progress(len(found) / control.most)
-    return found
+def _first_chart(curve: _Curve, point: _Point) -> _Chart:
+    width = _FIRST
+    while True:
+        try:
+            return _chart(curve, point, width)
+        except PeriodicFailure:
+            width *= _NARROWER
+            if width < _LEAST:
+                raise
 
 
-_STRAIGHT = 0.8
+@dataclass(frozen=True)
+class _Trace:
+    """Piece after piece along a curve.
+
+    Attributes:
+        first: the piece from which it begins, both ways.
+    """
+
+    curve: _Curve
+    bounds: tuple[float, float]
+    control: CurveControl
+    first: _Chart
+    progress: Callable[[str], None] | None
+
+    def value(self, point: _Point) -> float:
+        """The parameter, or the level."""
+        if self.curve.place is not None:
+            return float(point.place[0])
+        x, values = self.curve.state(point.place)
+        return self.curve.problem.level(x, values) or 0.0
+
+    def pieces(self, start: _Point) -> tuple[list[_Chart], str | None]:
+        """Pieces from an end of the first one on, and why they end; `None` if they come back to the first."""
+        found: list[_Chart] = []
+        end, width, low_high = start, self.first.half_width * _WIDER, self.bounds
+        while low_high[0] <= self.value(end) <= low_high[1]:
+            if len(found) == self.control.most:
+                return found, f"{self.control.most} pieces are the most that were asked for"
+            why, chart = "", None
+            while chart is None and width > _LEAST:
+                try:
+                    chart = self._next(end, width)
+                except PeriodicFailure as failure:
+                    why = str(failure)
+                    width *= _NARROWER
+            if chart is None:
+                return found, f"no further piece: {why}"
+            found.append(chart)
+            end = chart.ends[1]
+            width = chart.half_width * (_WIDER if chart.series.shape[1] < _DEGREE - 4 else 1.0)
+            if self.progress is not None:
+                self.progress(f"{len(found)} pieces, at {self.value(end):.8g}")
+            if len(found) > 1 and self._is_back(end):
+                return found, None
+        return found, "beyond what was asked for"
+
+    def _next(self, end: _Point, width: float) -> _Chart:
+        """The piece that begins at the end of another one. Raises `PeriodicFailure`."""
+        step = (1 - _OVERLAP) * width
+        guess = end.place + step * end.tangent * self.curve.scales
+        centre = self.curve.solved(guess, end.period, end.tangent, end.place, step)
+        chart = _chart(self.curve, centre, width)
+        if chart.centre.tangent @ end.tangent < _STRAIGHT:
+            raise PeriodicFailure("it turns too fast")
+        return chart
+
+    def _is_back(self, end: _Point) -> bool:
+        """Whether a point lies on the first piece."""
+        first = self.first
+        local = first.frame.T @ ((end.place - first.centre.place) / self.curve.scales)
+        s = float(local[0]) / first.half_width
+        return abs(s) < _INSIDE and bool(
+            np.abs(local[1:] - chebyshev.chebval(s, first.series.T)).max() < _NEAR * first.half_width
+        )
 
 
 def _chart(curve: _Curve, centre: _Point, half_width: float) -> _Chart:
@@ -283,7 +348,8 @@ def _chart(curve: _Curve, centre: _Point, half_width: float) -> _Chart:
     if tail > max(_SMALL, 20 * error):
         raise PeriodicFailure("the piece is too wide")
     ends = tuple(_at(curve, centre, centre, frame, sign * half_width, across, nodes, periods) for sign in (-1.0, 1.0))
-    noise = max(tail, error, _TINY)
+    # A step that has converged is far longer than what is left.
+    noise = max(tail, error if error > _CONVERGED else 0.0, _TINY)
     large = np.flatnonzero(np.abs(series).max(axis=0) > noise)
     kept = series[:, : min(_DEGREE, int(large[-1]) if len(large) else 0) + 1]
     return _Chart(centre, half_width, kept, frame, (ends[0], ends[1]), noise)
@@ -357,8 +423,8 @@ def _powers(series: Sequence[float] | Any) -> tuple[Fraction, ...]:
     return tuple(round(value / unit) * unit for value in result)
 
 
-def _covers(name: str | None, first: float, last: float, bounds: tuple[float, float]) -> Covers | None:
+def _covers(name: str | None, first: _Point, last: _Point, bounds: tuple[float, float]) -> Covers | None:
     """The range of the parameter, where the curve goes through all of it."""
-    if name is None or not (first < bounds[0] and bounds[1] < last):
+    if name is None or not (first.place[0] < bounds[0] and bounds[1] < last.place[0]):
         return None
     return Covers(name, Fraction(str(bounds[0])), Fraction(str(bounds[1])))

@@ -8,13 +8,14 @@ from typing import overload
 
 from orbitproof.explore.engines import Reporter
 from orbitproof.explore.names import exact_number, given_values, section_of, symmetry_of
+from orbitproof.explore.periodic.atlas import cover_curve
 from orbitproof.explore.periodic.bifurcations import refine_bifurcation
 from orbitproof.explore.periodic.continuation import PeriodicFamily, StepControl
 from orbitproof.explore.periodic.detection import Bifurcation
 from orbitproof.explore.periodic.search import FOLLOWED, FoundOrbit, PeriodicRequest, followed, refined
 from orbitproof.explore.periodic.search import find_periodic as found_orbits
 from orbitproof.explore.periodic.section import AffineSection
-from orbitproof.shared.claims import PeriodicBifurcation, PeriodicOrbit
+from orbitproof.shared.claims import PeriodicAtlas, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.formats import InputError
 from orbitproof.shared.systems import System
 
@@ -161,6 +162,35 @@ def refine_periodic(
         return refine_bifurcation(
             found, name, digits, report.update, None if chosen is None else AffineSection(*chosen)
         )
+
+
+def periodic_atlas(
+    found: FoundOrbit,
+    along: tuple[str, float, float],
+    *,
+    name: str = "curve",
+    quiet: bool = False,
+) -> PeriodicAtlas:
+    """The curve of an orbit in a parameter, or over the levels of the first integral, for `verify.certify_atlas`.
+
+    It is followed through its folds, both ways, until it leaves the interval; where no further piece is found it ends
+    before, and its title and pieces are of what there is.
+
+    Arguments:
+        along: name of the parameter, or "level", with the least and the greatest value.
+
+    Raises `ValueError` for what cannot vary, and `PeriodicFailure` if there is no piece at all.
+    """
+    varies, low, high = along
+    system = found.problem.system
+    is_level = varies == "level" and system.first_integral_program is not None
+    if not (varies in system.parameters or is_level) or not low < high:
+        raise ValueError(f"along: {varies!r} is nothing that varies in {system.name}, or the interval is empty")
+    with Reporter(quiet) as report:
+        report.stage(f"covering the curve in {varies}")
+        return cover_curve(
+            found, None if is_level else varies, (low, high), name, progress=lambda text: report.update(text, None)
+        ).atlas
 
 
 def _words(values: Mapping[str, object]) -> list[str]:

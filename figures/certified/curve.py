@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from orbitproof.figures.orbits import Array
-from orbitproof.shared.formats import Atlas, InputError, Piece
+from orbitproof.shared.formats import AnyAtlas, Atlas, InputError, PeriodicAtlas, Piece
 from orbitproof.shared.numbers import parse_exact
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import System
 from orbitproof.verify.atlas import AtlasCertificate, read_atlas_certificate
 from orbitproof.verify.poincare import PHYSICAL
 
@@ -31,7 +31,7 @@ class Stretch:
     Attributes:
         piece: its id.
         s: shape (M,), increasing.
-        points: shape (M, 1 + n), in the order of the system's centre coordinates.
+        points: shape (M, 1 + n), in the order of the curve's coordinates.
         arclength: shape (M,), from the beginning of the curve, in these coordinates.
         half_width: length of the piece's half from its centre along its column 0, in the same unit.
         first_half_width: how far the first coordinate goes on this way.
@@ -80,7 +80,7 @@ class CertifiedPoint:
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve of symmetric periodic orbits from its certificate.
+    """A curve of periodic orbits from its certificate.
 
     Attributes:
         atlas: id, title, system, parameters, claim.
@@ -89,7 +89,7 @@ class Curve:
         marks: the certified bifurcations on it, in order along the curve.
     """
 
-    atlas: Atlas
+    atlas: AnyAtlas
     is_proved: bool
     stretches: tuple[Stretch, ...]
     marks: tuple[CertifiedPoint, ...]
@@ -107,7 +107,7 @@ class Curve:
         """The curve of a certificate that is about a curve."""
         atlas = certificate.atlas
         pieces = atlas.curve_pieces()
-        symmetric = atlas.claim.is_of_symmetric_curve
+        symmetric = isinstance(atlas, Atlas) and atlas.claim.is_of_symmetric_curve
         begin = 0.0 if pieces[0].is_symmetric and symmetric else -1.0
         length = 0.0
         stretches: list[Stretch] = []
@@ -125,9 +125,20 @@ class Curve:
         return cls(atlas, certificate.is_proved, tuple(stretches), tuple(marks))
 
     @property
-    def system(self) -> ReversibleSystem:
+    def system(self) -> System:
         """The system of the atlas."""
         return self.atlas.system
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates of its points."""
+        atlas = self.atlas
+        return atlas.coordinates if isinstance(atlas, PeriodicAtlas) else atlas.system.centre_coordinates
+
+    @property
+    def has_parameter(self) -> bool:
+        """Whether the first of them is a parameter."""
+        return self.coordinates[0] in self.system.parameters
 
     @property
     def parameters(self) -> Mapping[str, Fraction]:
@@ -137,10 +148,10 @@ class Curve:
     @cached_property
     def signs(self) -> Array | None:
         """The claim's symmetry on the centre coordinates, or `None`."""
-        if self.atlas.claim.symmetry is None:
+        atlas, names = self.atlas, self.coordinates
+        if not isinstance(atlas, Atlas) or atlas.claim.symmetry is None:
             return None
-        signs, state = self.system.symmetries[self.atlas.claim.symmetry], self.system.state
-        names = self.system.centre_coordinates
+        signs, state = atlas.system.symmetries[atlas.claim.symmetry], atlas.system.state
         return np.array([signs[state.index(name)] if name in state else 1 for name in names], dtype=float)
 
     def place_of(self, mark: CertifiedPoint) -> tuple[float, Array]:

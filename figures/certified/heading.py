@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from orbitproof.shared.formats import SURFACE, Atlas
+from orbitproof.shared.formats import SURFACE, AnyAtlas
 from orbitproof.shared.systems import MASS_PARAMETERS, shown
 
 _KINDS = {
@@ -11,10 +11,12 @@ _KINDS = {
     "symmetric-arc": "symmetric curve",
     "symmetric-loop": "symmetric closed curve",
     SURFACE: "surface",
+    "periodic-arc": "curve",
+    "periodic-loop": "closed curve",
 }
 
 
-def heading_of(atlas: Atlas) -> str:
+def heading_of(atlas: AnyAtlas) -> str:
     """Its id, kind, system and mass, which the check of its certificate is about; its title is anybody's words."""
     mu = atlas.parameters.get("mu")
     masses = [name for name, value in MASS_PARAMETERS.items() if value == mu and name not in atlas.id.lower()]

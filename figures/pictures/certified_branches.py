@@ -20,6 +20,7 @@ from orbitproof.figures.pictures.family import covered_by, crowds, free_corner
 from orbitproof.figures.pictures.legends import legend_below, legend_height, legend_row
 from orbitproof.figures.pictures.marks import draw_point, show_around
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, unit_of
+from orbitproof.shared.formats import Atlas
 from orbitproof.verify.poincare import PHYSICAL
 
 _WIDTH = 7.2
@@ -97,7 +98,7 @@ def draw_curves(curves: Sequence[Curve]) -> Figure:
 
 def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
     """One panel; returns the legend's handles by label."""
-    names = curve.system.centre_coordinates
+    names = curve.coordinates
     axis = Along(curve)
     handles = {}
     for number, stretch in enumerate(curve.stretches):
@@ -113,12 +114,12 @@ def _draw_curve(axes: Axes, curve: Curve) -> dict[str, Line2D]:
             handles.setdefault(str(line.get_label()), line)
     for mark in curve.marks:
         draw_point(axes, curve.place_of(mark)[1][:2], mark.k, True, mark.id, mark.kind)
-    if names[:2] == ("x", "z"):
+    if isinstance(curve.atlas, Atlas) and names[:2] == ("x", "z"):
         handles |= _draw_primaries(axes, curve)
         axes.axhline(0.0, color=SECOND_CURVE, linewidth=0.6, zorder=1)
         axes.set_aspect("equal", adjustable="datalim")
         axes.apply_aspect()
-    if curve.atlas.claim.is_closed and curve.atlas.claim.is_of_symmetric_curve:
+    if isinstance(curve.atlas, Atlas) and curve.atlas.claim.is_closed and curve.atlas.claim.is_of_symmetric_curve:
         _magnify(axes, curve)
     if axis.is_logarithmic:
         axes.set_xscale("log")
@@ -204,9 +205,9 @@ class Along:
 
     def __init__(self, curve: Curve) -> None:
         first = np.concatenate([stretch.points[:, 0] for stretch in curve.stretches])
-        self.is_parameter = curve.system.family_parameter is not None and _increases(first)
+        self.is_parameter = curve.has_parameter and _increases(first)
         self.is_logarithmic = bool(self.is_parameter and first.min() > 0 and first.max() > _MANY * first.min())
-        name = curve.system.centre_coordinates[0]
+        name = curve.coordinates[0]
         self.label = (
             label_of(curve.system, name) if self.is_parameter else f"arclength along the curve{unit_of(curve.system)}"
         )

@@ -11,7 +11,7 @@ from math import floor
 
 from flint import arb
 
-from orbitproof.shared.formats import Atlas, Candidate
+from orbitproof.shared.formats import AnyAtlas, Candidate
 from orbitproof.verify.evidence import bounds
 
 _NOT_ZERO = frozenset({
@@ -44,7 +44,7 @@ def _in_the_box(size: int) -> dict[str, int]:
     return {f"p_{i}{kind}": i for i in range(size) for kind in kinds}
 
 
-def margin_on_atlas(atlas: Atlas, hypothesis: str, name: str, ball: arb) -> str:
+def margin_on_atlas(atlas: AnyAtlas, hypothesis: str, name: str, ball: arb) -> str:
     """The same for a hypothesis on the pieces of an atlas."""
     if not ball.is_finite():
         return ""

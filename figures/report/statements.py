@@ -14,10 +14,18 @@ from orbitproof.figures.report.formulas import to_latex, typeset
 from orbitproof.figures.report.margins import margin_of, margin_on_atlas, part_of
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.shared.claims.fields import Matrix, Vector
-from orbitproof.shared.formats import KINDS, SURFACE, Candidate, InSection, PeriodicBifurcation, as_options
+from orbitproof.shared.formats import (
+    KINDS,
+    SURFACE,
+    Candidate,
+    InSection,
+    PeriodicAtlas,
+    PeriodicBifurcation,
+    as_options,
+)
 from orbitproof.shared.numbers import format_exact, format_rational, parse_exact
 from orbitproof.shared.systems import shown
-from orbitproof.verify.claim import atlas_in_words, claim_in_words, keyed_in_words, names_in_words
+from orbitproof.verify.claim import claim_in_words, keyed_in_words, names_in_words
 from orbitproof.verify.evidence import ball_from_json, decimal_interval, exact_text, interval_text
 
 _DIGITS = 34
@@ -41,6 +49,8 @@ _BRANCHES = {
     "symmetric-arc": "A curve of symmetric periodic orbits, mapped to itself by {symmetry}",
     "symmetric-loop": "A closed curve of symmetric periodic orbits, mapped to itself by {symmetry}",
     SURFACE: "Symmetry breaking over a range of parameters",
+    "periodic-arc": "A curve of periodic orbits",
+    "periodic-loop": "A closed curve of periodic orbits",
 }
 
 
@@ -168,8 +178,9 @@ def piece_table(entry: CheckedAtlas) -> Table:
             margin: Runs = () if tube is None else (_tube_margin(result["deviation"], tube),)
             times = (_shown(ball_from_json(result["time"])),)
             rows.append(((piece,), (_interval(result["interval"]),), parts, times, margin))
+    times_of = "periods" if isinstance(atlas, PeriodicAtlas) else "half periods"
     return Table(
-        ("piece", "s", "parts", "half periods", "deviation from the polynomial"), tuple(rows),
+        ("piece", "s", "parts", times_of, "deviation from the polynomial"), tuple(rows),
         f"Proved intervals, {shown(entry.name)}", (0.12, 0.22, 0.08, 0.25, 0.25),
     ).without_empty_columns()  # fmt: skip
 
@@ -265,10 +276,15 @@ def parameter_text(entry: Checked) -> str:
 
 
 def _extent(entry: CheckedAtlas) -> str:
-    conclusion, covers = entry.document["conclusion"], atlas_in_words(entry.atlas).claim.covers
+    conclusion, covers, names = (
+        entry.document["conclusion"],
+        entry.atlas.claim.covers,
+        names_in_words(entry.atlas.system),
+    )
     parts = []
     if covers is not None:
-        parts.append(f"{covers.coordinate} from {exact_text(covers.start)} to {exact_text(covers.end)}")
+        name = names.get(covers.coordinate, covers.coordinate)
+        parts.append(f"{name} from {exact_text(covers.start)} to {exact_text(covers.end)}")
     for what, are_orbits in (("bifurcation", False), ("orbit", True)):
         there = [each["on_curve"] and (each["kind"] not in KINDS) == are_orbits for each in conclusion["bifurcations"]]
         if number := sum(there):

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from orbitproof.shared.formats import (
+    AnyAtlas,
     ArgumentError,
-    Atlas,
     BoxClaim,
     InputError,
     InSection,
@@ -82,7 +82,7 @@ class CheckedAtlas:
     """A certificate of a curve or surface that follows from what it carries: file, claim, document, check."""
 
     path: Path
-    atlas: Atlas
+    atlas: AnyAtlas
     document: Mapping[str, Any]
     check: Recheck
 

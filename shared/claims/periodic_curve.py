@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from orbitproof.shared.claims.atlas import Atlas, Claim, Covers, Names, Pieces
 from orbitproof.shared.claims.fields import Crossings, Id, Identifier, Line, Numbers
-from orbitproof.shared.claims.pieces import Piece
+from orbitproof.shared.claims.pieces import LibrationPiece, Piece, SurfacePiece
 from orbitproof.shared.stored import Rational, stored
 from orbitproof.shared.systems import System
 from orbitproof.shared.wording import counted
@@ -111,6 +111,14 @@ class PeriodicAtlas:
     def curve_pieces(self) -> tuple[Piece, ...]:
         """The pieces."""
         return tuple(piece for piece in self.pieces if isinstance(piece, Piece))
+
+    def surface_pieces(self) -> tuple[SurfacePiece, ...]:
+        """None: it is about a curve."""
+        return ()
+
+    def libration_pieces(self) -> tuple[LibrationPiece, ...]:
+        """None."""
+        return ()
 
 
 AnyAtlas = Atlas | PeriodicAtlas

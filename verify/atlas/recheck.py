@@ -21,7 +21,6 @@ from orbitproof.shared.formats import (
     PERIODIC_CURVES,
     AnyAtlas,
     AnyPiece,
-    Atlas,
     InputError,
     atlas_from_json,
     validate_document,
@@ -202,7 +201,7 @@ def _conclusion(
     yield from _other_certificates(document, given)
     yield from decimals(document["results"], "results")
     results = results_from_json(atlas, document["results"])
-    pieces = {piece.id: piece for piece in (atlas.surface_pieces() if isinstance(atlas, Atlas) else ())}
+    pieces = {piece.id: piece for piece in atlas.surface_pieces()}
     for index, result in enumerate(results):
         for number, part in enumerate(result.parts if isinstance(result, SurfaceResult) else ()):
             place = f"results[{index}].parts[{number}]"
