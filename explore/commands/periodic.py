@@ -26,13 +26,13 @@ examples:
       all orbits that are found with up to 4 crossings of a section of your own, as claims
   orbitproof explore periodic --system mine.json --parameter mu=1 --start x=1 y=0 --period 6.28 -o orbit.json
       from a guess of a point and the period
-  orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \
+  orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \\
       --along c 1 4 --csv family.csv --family-output family.json
       its family in the parameter c, with folds, branch points, period doublings and Neimark-Sacker points
-  orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \
+  orbitproof explore periodic --system roessler.py --parameter a=1/5 b=1/5 c=5/2 --start x=3 y=0 z=0 --transient 300 \\
       --along c 5/2 21/5 --generations 2 -o doublings.json
       the first three doublings of its cascade, as claims
-  orbitproof explore periodic --system lorenz.py --parameter sigma=10 rho=28 beta=8/3 --start x=1 y=2 z=20 \
+  orbitproof explore periodic --system lorenz.py --parameter sigma=10 rho=28 beta=8/3 --start x=1 y=2 z=20 \\
       --section z=27 --direction - --returns 2 --along rho 27 29 --atlas curve.json
       its curve in rho as pieces; then orbitproof verify atlas curve.json -o certificate.json
   orbitproof verify lorenz.json -o certificates.json
