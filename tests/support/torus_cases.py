@@ -27,6 +27,22 @@ At a = 0 the latter has the first Lyapunov coefficient 3 b/8 - c d/(8 w) for the
 J. Guckenheimer and P. Holmes (Nonlinear oscillations, dynamical systems, and bifurcations of vector fields, 3.4).
 """
 
+BENT = define_system(
+    {
+        "name": "bent",
+        "state": "x y h",
+        "parameters": "a w b c d",
+        "where": {
+            "q": "x**2 + y**2 - 1",
+            "z": "h - x**2 + y**2",
+            "i": "-w*z*x/2 - y",
+            "j": "x - w*z*y/2",
+        },
+        "field": {"x": "i", "y": "j", "h": "w*q + 2*a*z + b*z**3 + c*q*z + d*z**2 + 2*x*i - 2*y*j"},
+    }
+)
+"""`ROUND` with h = z + x^2 - y^2: the circle crosses planes h = constant twice in each direction."""
+
 PRODUCT = define_system(
     {
         "name": "product",
@@ -117,6 +133,23 @@ def round_claim(
         **more,
     }
     return in_plane(ROUND, 1, [ONE, ZERO, ZERO], **given)
+
+
+def bent_claim(**more: Any) -> PeriodicBifurcation:
+    """The circle of `BENT` at a = 0, through (3/5, 4/5, -7/25), where h falls, as it does through (-3/5, -4/5, -7/25).
+
+    The vector (x/4, y/4, -i/2) of `round_claim` at this point, moved along the flow into the section, times 24/5.
+    """
+    given: dict[str, Any] = {
+        "parameters": {"a": ZERO, "w": Fraction(2, 7), "b": Fraction(-1, 3), "c": ONE, "d": Fraction(1, 2)},
+        "parameter": "a",
+        "direction": -1,
+        "crossings": 2,
+        "kernel": ((ONE, Fraction(3, 4)), (ONE, Fraction(-3, 4))),
+        "multiplier": on_circle(Fraction(2, 7)),
+        **more,
+    }
+    return in_plane(BENT, 2, [Fraction(3, 5), Fraction(4, 5), Fraction(-7, 25)], **given)
 
 
 def product_claim(

@@ -115,6 +115,26 @@ def test_a_torus_in_three_dimensions_has_its_known_coefficients(b: Fraction, c: 
     assert found.is_attracting is (known < 0)
 
 
+def test_an_orbit_with_two_crossings_has_the_coefficients_of_the_same_orbit_with_one() -> None:
+    found = _proved(cases.bent_claim())
+    with ctx.workprec(500):
+        turn = 2 * arb.pi()
+        assert _contains(found.parameter, arb(0))
+        assert _contains(found.period, turn)
+        assert _contains(found.speed, turn)
+        known = Fraction(-1, 8) - Fraction(7, 32)
+        assert _contains(found.lyapunov, turn * enclose(known * Fraction(24, 5) ** 2))
+    assert found.lyapunov.rad() < 1
+
+
+@pytest.mark.parametrize(
+    ("crossings", "turns", "conditions"), [(1, 1, ("bifurcation",)), (4, 2, ("least-period", "bifurcation"))]
+)
+def test_another_number_of_crossings_is_refused(crossings: int, turns: int, conditions: tuple[str, ...]) -> None:
+    claim = cases.bent_claim(crossings=crossings, multiplier=cases.on_circle(Fraction(2 * turns, 7)))
+    assert _refused(claim, _enclose(claim)) in conditions
+
+
 @pytest.mark.parametrize("d", [Fraction(-1), Fraction(2)])
 @pytest.mark.parametrize("k", [Fraction(1, 4), Fraction(-1, 8)])
 def test_a_torus_attracts_only_if_all_other_multipliers_lie_inside(d: Fraction, k: Fraction) -> None:
