@@ -130,6 +130,7 @@ BRANCHES = {
     "henon-heiles": (["y=-0.25", "vx=0"], ["y", "-0.28", "-0.22"]),
     "hill-g": (["p=0.08", "v=0.947"], ["p", "0.078", "0.082"]),
     "beam-level": (["P=1.9", "u=-0.2446"], ["P", "1.88", "1.92"]),
+    "swift-hohenberg": (["xi=2", "x=0.467", "--half-period", "6.5058"], ["x", "0.45", "0.65"]),
     "beam": (["u=-0.224", "u2=1.60069"], ["u", "-0.25", "-0.2"]),
 }
 
@@ -152,7 +153,9 @@ def test_a_branch_is_proved_and_checked_again_without_the_file(system: str, tmp_
     assert verify_main(["atlas", "--recheck", str(certificate), "--quiet"]) == 0
 
 
-@pytest.mark.parametrize(("system", "coefficient"), [("beam", "-1/2"), ("beam-level", "-1/2"), ("hill", "-1")])
+@pytest.mark.parametrize(
+    ("system", "coefficient"), [("beam", "-1/2"), ("beam-level", "-1/2"), ("hill", "-1"), ("swift-hohenberg", "-1/2")]
+)
 def test_the_level_coordinate_of_an_example_is_shown_to_be_one(system: str, coefficient: str) -> None:
     assert quadratic_coefficient(load_system(EXAMPLES / f"{system}.py")) == Fraction(coefficient)
 
