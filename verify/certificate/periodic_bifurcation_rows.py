@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from orbitproof.shared.claims import (
     PERIODIC_DOUBLING,
     PERIODIC_FOLD,
@@ -37,6 +39,10 @@ def _enclose(
     return enclose_periodic_bifurcation(claim, settings, ORACLE, progress)
 
 
+def _attributes(found: PeriodicBifurcationResults | TorusResults) -> dict[str, Any]:
+    return {"parameter_name": found.parameter_name, "parameter": found.parameter, "side": found.side}
+
+
 BIFURCATIONS_OF_PERIODIC_ORBITS = RowKind(
     names=tuple(_SAID),
     enclosures=BifurcationEnclosures,
@@ -48,11 +54,9 @@ BIFURCATIONS_OF_PERIODIC_ORBITS = RowKind(
     enclose=_enclose,
     prove=prove_periodic_bifurcation,
     said=lambda k, kind: f"{_SAID[kind]} of periodic orbits",
-    attributes=lambda found: {
-        "parameter_name": found.parameter_name, "parameter": found.parameter, "side": found.side
-    },
+    attributes=_attributes,
     variables=variables_of,
-)  # fmt: skip
+)
 
 TORI_AT_PERIODIC_ORBITS = RowKind(
     names=(PERIODIC_TORUS,),
@@ -65,8 +69,6 @@ TORI_AT_PERIODIC_ORBITS = RowKind(
     enclose=_enclose,
     prove=prove_torus,
     said=lambda k, kind: "torus at a periodic orbit",
-    attributes=lambda found: {
-        "parameter_name": found.parameter_name, "parameter": found.parameter, "side": found.side
-    },
+    attributes=_attributes,
     variables=variables_of,
-)  # fmt: skip
+)

@@ -6,8 +6,6 @@ from orbitproof.verify.evidence.balls_as_text import (
     balls_to_json,
     certain_digits,
     count_certain_digits,
-    exact_interval_text,
-    exact_text,
     interval_text,
     located,
     range_text,
@@ -44,6 +42,7 @@ from orbitproof.verify.evidence.derivatives import (
     indices_of_degree,
     indices_up_to,
 )
+from orbitproof.verify.evidence.exact_as_text import exact_interval_text, exact_text
 from orbitproof.verify.evidence.failure import IntegrationFailure, without_result
 from orbitproof.verify.evidence.not_known import NotKnown
 from orbitproof.verify.evidence.outcome import (
