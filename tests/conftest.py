@@ -7,6 +7,7 @@ import multiprocessing
 import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, chdir, nullcontext
+from functools import cache
 from multiprocessing import forkserver
 from pathlib import Path
 from typing import Any
@@ -51,12 +52,16 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def fonts_made_smaller_once() -> Iterator[None]:
-    """A font is made smaller for a document, as matplotlib does, if it has characters that none before had."""
+def typeset_once() -> Iterator[None]:
+    """Formulas are set, and fonts made smaller for a document, as matplotlib does it, but once.
+
+    A font is made smaller again if a document has characters that none before had.
+    """
     if "matplotlib" not in sys.modules:
         yield
         return
     from matplotlib.backends import _backend_pdf_ps
+    from matplotlib.mathtext import MathTextParser
 
     make = _backend_pdf_ps.get_glyphs_subset
     made: dict[str, tuple[set[Any], Any]] = {}
@@ -71,6 +76,7 @@ def fonts_made_smaller_once() -> Iterator[None]:
 
     with ExitStack() as opened, pytest.MonkeyPatch.context() as patch:
         patch.setattr(_backend_pdf_ps, "get_glyphs_subset", subset)
+        patch.setattr(MathTextParser, "_parse_cached", cache(MathTextParser._parse_cached.__wrapped__))
         yield
 
 
