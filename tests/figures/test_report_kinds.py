@@ -31,7 +31,7 @@ from orbitproof.verify.certificate import Limits, certify, write_certificates
 from orbitproof.verify.evidence import bounds
 from orbitproof.verify.run.branch_command import main as verify_atlas
 
-LIMITS = Limits(max_precision=256)
+LIMITS = Limits(digits=5, max_precision=256)
 
 Document = dict[str, Any]
 
