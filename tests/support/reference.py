@@ -70,18 +70,16 @@ def three_body(state: Sequence[int], parameters: Sequence[int], degree: int, bit
     slope2: Series = []
     both: Series = []
     to_larger: Series = []
-    to_smaller: Series = []
     for n in range(degree):
         to_larger.append(x[n] + mu if n == 0 else x[n])
-        to_smaller.append(x[n] + mu - one if n == 0 else x[n])
-        off_axis = square(y, bits) + square(z, bits)
-        s1.append(square(to_larger, bits) + off_axis)
-        s2.append(square(to_smaller, bits) + off_axis)
+        s1.append(square(to_larger, bits) + square(y, bits) + square(z, bits))
+        # The smaller primary is at a distance of one from the larger.
+        s2.append(s1[n] - 2 * to_larger[n] + (one if n == 0 else 0))
         append_inverse_cube(u1, s1, slope1, bits)
         append_inverse_cube(u2, s2, slope2, bits)
         both.append(((one - mu) * u1[n] + mu * u2[n]) >> bits)
         ax = x[n] + 2 * vy[n]
-        ax -= (one - mu) * convolution(u1, to_larger, bits) + mu * convolution(u2, to_smaller, bits) >> bits
+        ax -= convolution(both, to_larger, bits) - (mu * u2[n] >> bits)
         ay = y[n] - 2 * vx[n] - convolution(both, y, bits)
         az = -convolution(both, z, bits)
         for position, velocity, acceleration in ((x, vx, ax), (y, vy, ay), (z, vz, az)):

@@ -85,11 +85,12 @@ def escapes(candidate: Candidate, found: Enclosures, points: Sequence[Sequence[F
     return count
 
 
+@pytest.mark.parametrize("number", [40, pytest.param(400, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", BOXES)
-def test_flow_encloses_random_point_orbits(name: str) -> None:
+def test_flow_encloses_random_point_orbits(name: str, number: int) -> None:
     candidate, found = enclosures(name)
     source = random.Random(name)
-    points = [random_point(source, candidate) for _ in range(70 if candidate.system is CR3BP else 150)]
+    points = [random_point(source, candidate) for _ in range(number)]
     with ctx.workprec(400):
         assert escapes(candidate, found, points, 130) == 0
 
