@@ -25,6 +25,7 @@ _FARTHEST = 0.2
 """Multipliers move at most so far from orbit to orbit, relative to their sizes, where they are followed."""
 _ZERO = 1e-6
 """Gaps below this, relative to the size of the orbit, are rounding."""
+_FLIP = 1e-2
 _NEARBY, _SECANTS = 1e-4, 6
 _SINGULAR = 1e-4
 """Singular values below this part of the largest are those of two families that cross."""
@@ -100,10 +101,14 @@ def passage(family: Family, before: FamilyMember, now: FamilyMember, length: flo
         if (kind == BRANCH and FOLD in taken) or (kind in taken and (kind == TORUS or family.conservative)):
             continue
         taken.add(kind)
-        member = _located(family, before, now, length, _test(kind, old, family.conservative))
+        test = _test(kind, old, family.conservative)
+        pitchfork = _pitchfork(family, before, now, length, test) if kind == BRANCH else None
+        if pitchfork is not None:
+            found.append(pitchfork)
+            continue
+        member = _located(family, before, now, length, test)
         near = _nearest(member.orbit.multipliers, goal) if goal is not None else _on_circle(member)
-        bifurcation = _bifurcation(family, kind, member, near)
-        found.append(_with_symmetry(family, bifurcation, before) if kind == BRANCH else bifurcation)
+        found.append(_bifurcation(family, kind, member, near))
     return Passage(found)
 
 
@@ -194,27 +199,29 @@ def _located(family: Family, before: FamilyMember, now: FamilyMember, length: fl
         return min(known.values(), key=lambda each: abs(test(each)))
 
 
-def _with_symmetry(family: Family, found: Bifurcation, before: FamilyMember) -> Bifurcation:
-    """A pitchfork, if a symmetry of the orbits maps the direction of the multiplier 1 to its negative.
-
-    Whether they have it is asked of a neighbour: at the point itself rounding moves them in that direction.
-    """
-    orbit = found.member.orbit
+def _pitchfork(
+    family: Family, before: FamilyMember, now: FamilyMember, length: float, test: Test
+) -> Bifurcation | None:
+    """The pitchfork on a step, if a symmetry of its orbits takes the direction of the multiplier 1 to its negative."""
     for symmetry in family.symmetries:
         try:
             parts = invariance(family.problem, before.orbit, symmetry)
-            if parts is not None and _is_flip(family, orbit, symmetry, parts):
-                return replace(found, kind=PITCHFORK, symmetry=symmetry, parts=parts)
+            if parts is None:
+                continue
+            member = _located(replace(family, symmetry=symmetry, parts=parts), before, now, length, test)
+            if _is_flip(family, member.orbit, symmetry, parts):
+                found = _bifurcation(family, PITCHFORK, member, _nearest(member.orbit.multipliers, 1.0))
+                return replace(found, symmetry=symmetry, parts=parts)
         except FlowFailure:
             continue
-    return found
+    return None
 
 
 def _is_flip(family: Family, orbit: ClosedOrbit, symmetry: Symmetry, parts: int) -> bool:
     """Whether the flow over the period or half of it, followed by S, has a multiplier near -1."""
     arc = orbit.arc if parts == 1 else arc_of(family.problem.system, orbit.point, orbit.period / 2, orbit.values)
     found = np.linalg.eigvals(symmetry.matrix @ arc.by_state)
-    return bool(np.min(np.abs(found + 1)) < 1e-2)
+    return bool(np.min(np.abs(found + 1)) < _FLIP)
 
 
 def _birth(family: Family, before: FamilyMember, now: FamilyMember, length: float) -> Bifurcation | None:
@@ -237,6 +244,7 @@ def _birth(family: Family, before: FamilyMember, now: FamilyMember, length: floa
             axis = left
             member = _located(family, before, now, length, lambda each, axis=axis, gap=gap: float(gap(each) @ axis))
             if symmetry is not None:
+                member = _symmetric(replace(family, symmetry=symmetry, parts=parts), member)
                 found = _bifurcation(family, PITCHFORK, member, _nearest(member.orbit.multipliers, 1.0))
                 return replace(found, symmetry=symmetry, parts=parts, ends=True)
             return replace(_bifurcation(family, DOUBLING, _half(family, member), -1.0), ends=True)
@@ -262,6 +270,15 @@ def _half(family: Family, member: FamilyMember) -> FamilyMember:
     if abs(half.period - orbit.period / 2) > 1e-2 * orbit.period:
         raise PeriodicFailure("there is no orbit of half the period")
     return _polished(family, family.member_of(half), _test(DOUBLING, -1.0, family.conservative))
+
+
+def _symmetric(family: Family, member: FamilyMember) -> FamilyMember:
+    """The symmetric orbit with a multiplier 1 near an orbit; that orbit if there is none."""
+    try:
+        start = family.corrected(family.member_of(member.orbit), 0.0)
+        return _polished(family, start, _test(BRANCH, 1.0, family.conservative))
+    except PeriodicFailure:
+        return member
 
 
 def _polished(family: Family, start: FamilyMember, test: Test) -> FamilyMember:

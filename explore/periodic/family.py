@@ -38,6 +38,8 @@ class Family:
         scale: shape of the unknowns (N, 1 and, with a parameter, 1 more), in which steps are measured.
         level: of the first integral, if a parameter varies on it; exact.
         symmetries: of the vector field, that orbits may have.
+        symmetry, parts: of its orbits, if only such are meant: S phi_(T/parts)(x) = x is solved, which is regular
+            where other orbits branch off.
     """
 
     problem: PeriodicProblem
@@ -45,6 +47,8 @@ class Family:
     scale: Vector
     level: Fraction | None
     symmetries: tuple[Symmetry, ...]
+    symmetry: Symmetry | None = None
+    parts: int = 1
 
     @property
     def place(self) -> int | None:
@@ -69,11 +73,13 @@ class Family:
         n = len(normal)
         x, time, values = z[:n], float(z[n]), self.values(z)
         arc = arc_of(self.problem.system, x, time, values)
-        columns = [arc.by_state - np.eye(n), arc.velocity[:, None]]
+        part = arc if self.parts == 1 else arc_of(self.problem.system, x, time / self.parts, values)
+        image = np.eye(n) if self.symmetry is None else self.symmetry.matrix
+        columns = [image @ part.by_state - np.eye(n), image @ part.velocity[:, None] / self.parts]
         if self.place is not None:
-            columns.append(arc.by_parameters[:, [self.place]])
+            columns.append(image @ part.by_parameters[:, [self.place]])
         rows = [np.hstack(columns), np.append(normal, np.zeros(len(z) - n))[None]]
-        residual = [arc.end - x, [normal @ (x - origin)]]
+        residual = [image @ part.end - x, [normal @ (x - origin)]]
         if self.level is not None:
             by_state, by_values = self.problem.level_slopes(x, values)
             assert self.place is not None
