@@ -63,8 +63,8 @@ OF_CIRCUIT = "nu=-0.595 beta=0.5 gamma=-0.6 r=0.6 a=0.32858 b=0.93358 e=0.001"
         (
             "lorenz",
             LORENZ,
-            "--parameter sigma=10 rho=160 beta=8/3 --start x=1 y=2 z=150 --transient 50 --returns 4 --along rho 147 170 "
-            "--generations 1",
+            "--parameter sigma=10 rho=160 beta=8/3 --start x=1 y=2 z=150 --transient 50 --returns 4 "
+            "--along rho 147 170 --generations 1",
             {
                 "pitchfork-1": "rho = 154.43635088",
                 "fold-1": "rho = 166.061492103",
