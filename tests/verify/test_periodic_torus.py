@@ -221,7 +221,7 @@ def test_a_coefficient_that_is_zero_is_refused() -> None:
 
 @pytest.mark.parametrize("unknown", [arb(0, 1), arb(0), arb("nan"), arb(0, "inf")])
 def test_coefficients_whose_sign_is_not_certain_prove_nothing(unknown: arb, monkeypatch: pytest.MonkeyPatch) -> None:
-    place = "orbitproof.verify.periodic_bifurcation.proved_torus.torus_coefficients"
+    place = "orbitproof.verify.periodic_bifurcation.proved_torus.coefficients_of_torus"
     monkeypatch.setattr(place, lambda *_: TorusCoefficients(arb(-1), unknown))
     assert _refused(cases.round_claim(), _round()) == "crossing"
     monkeypatch.setattr(place, lambda *_: TorusCoefficients(unknown, arb(1)))

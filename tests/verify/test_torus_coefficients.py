@@ -12,7 +12,7 @@ from flint import acb, arb, ctx
 from support.normal_form_maps import KnownTorus, known_torus
 
 from orbitproof.verify.evidence import MultiIndex, enclose, indices_up_to
-from orbitproof.verify.periodic_bifurcation import TorusCoefficients, torus_coefficients
+from orbitproof.verify.periodic_bifurcation import TorusCoefficients, coefficients_of_torus
 
 CASES = [(2, 0), (2, 1), (2, 2), (2, 3), (3, 0), (3, 1), (3, 2), (4, 0)]
 
@@ -38,7 +38,7 @@ def _coefficients(known: KnownTorus, factor: acb, radius: float = 0.0, seed: int
         for each in known.derivatives
     ]
     eigenvector = [acb(ball(x), ball(y)) * factor for x, y in zip(*known.eigenvector, strict=True)]
-    return torus_coefficients(derivatives, acb(*map(ball, known.multiplier)), eigenvector)
+    return coefficients_of_torus(derivatives, acb(*map(ball, known.multiplier)), eigenvector)
 
 
 @pytest.mark.parametrize(("size", "seed"), CASES)
@@ -102,13 +102,13 @@ def test_a_third_or_fourth_root_or_a_double_multiplier_is_refused_where_a_matrix
         third = _linear([[0, -1], [1, -1]])
         turn = acb(arb(-1) / 2, arb(3).sqrt() / 2)
         with pytest.raises(ZeroDivisionError):
-            torus_coefficients(third, turn, [acb(1), -turn.conjugate()])
+            coefficients_of_torus(third, turn, [acb(1), -turn.conjugate()])
         double = _linear([[0, -1, 0, 0], [1, 0, 0, 0], [0, 0, 0, -1], [0, 0, 1, 0]])
         with pytest.raises(ZeroDivisionError):
-            torus_coefficients(double, acb(0, 1), [acb(0, 1), acb(1), acb(0), acb(0)])
+            coefficients_of_torus(double, acb(0, 1), [acb(0, 1), acb(1), acb(0), acb(0)])
         one = _linear([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
         with pytest.raises(ZeroDivisionError):
-            torus_coefficients(one, acb(0, 1), [acb(0, 1), acb(1), acb(0)])
+            coefficients_of_torus(one, acb(0, 1), [acb(0, 1), acb(1), acb(0)])
 
 
 def test_the_delayed_logistic_map_has_its_known_coefficient() -> None:
@@ -130,7 +130,7 @@ def test_the_delayed_logistic_map_has_its_known_coefficient() -> None:
         }
         second = zero | {(1, 0, 0): arb(1)}
         turn = acb(half, arb(3).sqrt() / 2)
-        found = torus_coefficients([first, second], turn, [turn, acb(1)])
+        found = coefficients_of_torus([first, second], turn, [turn, acb(1)])
         # The absolute value of the eigenvalue of the fixed point 1 - 1/a is sqrt(a - 1).
         assert found.speed.overlaps(half)
         assert found.lyapunov < 0

@@ -15,4 +15,4 @@ from orbitproof.verify.periodic_bifurcation.proved_torus import (
     prove_torus,
     without_plane,
 )
-from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, torus_coefficients
+from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, coefficients_of_torus

@@ -28,7 +28,7 @@ from orbitproof.verify.periodic import Multipliers, check_coordinates, check_tra
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
 from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquations, equations_of
 from orbitproof.verify.periodic_bifurcation.returns import check_least, check_returns, time_at
-from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, torus_coefficients
+from orbitproof.verify.periodic_bifurcation.torus_coefficients import TorusCoefficients, coefficients_of_torus
 from orbitproof.verify.periodic_bifurcation.torus_system import TorusPlace, check_torus_point
 
 _RESONANCES = (1, 2, 3, 4)
@@ -168,7 +168,7 @@ def _check_coefficients(
     """The pair crosses the circle with a speed that is not 0, and the first Lyapunov coefficient is not 0."""
     statement = "the absolute value of the multiplier has a derivative in the parameter that is not 0"
     with checklist.hypothesis("crossing", "25.9", statement, "smaller radii, or more precision") as evidence:
-        found = torus_coefficients(derivatives, place.multiplier, place.eigenvector)
+        found = coefficients_of_torus(derivatives, place.multiplier, place.eigenvector)
         evidence.record("derivative of the absolute value", found.speed)
         message = f"it is in {show(found.speed)}"
         evidence.require(excludes_zero(found.speed), message, needs_precision=True)

@@ -26,7 +26,7 @@ class TorusCoefficients:
     speed: arb
 
 
-def torus_coefficients(derivatives: Derivatives, multiplier: acb, eigenvector: Sequence[acb]) -> TorusCoefficients:
+def coefficients_of_torus(derivatives: Derivatives, multiplier: acb, eigenvector: Sequence[acb]) -> TorusCoefficients:
     """Enclosures of d and of the speed of the multiplier at a fixed point.
 
     Arguments:
