@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 from flint import acb, arb
 
 from orbitproof.shared.claims.fields import Title
-from orbitproof.shared.formats import PERIODIC_FOLD, PERIODIC_PITCHFORK, PeriodicBifurcation
+from orbitproof.shared.formats import PERIODIC_FOLD, PERIODIC_PITCHFORK, PERIODIC_TORUS, PeriodicBifurcation
 from orbitproof.verify.claim import is_free_of_divergence
 from orbitproof.verify.evidence import (
     Checklist,
@@ -111,6 +111,8 @@ def prove_periodic_bifurcation(
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
     try:
+        if claim.kind == PERIODIC_TORUS:
+            raise NotEstablishedError(Reason("theorem", f"{claim.kind} is about two multipliers", "claim another kind"))
         found = check_returns(checklist, claim, enclosures)
         equations = equations_of(claim, found)
         place = check_extended(checklist, claim, equations)

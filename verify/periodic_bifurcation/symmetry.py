@@ -17,7 +17,11 @@ from orbitproof.verify.periodic_bifurcation.extended_system import Place
 def check_symmetry(checklist: Checklist, claim: PeriodicBifurcation) -> None:
     """S is an involution that the vector field, the first integral and the section are respected by (section 25.1)."""
     statement = "S S = 1, normal . S = normal, f(S x) = S f(x) identically, and H(S x) = H(x) if H is used"
-    with checklist.hypothesis("symmetry", "25.1", statement, "correct the matrix of the symmetry") as evidence:
+    remedy = (
+        "correct the matrix of the symmetry; a symmetry may be true and not be recognised: write divisors and roots of "
+        "f and H so that S takes each to one that is there too"
+    )
+    with checklist.hypothesis("symmetry", "25.1", statement, remedy) as evidence:
         rows = claim.symmetry
         evidence.require(rows is not None, "the claim names no symmetry")
         if rows is None:
