@@ -1,4 +1,11 @@
+from .build import AtlasRequest as AtlasRequest
+from .build import build_atlas as build_atlas
 from .check import check_file as check_file
+from .check import check_joint as check_joint
+from .check import check_piece as check_piece
+from .cover import CoverControl as CoverControl
+from .cover import Coverer as Coverer
+from .cover import CoverFailure as CoverFailure
 from .libration_sheet import pieces_to as pieces_to
 from .lyapunov import LibrationFailure as LibrationFailure
 from .lyapunov import LyapunovFamily as LyapunovFamily

@@ -4,6 +4,7 @@ from .file import Catalogue as Catalogue
 from .file import read_catalogue as read_catalogue
 from .file import write_catalogue_csv as write_catalogue_csv
 from .file import write_catalogue_json as write_catalogue_json
+from .orbits import CorrectedCatalogue as CorrectedCatalogue
 from .orbits import catalogue_of as catalogue_of
 from .orbits import correct_catalogue as correct_catalogue
 from .orbits import libration_places as libration_places

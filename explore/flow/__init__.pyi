@@ -3,9 +3,11 @@ from .batch import Flags as Flags
 from .batch import FlowBatch as FlowBatch
 from .batch import Matrices as Matrices
 from .batch import flow_batch as flow_batch
+from .compilation import cache_folder as cache_folder
 from .compilation import compiled as compiled
 from .compilation import compiling as compiling
 from .compilation import configure_jax as configure_jax
+from .compilation import use_accelerator as use_accelerator
 from .fields import field_of as field_of
 from .fields import power as power
 from .flow import FlowFailure as FlowFailure

@@ -5,6 +5,7 @@ from .newton import NewtonRule as NewtonRule
 from .prediction import predict as predict
 from .zeros import Samples as Samples
 from .zeros import Touch as Touch
+from .zeros import Zeros as Zeros
 from .zeros import bracketed_zero as bracketed_zero
 from .zeros import find_zeros as find_zeros
 from .zeros import refine_minimum as refine_minimum

@@ -7,6 +7,7 @@ from .shooting import Correction as Correction
 from .shooting import CorrectionFailure as CorrectionFailure
 from .shooting import ShootingProblem as ShootingProblem
 from .shooting import SymmetricOrbit as SymmetricOrbit
+from .stability import HalfReturn as HalfReturn
 from .stability import Side as Side
 from .stability import multipliers as multipliers
 from .stability import stability_index as stability_index

@@ -3,4 +3,8 @@ from .file import write_portraits as write_portraits
 from .planar_map import QUADRUPLING as QUADRUPLING
 from .planar_map import TOUCH_AND_GO as TOUCH_AND_GO
 from .planar_map import Portrait as Portrait
+from .planar_map import Resonance as Resonance
+from .planar_map import ReversibleMap as ReversibleMap
 from .planar_map import portrait as portrait
+from .planar_map import symmetric_periodic_orbits as symmetric_periodic_orbits
+from .planar_map import unstable_manifold as unstable_manifold

@@ -1,6 +1,10 @@
+from .branches import draw_branch as draw_branch
+from .branches import draw_overview as draw_overview
+from .certified_boxes import draw_certified as draw_certified
 from .certified_branches import draw_curves as draw_curves
 from .certified_branches import draw_pieces as draw_pieces
 from .certified_orbit import draw_orbit as draw_orbit
+from .certified_orbit import solution_of as solution_of
 from .certified_stability import draw_certified_stability as draw_certified_stability
 from .certified_surfaces import Surface as Surface
 from .certified_surfaces import draw_surface as draw_surface
@@ -17,6 +21,7 @@ from .halo_space import draw_bifurcation as draw_bifurcation
 from .halo_space import draw_torus as draw_torus
 from .invariants import draw_manifold as draw_manifold
 from .invariants import draw_tori as draw_tori
+from .legends import legend_handles as legend_handles
 from .mass_curve import draw_mass_curves as draw_mass_curves
 from .mass_curve import read_mass_curves as read_mass_curves
 from .periodic_family import draw_periodic_family as draw_periodic_family

@@ -1,5 +1,12 @@
 from .content import report_of as report_of
 from .document import Document as Document
+from .formulas import typeset as typeset
+from .margins import margin_of as margin_of
+from .margins import margin_on_atlas as margin_on_atlas
+from .pictures import pictures_of as pictures_of
+from .statements import hypothesis_table as hypothesis_table
+from .statements import parameter_text as parameter_text
+from .statements import piece_table as piece_table
 from .theorems import Checked as Checked
 from .theorems import CheckedAtlas as CheckedAtlas
 from .theorems import CheckedRow as CheckedRow

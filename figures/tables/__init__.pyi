@@ -1,7 +1,16 @@
+from .intervals import Interval as Interval
+from .intervals import parse_interval as parse_interval
 from .latex import to_latex as to_latex
+from .published import Printed as Printed
+from .published import PublishedList as PublishedList
+from .published import PublishedRow as PublishedRow
 from .published import default_published as default_published
 from .published import read_published as read_published
+from .rows import CertifiedRow as CertifiedRow
+from .rows import Enclosure as Enclosure
 from .rows import read_rows as read_rows
+from .tables import Section as Section
+from .tables import Table as Table
 from .tables import build_tables as build_tables
 from .text import to_csv as to_csv
 from .text import to_markdown as to_markdown

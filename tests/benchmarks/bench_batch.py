@@ -18,8 +18,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from orbitproof.explore.flow import configure_jax, flow_batch, flow_of
-from orbitproof.explore.flow.compilation import use_accelerator
+from orbitproof.explore.flow import configure_jax, flow_batch, flow_of, use_accelerator
 from orbitproof.explore.flow.runge_kutta import RELATIVE_TOLERANCE
 from orbitproof.explore.orbits import correct_batch
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS

@@ -23,7 +23,7 @@ from orbitproof.shared.formats import load_system, read_candidates
 from orbitproof.verify import certify
 from orbitproof.verify.__main__ import main as verify_main
 from orbitproof.verify.claim import quadratic_coefficient
-from orbitproof.verify.curve.tube import lower_end, upper_end
+from orbitproof.verify.curve import lower_end, upper_end
 from orbitproof.verify.evidence import ball_from_json
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"

@@ -17,8 +17,7 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.families import Limits, TracedFamily, family_of, family_record, trace_family
 from orbitproof.explore.records import read_families, write_families
-from orbitproof.explore.refinement import Task, refine_tasks
-from orbitproof.explore.refinement.tasks import Refined
+from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import check
 from orbitproof.shared import InputError, format_exact, parse_exact
 from orbitproof.shared.formats import read_candidates

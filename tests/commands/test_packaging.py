@@ -16,8 +16,7 @@ import pytest
 from support.claims import known
 
 from orbitproof.shared import write_candidates
-from orbitproof.verify.evidence import ON_WHICH_NOTHING_RESTS
-from orbitproof.verify.evidence.sources import source_digest
+from orbitproof.verify.evidence import ON_WHICH_NOTHING_RESTS, source_digest
 
 ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("shared", "explore", "verify", "figures")

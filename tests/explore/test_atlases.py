@@ -13,10 +13,17 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.atlases.build import AtlasRequest, build_atlas
-from orbitproof.explore.atlases.check import check_joint, check_piece, first_returns
+from orbitproof.explore.atlases import (
+    AtlasRequest,
+    CoverControl,
+    Coverer,
+    CoverFailure,
+    build_atlas,
+    check_joint,
+    check_piece,
+)
+from orbitproof.explore.atlases.check import first_returns
 from orbitproof.explore.atlases.complex_flow import LANES, HalfReturns
-from orbitproof.explore.atlases.cover import CoverControl, Coverer, CoverFailure
 from orbitproof.explore.atlases.curve import Curve, coordinate_time
 from orbitproof.explore.atlases.expansion import Chart, Expansion, coefficient_transform, expand
 from orbitproof.explore.families import Family, Limits, TracedFamily, family_record, trace_family

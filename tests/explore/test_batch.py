@@ -16,6 +16,7 @@ import pytest
 from orbitproof.explore.flow import (
     FlowFailure,
     Matrix,
+    cache_folder,
     compilation,
     compiling,
     configure_jax,
@@ -24,7 +25,6 @@ from orbitproof.explore.flow import (
     power,
 )
 from orbitproof.explore.flow.batch import BLOCK
-from orbitproof.explore.flow.compilation import cache_folder
 from orbitproof.explore.orbits import (
     CorrectionFailure,
     OrbitBatch,

@@ -13,17 +13,22 @@ import pytest
 from numpy.polynomial import chebyshev
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.branches import BranchRecord, branch_point, follow, read_branches, write_branches
-from orbitproof.explore.branches.following import Branch
-from orbitproof.explore.branches.start import BranchPoint
+from orbitproof.explore.branches import (
+    Branch,
+    BranchPoint,
+    BranchRecord,
+    branch_point,
+    follow,
+    read_branches,
+    write_branches,
+)
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import MultipleShooting, SegmentedOrbit, ShootingProblem
-from orbitproof.explore.refinement.newton import refine
+from orbitproof.explore.refinement import refine
 from orbitproof.figures.certified import CertifiedCurves
 from orbitproof.figures.model import read_families as read_sampled
-from orbitproof.figures.pictures.branches import draw_branch, draw_overview
+from orbitproof.figures.pictures import draw_branch, draw_certified, draw_overview
 from orbitproof.figures.pictures.branches import write as write_pictures
-from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.pictures.certified_boxes import write as write_certified
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared import InputError

@@ -15,15 +15,14 @@ import pytest
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.catalogue import (
     Catalogue,
+    CorrectedCatalogue,
     correct_catalogue,
     read_catalogue,
     write_catalogue_csv,
     write_catalogue_json,
 )
 from orbitproof.explore.catalogue.file import decimal_text
-from orbitproof.explore.catalogue.orbits import CorrectedCatalogue
-from orbitproof.explore.families import Family, Limits, trace_family
-from orbitproof.explore.families.named import continue_both_ways
+from orbitproof.explore.families import Family, Limits, continue_both_ways, trace_family
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import stability_index
 from orbitproof.explore.records import read_families

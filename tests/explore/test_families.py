@@ -9,18 +9,18 @@ import pytest
 from support.claims import PUBLISHED_POINTS
 
 from orbitproof.explore.families import (
+    Detection,
     Family,
     FamilyFailure,
     Limits,
+    StabilityCurve,
     StepControl,
+    continue_family,
     detect,
     symmetry_breakings,
     trace_family,
 )
 from orbitproof.explore.families.continuation import Course, Start, trace
-from orbitproof.explore.families.detection import Detection
-from orbitproof.explore.families.named import continue_family
-from orbitproof.explore.families.stability_curve import StabilityCurve
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem
 from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS

@@ -21,12 +21,13 @@ from orbitproof.explore.families import (
     TracedFamily,
     branch_seed,
     breaking_at_end,
+    continue_both_ways,
+    continue_family,
     detect,
     family_of,
     symmetry_breakings,
     trace_family,
 )
-from orbitproof.explore.families.named import continue_both_ways, continue_family
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.records import read_families
 from orbitproof.explore.search import Target

@@ -11,8 +11,7 @@ import pytest
 
 from orbitproof import explore
 from orbitproof.explore.families import Family
-from orbitproof.explore.refinement import RefinementFailure, refine_orbit
-from orbitproof.explore.refinement.newton import refine
+from orbitproof.explore.refinement import RefinementFailure, refine, refine_orbit
 from orbitproof.explore.search import tasks_of_family
 from orbitproof.shared.formats import COORDINATE, Equation, load_system, read_candidates
 from orbitproof.shared.systems import ReversibleSystem

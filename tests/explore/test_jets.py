@@ -11,17 +11,18 @@ import pytest
 from support.independent_flow import CONSTANTS, EARTH_MOON, crossings, extrapolated_crossings
 
 from orbitproof.explore.refinement import (
+    Crossing,
     IntegrationFailure,
     Jet,
     JetBasis,
     JetStepper,
     Tape,
     section_crossings,
+    section_jets,
     start_jets,
     working_context,
 )
-from orbitproof.explore.refinement.crossing import Crossing, shorter_coordinates
-from orbitproof.explore.refinement.half_return import section_jets
+from orbitproof.explore.refinement.crossing import shorter_coordinates
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, Regularisation, ReversibleSystem, record
 from orbitproof.shared.systems.regularised import KUSTAANHEIMO_STIEFEL
 

@@ -17,25 +17,27 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.masses import (
     CurveRecord,
+    ExtremumRecord,
     PointRecord,
+    PrecisePoint,
+    PreciseRecord,
+    PrecisionFailure,
+    SettingsRecord,
     chart_of,
     correct_at,
+    extremum_between,
+    extremum_brackets,
     first_breaking,
+    point_at,
+    precise_breaking,
+    precise_extremum,
     read_curves,
     trace_curve,
-)
-from orbitproof.explore.masses.charts import evaluate
-from orbitproof.explore.masses.curve import extremum_between, extremum_brackets, point_at
-from orbitproof.explore.masses.expansion import Settings
-from orbitproof.explore.masses.file import (
-    ExtremumRecord,
-    PreciseRecord,
-    SettingsRecord,
-    decimal_text,
-    rounded,
     write_curves,
 )
-from orbitproof.explore.masses.precision import PrecisePoint, PrecisionFailure, precise_breaking, precise_extremum
+from orbitproof.explore.masses.charts import evaluate
+from orbitproof.explore.masses.expansion import Settings
+from orbitproof.explore.masses.file import decimal_text, rounded
 from orbitproof.explore.orbits import CorrectionFailure
 from orbitproof.explore.orbits.stability import half_return
 from orbitproof.explore.seeds import LIBRATION_POINTS

@@ -10,8 +10,8 @@ import pytest
 from orbitproof.explore.families.continuation import crossings
 from orbitproof.explore.flow import FlowFailure, flow_of
 from orbitproof.explore.names import resonant_values
-from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit, tupling_sides
-from orbitproof.explore.orbits.stability import HalfReturn, half_return
+from orbitproof.explore.orbits import CorrectionFailure, HalfReturn, ShootingProblem, SymmetricOrbit, tupling_sides
+from orbitproof.explore.orbits.stability import half_return
 from orbitproof.explore.seeds import LIBRATION_POINTS, libration_point, limit_orbit, lyapunov_orbit
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 

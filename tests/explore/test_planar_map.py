@@ -11,12 +11,17 @@ import numpy as np
 import pytest
 
 from orbitproof.explore.__main__ import main
-from orbitproof.explore.portraits import QUADRUPLING, TOUCH_AND_GO, Portrait, portrait, read_portraits, write_portraits
-from orbitproof.explore.portraits.planar_map import (
+from orbitproof.explore.portraits import (
+    QUADRUPLING,
+    TOUCH_AND_GO,
+    Portrait,
     Resonance,
     ReversibleMap,
+    portrait,
+    read_portraits,
     symmetric_periodic_orbits,
     unstable_manifold,
+    write_portraits,
 )
 from orbitproof.shared import InputError
 

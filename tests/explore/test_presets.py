@@ -13,8 +13,7 @@ from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.families import TraceTask
 from orbitproof.explore.records import read_families
-from orbitproof.explore.refinement import Task, refine_tasks
-from orbitproof.explore.refinement.tasks import Refined
+from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import check
 from orbitproof.explore.search.run import _trace_tasks
 from orbitproof.shared.systems import FALKNER_SKAN

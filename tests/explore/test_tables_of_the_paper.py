@@ -18,22 +18,22 @@ import orbitproof.explore.search.run
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.engines import Job, Lost, run_all
 from orbitproof.explore.families import (
+    Detection,
     Family,
     Limits,
+    StabilityCurve,
     TracedFamily,
     detect,
     family_record,
     largest_changes,
     trace_family,
 )
-from orbitproof.explore.families.detection import Detection
-from orbitproof.explore.families.stability_curve import MAX_CHANGE, StabilityCurve, largest_change
+from orbitproof.explore.families.stability_curve import MAX_CHANGE, largest_change
 from orbitproof.explore.names import resonant_values
 from orbitproof.explore.numerics import Samples, predict, subdivide
 from orbitproof.explore.orbits import SymmetricOrbit
 from orbitproof.explore.records import BAND, read_families, write_families
-from orbitproof.explore.refinement import Task, refine_tasks
-from orbitproof.explore.refinement.tasks import Refined
+from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import targets_of
 from orbitproof.explore.search.targets import is_refined, merged
 from orbitproof.figures.__main__ import main as figures_main

@@ -8,8 +8,7 @@ from math import acos, cos, exp, pi, sqrt, tanh
 import numpy as np
 import pytest
 
-from orbitproof.explore.numerics import bracketed_zero, find_zeros, resolve
-from orbitproof.explore.numerics.zeros import Zeros
+from orbitproof.explore.numerics import Zeros, bracketed_zero, find_zeros, resolve
 
 DIP = 0.437
 

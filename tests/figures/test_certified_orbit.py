@@ -11,8 +11,7 @@ import pytest
 
 from orbitproof.explore.refinement import OrbitTask, refine_orbit
 from orbitproof.figures.commands.report import main as report
-from orbitproof.figures.pictures import draw_orbit
-from orbitproof.figures.pictures.certified_orbit import solution_of
+from orbitproof.figures.pictures import draw_orbit, solution_of
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import COORDINATE, Equation, read_candidates
 from orbitproof.shared.systems import FALKNER_SKAN

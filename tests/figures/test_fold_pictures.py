@@ -9,10 +9,8 @@ import pytest
 from support.picture_texts import unreadable
 
 from orbitproof.figures.certified import CertifiedCurves
-from orbitproof.figures.pictures import certified_boxes
-from orbitproof.figures.pictures.legends import legend_handles
-from orbitproof.figures.report import check_files
-from orbitproof.figures.report.pictures import pictures_of
+from orbitproof.figures.pictures import certified_boxes, legend_handles
+from orbitproof.figures.report import check_files, pictures_of
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared.formats import InputError, read_candidates
 from orbitproof.verify.certificate import Certificate, certify, write_certificates

@@ -20,10 +20,9 @@ from support.claims import known, moved
 from support.forgeries import DATA, atlas_certificate, forged, read
 
 from orbitproof.figures.commands.report import main
-from orbitproof.figures.report import CheckedAtlas, CheckedRow, Refused, check_files
+from orbitproof.figures.report import CheckedAtlas, CheckedRow, Refused, check_files, margin_of, typeset
 from orbitproof.figures.report.document import Math, Table
-from orbitproof.figures.report.formulas import to_latex, typeset
-from orbitproof.figures.report.margins import margin_of
+from orbitproof.figures.report.formulas import to_latex
 from orbitproof.shared.systems import BRANCH_SYSTEMS
 from orbitproof.verify.certificate import Certificate, Limits, certify, digest, write_certificates
 from orbitproof.verify.evidence import bounds, interval_text

@@ -17,13 +17,17 @@ from support import atlas_work, chain_cases
 from support.claims import known
 from support.forgeries import DATA, atlas_certificate, read
 
-from orbitproof.figures.certified import Curve
-from orbitproof.figures.certified.curve import CertifiedPoint
+from orbitproof.figures.certified import CertifiedPoint, Curve
 from orbitproof.figures.commands.report import main
 from orbitproof.figures.pictures import draw_curves, draw_surface, surface_of
-from orbitproof.figures.report import CheckedAtlas, check_files
-from orbitproof.figures.report.margins import margin_on_atlas
-from orbitproof.figures.report.statements import hypothesis_table, parameter_text, piece_table
+from orbitproof.figures.report import (
+    CheckedAtlas,
+    check_files,
+    hypothesis_table,
+    margin_on_atlas,
+    parameter_text,
+    piece_table,
+)
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import Atlas, read_candidates
 from orbitproof.verify.atlas import AtlasCertificate

@@ -11,6 +11,10 @@ import pytest
 from support.table_rows import CERTIFICATES, TINY, around, certificates, like, listed, only_section, printed
 
 from orbitproof.figures.tables import (
+    CertifiedRow,
+    Interval,
+    PublishedRow,
+    Table,
     build_tables,
     default_published,
     read_published,
@@ -20,10 +24,7 @@ from orbitproof.figures.tables import (
     to_markdown,
     to_text,
 )
-from orbitproof.figures.tables.intervals import Interval
-from orbitproof.figures.tables.published import PublishedRow, compare, match
-from orbitproof.figures.tables.rows import CertifiedRow
-from orbitproof.figures.tables.tables import Table
+from orbitproof.figures.tables.published import compare, match
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS
 
 

@@ -19,8 +19,13 @@ from support.table_rows import CANDIDATES, CERTIFICATES, certificates, like, onl
 
 from orbitproof.figures.__main__ import main
 from orbitproof.figures.tables import (
+    CertifiedRow,
+    Enclosure,
+    Interval,
+    Table,
     build_tables,
     default_published,
+    parse_interval,
     read_published,
     read_rows,
     to_csv,
@@ -28,10 +33,8 @@ from orbitproof.figures.tables import (
     to_markdown,
     to_text,
 )
-from orbitproof.figures.tables.intervals import Interval, parse_interval
 from orbitproof.figures.tables.latex import aligned
-from orbitproof.figures.tables.rows import CertifiedRow, Enclosure, _family_of
-from orbitproof.figures.tables.tables import Table
+from orbitproof.figures.tables.rows import _family_of
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 from orbitproof.verify.evidence import bounds, certain_digits
 

@@ -43,10 +43,10 @@ from orbitproof.verify.curve import (
     ProvedInterval,
     certified_system,
     derived_parameter,
+    in_units_of_orbit,
     parameter_series,
     prove_piece,
 )
-from orbitproof.verify.curve.lyapunov_family import in_units_of_orbit
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, Proved, enclose
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.words import conclusion_in_words

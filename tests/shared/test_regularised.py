@@ -35,10 +35,17 @@ from orbitproof.verify.claim import point_on_fixed_set
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import Expansion, FlowStep, advance
 from orbitproof.verify.oracle import ORACLE, Limits
-from orbitproof.verify.poincare import PHYSICAL, REGULARISED, Enclosures, IntegratorSettings, enclose_iterates
+from orbitproof.verify.poincare import (
+    PHYSICAL,
+    REGULARISED,
+    CrossingCounter,
+    Enclosures,
+    Integration,
+    IntegratorSettings,
+    enclose_iterates,
+    stays_positive,
+)
 from orbitproof.verify.poincare.coordinates import regularised
-from orbitproof.verify.poincare.crossing import CrossingCounter, stays_positive
-from orbitproof.verify.poincare.iterates import Integration
 from orbitproof.verify.poincare.section import onto_section
 
 MU = MASS_PARAMETERS["earth-moon"]

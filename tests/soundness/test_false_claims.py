@@ -27,8 +27,7 @@ from orbitproof.shared import InputError
 from orbitproof.shared.claims import Candidate
 from orbitproof.shared.formats import candidate_from_json, candidate_to_json
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
-from orbitproof.verify.certificate import certify, recheck
-from orbitproof.verify.certificate.certifying import Integrator
+from orbitproof.verify.certificate import Integrator, certify, recheck
 from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.oracle import Limits
 

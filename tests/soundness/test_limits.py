@@ -30,7 +30,7 @@ from orbitproof.shared.systems import (
 from orbitproof.verify.__main__ import main
 from orbitproof.verify.atlas import AtlasCertificate, atlas_of
 from orbitproof.verify.certificate import Certificate, Level, Limits, Recheck, certify, rechecking
-from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
+from orbitproof.verify.claim import derivative_terms, is_first_integral
 from orbitproof.verify.evidence import ball_to_json
 from orbitproof.verify.run import CHECK_SECONDS, INTEGRATION_SECONDS, Answer, CheckLimits, second_proofs, workplace
 from orbitproof.verify.run import branch_checks as apart

@@ -13,10 +13,17 @@ from flint import arb, ctx
 from support.closed_form_maps import ReversibleMap, claim, description, tables_of_maps, verdict
 from support.map_cases import CASES, SLOPED, WIDE, cubic, even, failed, outcome_of, proof, quadratic, tilted
 
-from orbitproof.verify.bifurcation import BifurcationFunction, BifurcationResults, Problem, locate, theorem_of
-from orbitproof.verify.bifurcation.conditions import Point, check_transversality
+from orbitproof.verify.bifurcation import (
+    BifurcationFunction,
+    BifurcationResults,
+    PeriodTwoFamily,
+    Problem,
+    check_transversality,
+    locate,
+    theorem_of,
+)
+from orbitproof.verify.bifurcation.conditions import Point
 from orbitproof.verify.bifurcation.nondegeneracy import check_family_of_maps
-from orbitproof.verify.bifurcation.reduction import PeriodTwoFamily
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,

@@ -21,9 +21,9 @@ from support.wide_checks import OMEGA, TWIST, piece, value_and_error
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS
 from orbitproof.verify.algebra import Arithmetic, Series
-from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, prove_piece
+from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, parts_of_interval, prove_piece
 from orbitproof.verify.curve import piece as branch_piece
-from orbitproof.verify.curve.equation import halves, parts_of_interval
+from orbitproof.verify.curve.equation import halves
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotProved, Proved, Reason
 from orbitproof.verify.oracle import ORACLE
 

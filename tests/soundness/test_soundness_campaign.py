@@ -31,7 +31,7 @@ from support.claims import (
 from support.flow_checks import initial_state, kernel_values, orbits
 from support.new_orbits import side_of
 
-from orbitproof.explore.refinement.newton import refine
+from orbitproof.explore.refinement import refine
 from orbitproof.shared.claims import KINDS, ONCE, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.verify.certificate import Certificate, certify

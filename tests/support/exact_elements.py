@@ -19,8 +19,7 @@ from typing import Any
 import mpmath
 from flint import fmpz_poly
 
-from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
-from orbitproof.verify.algebra.grading import Exponents
+from orbitproof.verify.algebra import Arithmetic, Exponents, Grading, Series, WideArithmetic
 
 PRECISION = 600
 GRADINGS = (

@@ -21,8 +21,15 @@ from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.atlas import Means, ProvedBefore, make_atlas_certificate, recheck_atlas
 from orbitproof.verify.atlas.conclusion import told
-from orbitproof.verify.certificate import Certificate, Computation, Recheck, digest, recheck, rechecking
-from orbitproof.verify.certificate.certificate import make_certificate
+from orbitproof.verify.certificate import (
+    Certificate,
+    Computation,
+    Recheck,
+    digest,
+    make_certificate,
+    recheck,
+    rechecking,
+)
 from orbitproof.verify.run.branch_tasks import task_again
 from orbitproof.verify.surface import conclude_surface
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import mpmath
 
-from orbitproof.explore.refinement import Jet, JetBasis, section_crossings, start_jets, working_context
-from orbitproof.explore.refinement.half_return import section_jets
+from orbitproof.explore.refinement import Jet, JetBasis, section_crossings, section_jets, start_jets, working_context
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, ReversibleSystem
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}

@@ -12,11 +12,16 @@ from typing import Any
 
 from flint import arb
 
-from orbitproof.figures.tables import build_tables
-from orbitproof.figures.tables.intervals import Interval
-from orbitproof.figures.tables.published import Printed, PublishedList, PublishedRow
-from orbitproof.figures.tables.rows import CertifiedRow, Enclosure
-from orbitproof.figures.tables.tables import Section
+from orbitproof.figures.tables import (
+    CertifiedRow,
+    Enclosure,
+    Interval,
+    Printed,
+    PublishedList,
+    PublishedRow,
+    Section,
+    build_tables,
+)
 
 DATA = Path(__file__).parents[1] / "data"
 CANDIDATES = DATA / "figures-candidates.json"

@@ -14,10 +14,8 @@ from support.flow_checks import ball
 from orbitproof.verify.curve import Bifurcation, Place
 from orbitproof.verify.evidence import EmptyIntersectionError
 from orbitproof.verify.functions import REACH, BoundedFunction
-from orbitproof.verify.stability import Extremum, Gap, Matter
+from orbitproof.verify.stability import Extremum, Gap, Matter, Segment, extrema_on, is_in_band
 from orbitproof.verify.stability.between_orbits import between_orbits
-from orbitproof.verify.stability.extrema import extrema_on, is_in_band
-from orbitproof.verify.stability.list_entries import Segment
 
 ERROR = 1e-5
 APART = Fraction(1, 10**9)

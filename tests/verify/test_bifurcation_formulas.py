@@ -17,24 +17,23 @@ from orbitproof.verify.bifurcation import (
     BifurcationFunction,
     BifurcationResults,
     DoublySymmetricFamily,
+    PeriodTwoFamily,
     Problem,
+    ReducedFunction,
     check_family,
     check_fold,
     check_own_box,
+    check_reduced_function,
     check_reduction,
+    check_transversality,
     coordinates_in_box,
     level_form,
     locate,
+    narrowed_zero,
     reduced_function,
 )
-from orbitproof.verify.bifurcation.conditions import (
-    check_reduced_function,
-    check_transversality,
-    narrowed_zero,
-    require_inside,
-)
+from orbitproof.verify.bifurcation.conditions import require_inside
 from orbitproof.verify.bifurcation.level_forms import _images, _is_own_box
-from orbitproof.verify.bifurcation.reduction import PeriodTwoFamily, ReducedFunction
 from orbitproof.verify.evidence import (
     Checklist,
     DerivativeTable,

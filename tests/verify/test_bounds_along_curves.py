@@ -24,8 +24,8 @@ from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
 from orbitproof.verify.atlas.conclusion_as_json import shortened
 from orbitproof.verify.curve import Chain, conclude
-from orbitproof.verify.distances import Where
-from orbitproof.verify.distances.ranges import Extreme, joined
+from orbitproof.verify.distances import Extreme, Where
+from orbitproof.verify.distances.ranges import joined
 from orbitproof.verify.evidence import IntegrationFailure, Proved
 from orbitproof.verify.functions import (
     REACH,
@@ -39,14 +39,23 @@ from orbitproof.verify.functions import (
 )
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions, variations_across
-from orbitproof.verify.stability import CompleteList, CurveEnd, Gap, Kind, Matter, Resonance
+from orbitproof.verify.stability import (
+    CompleteList,
+    CurveEnd,
+    Gap,
+    Kind,
+    Matter,
+    OtherPoint,
+    Resonance,
+    Segment,
+    extrema_on,
+    is_stable,
+    stable_intervals,
+)
 from orbitproof.verify.stability.along import CurveInTube, at_origin, solve
 from orbitproof.verify.stability.complete_list import Finder
-from orbitproof.verify.stability.extrema import extrema_on
 from orbitproof.verify.stability.known_functions import segments_of
-from orbitproof.verify.stability.linear_stability import is_stable, stable_intervals
-from orbitproof.verify.stability.list_entries import Segment
-from orbitproof.verify.stability.matrix import SHARE, OtherPoint, _minors, _stability_matrix
+from orbitproof.verify.stability.matrix import SHARE, _minors, _stability_matrix
 from orbitproof.verify.stability.zeros import zeros_beside_double_one, zeros_on
 
 END = 1 / REACH

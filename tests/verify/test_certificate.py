@@ -22,10 +22,10 @@ from orbitproof.verify.certificate import (
     certify,
     digest,
     is_proof_of,
+    make_certificate,
     read_certificates,
     write_certificates,
 )
-from orbitproof.verify.certificate.certificate import make_certificate
 from orbitproof.verify.evidence import (
     DerivativeTable,
     IntegrationFailure,

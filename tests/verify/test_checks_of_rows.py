@@ -22,16 +22,17 @@ from orbitproof.verify.certificate import (
     Limits,
     Recheck,
     certify,
+    contradictions,
     decimals,
     digest,
     is_proof_of,
+    make_certificate,
     not_checked,
     recheck,
     systems_with,
 )
 from orbitproof.verify.certificate import rechecking as chapter
-from orbitproof.verify.certificate.certificate import make_certificate
-from orbitproof.verify.certificate.kinds import contradictions, numbers, prove, too_narrow, unconfirmed
+from orbitproof.verify.certificate.kinds import numbers, prove, too_narrow, unconfirmed
 from orbitproof.verify.certificate.levels import not_finished
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.evidence import (

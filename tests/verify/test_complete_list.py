@@ -24,11 +24,8 @@ from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.curve import Bifurcation, Place, conclude
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH, BoundedFunction
-from orbitproof.verify.stability import Kind, Point, open_on
+from orbitproof.verify.stability import Kind, Point, Segment, extrema_on, is_stable, open_on
 from orbitproof.verify.stability.complete_list import complete_list, orders
-from orbitproof.verify.stability.extrema import extrema_on
-from orbitproof.verify.stability.linear_stability import is_stable
-from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 
 DATA = Path(__file__).parents[1] / "data"

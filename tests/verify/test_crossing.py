@@ -17,9 +17,17 @@ from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, MASS_PARAMETERS, reco
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.poincare import IntegratorSettings, at_start, crossing, enclose_iterates
-from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, range_of, stays_positive
-from orbitproof.verify.poincare.half_orbits import wide_parts
+from orbitproof.verify.poincare import (
+    Arrival,
+    CrossingCounter,
+    IntegratorSettings,
+    at_start,
+    crossing,
+    enclose_iterates,
+    range_of,
+    stays_positive,
+    wide_parts,
+)
 
 ARITHMETIC = Arithmetic(Grading((1,), 1), 120, 0, 12)
 ONE = arb(1)

@@ -37,8 +37,7 @@ from support.wide_checks import MU, libration_point
 from orbitproof.shared.claims import Piece
 from orbitproof.shared.systems import CR3BP, FALKNER_SKAN, ReversibleSystem
 from orbitproof.verify.algebra import Grading, WideArithmetic
-from orbitproof.verify.curve import PieceLimits, prove_piece
-from orbitproof.verify.curve.equation import Equation
+from orbitproof.verify.curve import Equation, PieceLimits, prove_piece
 from orbitproof.verify.evidence import NotProved
 from orbitproof.verify.oracle import ORACLE
 

@@ -25,8 +25,7 @@ from support.curve_cases import refusal
 from support.stored import values
 
 from orbitproof.shared.claims import Claim, Covers
-from orbitproof.verify.curve.conditions import check_two_points
-from orbitproof.verify.curve.tube import read_tube
+from orbitproof.verify.curve import check_two_points, read_tube
 from orbitproof.verify.evidence import Checklist, NotEstablishedError
 from orbitproof.verify.words import conclusion_in_words
 

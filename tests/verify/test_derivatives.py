@@ -11,8 +11,7 @@ import pytest
 from flint import ctx, fmpz_poly
 from support.flow_checks import contains, random_fraction
 
-from orbitproof.verify.algebra import Arithmetic, Grading, Series
-from orbitproof.verify.algebra.grading import Exponents
+from orbitproof.verify.algebra import Arithmetic, Exponents, Grading, Series
 from orbitproof.verify.evidence import MAX_ORDER, indices_up_to
 from orbitproof.verify.poincare import derivative_table
 

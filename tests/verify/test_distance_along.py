@@ -15,9 +15,8 @@ from flint import arb, arb_poly, fmpq, fmpq_poly
 
 from orbitproof.shared.systems import CR3BP, MASS_PARAMETERS, Program, record
 from orbitproof.verify.evidence import IntegrationFailure, enclose, hull, sign
-from orbitproof.verify.orbit import distance_rates
-from orbitproof.verify.orbit.distance import DistanceAlong, Step
-from orbitproof.verify.orbit.rates import rates_along
+from orbitproof.verify.orbit import DistanceAlong, distance_rates, rates_along
+from orbitproof.verify.orbit.distance import Step
 from orbitproof.verify.poincare.coordinates import physical, regularised
 
 Interval = tuple[str, int]

@@ -21,8 +21,7 @@ from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.curve import PieceLimits, conclude
 from orbitproof.verify.distances import Where
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import TubeOfOrbits
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
 
 Results = list[dict[str, Any]]
 

@@ -19,8 +19,7 @@ from support.skew_products import SkewProduct
 from support.stored import stored_distances
 
 from orbitproof.shared import format_exact, parse_exact
-from orbitproof.verify.distances import Where
-from orbitproof.verify.distances.ranges import Extreme
+from orbitproof.verify.distances import Extreme, Where
 from orbitproof.verify.functions import REACH
 
 CASES = {

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from orbitproof.shared.systems import AROUND, CR3BP, HILL, REGULARISATIONS, SYSTEMS, Program, ReversibleSystem, record
-from orbitproof.verify.claim import check_symmetries, level_program
-from orbitproof.verify.claim.first_integral import derivative_terms, is_first_integral
+from orbitproof.verify.claim import check_symmetries, derivative_terms, is_first_integral, level_program
 from orbitproof.verify.evidence import Checklist, NotEstablishedError
 
 Function = Callable[[Sequence[Any], Sequence[Any]], Any]

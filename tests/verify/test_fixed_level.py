@@ -17,7 +17,7 @@ from support.claims import to_the_end
 from support.forgeries import noticed
 
 from orbitproof.explore.orbits import ShootingProblem
-from orbitproof.explore.refinement.newton import refine
+from orbitproof.explore.refinement import refine
 from orbitproof.shared.formats import (
     Candidate,
     InputError,
@@ -27,8 +27,7 @@ from orbitproof.shared.formats import (
     read_candidates,
 )
 from orbitproof.shared.systems import DescriptionError, FixedLevel, ReversibleSystem, describe, described
-from orbitproof.verify.certificate import Certificate, certify, digest, recheck
-from orbitproof.verify.certificate.certifying import Integrator
+from orbitproof.verify.certificate import Certificate, Integrator, certify, digest, recheck
 from orbitproof.verify.certificate.kinds import enclose
 from orbitproof.verify.oracle import Limits
 

@@ -17,7 +17,7 @@ from support.curve_cases import refusal
 from support.stored import entry_of
 
 from orbitproof.explore.orbits import ShootingProblem
-from orbitproof.explore.refinement.newton import refine
+from orbitproof.explore.refinement import refine
 from orbitproof.shared.formats import (
     SURFACE,
     Atlas,
@@ -32,8 +32,7 @@ from orbitproof.verify.certificate import Certificate, certify, write_certificat
 from orbitproof.verify.curve import PieceLimits, PieceResult, ProvedInterval, enclose_other_point, prove_piece
 from orbitproof.verify.evidence import NotProved, Proved
 from orbitproof.verify.oracle import ORACLE, Limits
-from orbitproof.verify.stability import TubeOfOrbits
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
 from orbitproof.verify.words import conclusion_in_words
 
 FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"

@@ -24,13 +24,8 @@ from support.exact_elements import (
 
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.algebra import Arithmetic, Grading, Series, prepare
-from orbitproof.verify.flow.gronwall import (
-    PARTS,
-    centre_and_norms,
-    comparison_matrices,
-    derivative_bounds,
-    norm_arithmetic,
-)
+from orbitproof.verify.flow import comparison_matrices, derivative_bounds
+from orbitproof.verify.flow.gronwall import PARTS, centre_and_norms, norm_arithmetic
 
 
 @pytest.fixture(autouse=True)

@@ -36,8 +36,7 @@ from orbitproof.verify.functions import bounded
 from orbitproof.verify.oracle import ORACLE, Limits
 from orbitproof.verify.run.branches import reusable
 from orbitproof.verify.second_proof import Proved, second_proof
-from orbitproof.verify.stability import TubeOfOrbits
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability import TubeOfOrbits, orbit_functions
 from orbitproof.verify.words.curve import curve_in_words
 
 DATA = Path(__file__).parents[1] / "data" / "known-crossings.json"

@@ -38,8 +38,7 @@ from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.solution import CentreExpansion
-from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates
-from orbitproof.verify.poincare.iterates import grading_for
+from orbitproof.verify.poincare import Enclosures, IntegratorSettings, enclose_iterates, grading_for
 
 # Boxes by name: candidate and precision in bits. The radii are so different from one box to the next that once the
 # error of the orbit and once the higher derivatives decide; the two gradings of the theorems occur with both systems.

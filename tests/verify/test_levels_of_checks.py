@@ -33,15 +33,17 @@ from orbitproof.verify.certificate import (
     certify,
     climb,
     confirmed,
+    contradictions,
     decimals,
     differences,
     overlap,
     recheck,
     systems_with,
     tables_from_json,
+    tables_to_json,
 )
 from orbitproof.verify.certificate import rechecking as chapter
-from orbitproof.verify.certificate.kinds import contradictions, tables_to_json, unconfirmed
+from orbitproof.verify.certificate.kinds import unconfirmed
 from orbitproof.verify.certificate.stored_balls import to_json as results_to_json
 from orbitproof.verify.evidence import IntegrationFailure, NotProved, Proved, Reason, ball_to_json, bounds
 from orbitproof.verify.oracle import more_precision

@@ -32,12 +32,14 @@ from orbitproof.verify.stability import (
     Matter,
     Point,
     Resonance,
+    Segment,
+    Subject,
+    extrema_on,
+    is_in_band,
+    may_change_stability,
+    stable_intervals,
 )
 from orbitproof.verify.stability.complete_list import complete_list
-from orbitproof.verify.stability.extrema import extrema_on, is_in_band
-from orbitproof.verify.stability.kinds import Subject, may_change_stability
-from orbitproof.verify.stability.linear_stability import stable_intervals
-from orbitproof.verify.stability.list_entries import Segment
 from orbitproof.verify.stability.matching import with_certificates
 from orbitproof.verify.stability.zeros import zeros_on
 from orbitproof.verify.words import complete_list as sentences

@@ -25,8 +25,7 @@ from orbitproof.verify.curve import PieceLimits, conclude, prove_piece
 from orbitproof.verify.evidence import Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, orbit_functions, stability_of_piece
 
 Make = Callable[[int], SkewProduct]
 

@@ -22,9 +22,9 @@ from orbitproof.verify.maps import (
     enclose_flow,
     enclose_zeros,
     flow_map,
+    image_of,
 )
 from orbitproof.verify.maps.functions import function_of
-from orbitproof.verify.maps.image import image_of
 from orbitproof.verify.maps.poincare_map import number_of
 from orbitproof.verify.oracle import ORACLE
 

@@ -15,8 +15,8 @@ from orbitproof.shared.formats import HALF_PERIOD, Candidate, Equation
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.evidence import bounds, enclose
-from orbitproof.verify.orbit import STABLE, UNSTABLE
-from orbitproof.verify.orbit.multipliers import _multiplier, _roots, stability_of
+from orbitproof.verify.orbit import STABLE, UNSTABLE, stability_of
+from orbitproof.verify.orbit.multipliers import _multiplier, _roots
 
 Root = tuple[Fraction, Fraction]
 """Real and imaginary part."""

@@ -31,8 +31,8 @@ from orbitproof.verify.evidence import (
     symmetric,
     up_to,
 )
-from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet, compose, is_regular, newton_image
-from orbitproof.verify.newton.jets import implicit_jets, increment
+from orbitproof.verify.newton import BoxFunction, ImplicitGraph, Jet, compose, implicit_jets, is_regular, newton_image
+from orbitproof.verify.newton.jets import increment
 
 Polynomial = Mapping[tuple[int, ...], F]
 fractions = st.fractions(min_value=-8, max_value=8, max_denominator=64)

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orbitproof.verify.algebra import float_above, fraction_above, inflate, total
-from orbitproof.verify.algebra.norms import add, convolve, geometric
-from orbitproof.verify.flow.gronwall import exponential_bound
+from orbitproof.verify.algebra import convolve, float_above, fraction_above, geometric, inflate, total
+from orbitproof.verify.algebra.norms import add
+from orbitproof.verify.flow import exponential_bound
 
 # Non-negative floats of every size: subnormal, tiny, ordinary, and so large that products overflow.
 SIZES = st.one_of(

@@ -29,10 +29,8 @@ from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, conclude, d
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import TubeOfOrbits
-from orbitproof.verify.stability.across_list import list_across
+from orbitproof.verify.stability import TubeOfOrbits, list_across, orbit_functions
 from orbitproof.verify.stability.complete_list import complete_list
-from orbitproof.verify.stability.matrix import orbit_functions
 
 DATA = Path(__file__).parents[1] / "data"
 Results = list[dict[str, Any]]

@@ -25,6 +25,7 @@ from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.poincare import (
     REGULARISED,
+    Arrival,
     EarlyEnd,
     HalfOrbits,
     HalfReturns,
@@ -36,7 +37,6 @@ from orbitproof.verify.poincare import (
     enclose_iterates,
     kernel_components,
 )
-from orbitproof.verify.poincare.crossing import Arrival
 
 FRAME = ((Fraction(1), Fraction(3, 10)), (Fraction(1, 5), Fraction(1)))
 CENTRE = (Fraction(5, 4), Fraction(1, 2))

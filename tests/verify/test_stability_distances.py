@@ -34,9 +34,7 @@ from orbitproof.verify.distances.distances import PARTS, Cells
 from orbitproof.verify.evidence import sign
 from orbitproof.verify.functions import REACH, BoundedFunction
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import TubeOfOrbits
-from orbitproof.verify.stability.list_entries import Segment
-from orbitproof.verify.stability.matrix import orbit_functions
+from orbitproof.verify.stability import Segment, TubeOfOrbits, orbit_functions
 
 PIECES: dict[str, Any] = json.loads((Path(__file__).parents[1] / "data/branch-pieces.json").read_text())
 INTERVALS = {"symmetric": (Fraction(-1, 8), Fraction(1, 8)), "regularised": (Fraction(5, 16), Fraction(3, 8))}

@@ -26,8 +26,8 @@ from orbitproof.verify.curve import PieceLimits, derived_parameter, prove_piece
 from orbitproof.verify.evidence import IntegrationFailure, Proved
 from orbitproof.verify.functions import REACH, bounded, function, restricted
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import TubeOfOrbits
-from orbitproof.verify.stability.matrix import SHARE, OtherPoint, orbit_functions
+from orbitproof.verify.stability import OtherPoint, TubeOfOrbits, orbit_functions
+from orbitproof.verify.stability.matrix import SHARE
 from orbitproof.verify.stability.units import scales
 
 DATA = Path(__file__).parents[1] / "data"

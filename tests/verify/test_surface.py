@@ -28,11 +28,10 @@ from orbitproof.verify.algebra import Grading, WideArithmetic
 from orbitproof.verify.curve import PieceResult
 from orbitproof.verify.evidence import NotProved, Proved, Reason, enclose, is_inside
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.surface import SurfaceLimits, prove_surface_piece
+from orbitproof.verify.surface import ProvedParts, SurfaceLimits, SurfaceReturn, enclose_surface, prove_surface_piece
 from orbitproof.verify.surface import piece as surface_piece
 from orbitproof.verify.surface.gluing import Sheet, read_sheet
-from orbitproof.verify.surface.half_return import SurfaceReturn, coordinate_terms, enclose_surface
-from orbitproof.verify.surface.proved_parts import ProvedParts
+from orbitproof.verify.surface.half_return import coordinate_terms
 
 FAST = SurfaceLimits(60, 20, 5, 3)
 NARROW = SurfaceLimits(52, 20, 3, 3)

@@ -23,13 +23,12 @@ from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.verify.atlas import interval_proof
 from orbitproof.verify.atlas.conclusion_as_json import conclusion_to_json
 from orbitproof.verify.atlas.interval_proof import question
-from orbitproof.verify.certificate import Limits, certify, rechecking
-from orbitproof.verify.certificate.kinds import contradictions, numbers
+from orbitproof.verify.certificate import Limits, certify, contradictions, rechecking
+from orbitproof.verify.certificate.kinds import numbers
 from orbitproof.verify.certificate.tables import ball_to_text
 from orbitproof.verify.curve import Bifurcation, Computation, PieceResult, Place, ProvedInterval, conclude
-from orbitproof.verify.distances import DistanceFunctions, Ranges, Where
-from orbitproof.verify.distances.distances import PARTS, Extremes
-from orbitproof.verify.distances.ranges import Extreme
+from orbitproof.verify.distances import DistanceFunctions, Extreme, Extremes, Ranges, Where
+from orbitproof.verify.distances.distances import PARTS
 from orbitproof.verify.evidence import (
     Hypothesis,
     NotKnown,
@@ -54,6 +53,7 @@ from orbitproof.verify.stability import (
     Matter,
     Point,
     Resonance,
+    Segment,
     StabilityFunctions,
     StableInterval,
     TubeOfOrbits,
@@ -61,7 +61,6 @@ from orbitproof.verify.stability import (
     unconfirmed,
 )
 from orbitproof.verify.stability.known_functions import segment_of
-from orbitproof.verify.stability.list_entries import Segment
 
 DATA = Path(__file__).parents[1] / "data"
 

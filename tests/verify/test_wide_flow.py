@@ -24,9 +24,7 @@ from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import FlowStep, advance
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.oracle.wide_solution import expand
-from orbitproof.verify.poincare import HalfOrbits
-from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter
-from orbitproof.verify.poincare.half_orbits import wide_parts
+from orbitproof.verify.poincare import Arrival, CrossingCounter, HalfOrbits, wide_parts
 from orbitproof.verify.poincare.section import onto_section
 from orbitproof.verify.poincare.section_field import build_section_program
 

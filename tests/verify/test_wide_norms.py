@@ -27,15 +27,9 @@ from support.wide_elements import POINTS, points, shrunk, values_of, wide_arithm
 
 from orbitproof.shared.systems import AROUND, SYSTEMS
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic, prepare
-from orbitproof.verify.flow.gronwall import (
-    PARTS,
-    centre_and_norms,
-    comparison_matrices,
-    derivative_bounds,
-    norm_arithmetic,
-)
-from orbitproof.verify.poincare.crossing import range_of, stays_positive
-from orbitproof.verify.poincare.half_orbits import wide_parts
+from orbitproof.verify.flow import comparison_matrices, derivative_bounds
+from orbitproof.verify.flow.gronwall import PARTS, centre_and_norms, norm_arithmetic
+from orbitproof.verify.poincare import range_of, stays_positive, wide_parts
 
 
 @pytest.fixture(autouse=True)

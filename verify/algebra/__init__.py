@@ -1,7 +1,7 @@
 """Power series on the polydisc with one error bound per grade (section 2)."""
 
 from orbitproof.verify.algebra.circle import Floats, Points, from_points, graded_power, to_points
-from orbitproof.verify.algebra.grading import Factors, Grading
+from orbitproof.verify.algebra.grading import Exponents, Factors, Grading
 from orbitproof.verify.algebra.norms import GradedNorm, convolve, float_above, fraction_above, geometric, inflate, total
 from orbitproof.verify.algebra.polynomials import ball_polynomial, plus, recentred, values_around
 from orbitproof.verify.algebra.programs import (

@@ -1,6 +1,15 @@
 """Lyapunov-Schmidt reduction, conditions and theorems (sections 8, 9, 11)."""
 
-from orbitproof.verify.bifurcation.conditions import Problem, check_enclosures, check_family, check_reduction, locate
+from orbitproof.verify.bifurcation.conditions import (
+    Problem,
+    check_enclosures,
+    check_family,
+    check_reduced_function,
+    check_reduction,
+    check_transversality,
+    locate,
+    narrowed_zero,
+)
 from orbitproof.verify.bifurcation.counsel import Counsel, Failure, silent
 from orbitproof.verify.bifurcation.fold import FoldTheorem, TurningCurve, check_curve, check_fold
 from orbitproof.verify.bifurcation.level_forms import (
@@ -18,6 +27,13 @@ from orbitproof.verify.bifurcation.proved_bifurcation import (
     parameter_name,
     prepare,
 )
-from orbitproof.verify.bifurcation.reduction import BifurcationFunction, DoublySymmetricFamily, Family, reduced_function
+from orbitproof.verify.bifurcation.reduction import (
+    BifurcationFunction,
+    DoublySymmetricFamily,
+    Family,
+    PeriodTwoFamily,
+    ReducedFunction,
+    reduced_function,
+)
 from orbitproof.verify.bifurcation.refusals import prove_by
 from orbitproof.verify.bifurcation.theorems import TheoremInBox, prove, theorem_of

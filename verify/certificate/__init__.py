@@ -4,13 +4,14 @@ from orbitproof.verify.certificate.certificate import (
     Certificate,
     digest,
     is_proof_of,
+    make_certificate,
     read_certificates,
     repeated,
     write_certificates,
 )
-from orbitproof.verify.certificate.certifying import broken_off, certify, not_proved
+from orbitproof.verify.certificate.certifying import Integrator, broken_off, certify, not_proved
 from orbitproof.verify.certificate.document import Computation
-from orbitproof.verify.certificate.kinds import tables_from_json
+from orbitproof.verify.certificate.kinds import contradictions, tables_from_json, tables_to_json
 from orbitproof.verify.certificate.levels import (
     MEANINGS,
     REWORDED,

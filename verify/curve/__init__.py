@@ -2,11 +2,19 @@
 
 from orbitproof.verify.curve.bifurcations_on_it import Bifurcation, CertifiedPoint, Partner, Place
 from orbitproof.verify.curve.conclusion import Conclusion, Ends
-from orbitproof.verify.curve.conditions import check_covers, check_increasing
-from orbitproof.verify.curve.equation import BEYOND, TUBE, Equation, HalfReturn, divided_by_wide, tube_points
+from orbitproof.verify.curve.conditions import check_covers, check_increasing, check_two_points
+from orbitproof.verify.curve.equation import (
+    BEYOND,
+    TUBE,
+    Equation,
+    HalfReturn,
+    divided_by_wide,
+    parts_of_interval,
+    tube_points,
+)
 from orbitproof.verify.curve.gluing import Chain, Stretch, follow
 from orbitproof.verify.curve.libration_point import derived_parameter, parameter_series
-from orbitproof.verify.curve.lyapunov_family import certified_system, jacobi_constant, point_name
+from orbitproof.verify.curve.lyapunov_family import certified_system, in_units_of_orbit, jacobi_constant, point_name
 from orbitproof.verify.curve.other_point import enclose_other_point
 from orbitproof.verify.curve.piece import PieceLimits, Progress, check_newton, in_units, prove_piece
 from orbitproof.verify.curve.piece_result import (
@@ -24,4 +32,4 @@ from orbitproof.verify.curve.piece_result import (
 from orbitproof.verify.curve.proved_curve import PRECISION as CURVE_PRECISION
 from orbitproof.verify.curve.proved_curve import CurveTheorem, ProvedCurve, conclude, times_of
 from orbitproof.verify.curve.proved_intervals import ProvedInterval
-from orbitproof.verify.curve.tube import read_tube
+from orbitproof.verify.curve.tube import lower_end, read_tube, upper_end

@@ -2,5 +2,5 @@
 
 from orbitproof.verify.flow.expansion import Expansion, dyadic_below, planned_step, rough
 from orbitproof.verify.flow.field_along import FieldAlong
-from orbitproof.verify.flow.gronwall import LEAST_ERROR
+from orbitproof.verify.flow.gronwall import LEAST_ERROR, comparison_matrices, derivative_bounds, exponential_bound
 from orbitproof.verify.flow.step import FlowStep, advance

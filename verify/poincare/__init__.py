@@ -1,7 +1,7 @@
 """The Poincare map and its derivatives on a box: section, crossings, returns (sections 5, 6, 14)."""
 
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, coordinates_of
-from orbitproof.verify.poincare.crossing import InTime, range_of
+from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, InTime, range_of, stays_positive
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.early_end import EarlyEnd, HalfReturns
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
@@ -10,6 +10,7 @@ from orbitproof.verify.poincare.iterates import (
     BOX_RATIO,
     Box,
     Enclosures,
+    Integration,
     IntegratorSettings,
     box_of,
     check_size,
@@ -17,6 +18,7 @@ from orbitproof.verify.poincare.iterates import (
     enclose_first_integral,
     enclose_iterates,
     grade_bits,
+    grading_for,
 )
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import (

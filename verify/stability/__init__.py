@@ -1,13 +1,29 @@
 """Stability along a proved curve: complete lists of resonances, intervals of linear stability (section 18)."""
 
 from orbitproof.verify.functions import REACH
-from orbitproof.verify.stability.across_list import ListAcross
+from orbitproof.verify.stability.across_list import ListAcross, list_across
 from orbitproof.verify.stability.confirmation import unconfirmed
-from orbitproof.verify.stability.extrema import BAND
-from orbitproof.verify.stability.kinds import CurveEnd, Found, Kind, Matter, Resonance, What, name_of
+from orbitproof.verify.stability.extrema import BAND, extrema_on, is_in_band
+from orbitproof.verify.stability.kinds import (
+    CurveEnd,
+    Found,
+    Kind,
+    Matter,
+    Resonance,
+    Subject,
+    What,
+    may_change_stability,
+    name_of,
+)
 from orbitproof.verify.stability.left_open import open_on
-from orbitproof.verify.stability.linear_stability import Bound, StableInterval
-from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, level_name
-from orbitproof.verify.stability.matrix import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability.linear_stability import Bound, StableInterval, is_stable, stable_intervals
+from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, Segment, level_name
+from orbitproof.verify.stability.matrix import (
+    STABILITY_SLOPE_BITS,
+    OtherPoint,
+    TubeOfOrbits,
+    orbit_functions,
+    stability_of_piece,
+)
 from orbitproof.verify.stability.proved_list import ListConclusion, ListTheorem, ProvedList, conclude_list
 from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
