@@ -100,8 +100,6 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
     if candidate.is_fold:
         raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
-    if candidate.system.fixed_level is not None:
-        raise NoBranch("branches on a fixed level of a first integral are not followed")
     if candidate.crossings != 1:
         raise NoBranch(f"its half orbit meets the section {candidate.crossings} times; branches of one are followed")
     context = mpmath.MPContext()
@@ -154,7 +152,7 @@ def level_at(
 ) -> Any:
     """The bifurcation parameter at a point, to the precision of `context`."""
     program = system.first_integral_program
-    if program is None:
+    if system.family_parameter is not None or program is None:
         return point[0]
     state = [context.mpf(0)] * len(system.state)
     for index, value in zip(system.fixed_coordinates, point[-len(system.fixed_coordinates) :], strict=True):

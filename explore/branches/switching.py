@@ -119,8 +119,7 @@ def branch_tracer(start: BranchPoint) -> tuple[BranchTracer, Vector]:
     try:
         second = flow_of(start.system).derivative(first, start.half_period, values).state
         fixed = list(start.system.fixed_coordinates)
-        symmetric = np.zeros_like(first)
-        symmetric[fixed] = second[fixed]
+        symmetric = np.where(np.array(start.system.reversing_symmetry) == 1, second, 0.0)
         states = np.array([symmetric if i % 2 == 0 else first for i in range(start.k - 1)]).reshape(-1, len(first))
         origin = problem.assemble(start.point, states, np.full(start.k, start.half_period))
         evaluation = problem.evaluate(origin)

@@ -18,9 +18,10 @@ import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, FlowResult, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import SEGMENTS
+from orbitproof.explore.orbits.along_level import along_level
 from orbitproof.explore.orbits.shooting import CorrectionFailure
 from orbitproof.explore.orbits.stability import half_return
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, on_level
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ class MultipleShooting:
         state = np.zeros(len(self.system.state))
         fixed = self.system.fixed_coordinates
         state[list(fixed)] = point[self.point_size - len(fixed) : self.point_size]
-        return state
+        return np.array(on_level(self.system, state.tolist(), self.parameter_values(point)))
 
     def parameter_values(self, point: Vector) -> Vector:
         """All parameters of the vector field in its order, as doubles."""
@@ -122,6 +123,8 @@ class MultipleShooting:
         for i in range(k):
             result = flow.derivative(states[i], float(times[i]), values)
             flows.append(result)
+            if i == 0:
+                result = along_level(system, states[0], values, result)
             rows = list(range(m)) if i < k - 1 else ends
             here = slice(i * m, i * m + len(rows))
             next_columns = slice(self.point_size + i * width, self.point_size + (i + 1) * width)
@@ -210,7 +213,12 @@ class MultipleShooting:
         its inverse. Minors of a product are products of minors (Cauchy and Binet); computed this way a small r
         beside a large one is not lost in the rounding errors of the large one.
         """
-        returns = [half_return(self.system, flow).derivative for flow in orbit.evaluation.flows]
+        values = self.parameter_values(orbit.unknowns)
+        flows = [
+            along_level(self.system, state, values, flow)
+            for state, flow in zip(self.states(orbit.unknowns), orbit.evaluation.flows, strict=True)
+        ]
+        returns = [half_return(self.system, flow).derivative for flow in flows]
         p, n = len(self.system.fixed_coordinates), len(self.system.kernel_coordinates)
         sums = []
         for order in range(1, n + 1):

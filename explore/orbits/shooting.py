@@ -20,6 +20,7 @@ import numpy as np
 
 from orbitproof.explore.flow import FlowFailure, FlowResult, Matrix, Vector, flow_of
 from orbitproof.explore.numerics import SHOOTING, NewtonRule
+from orbitproof.explore.orbits.along_level import along_level
 from orbitproof.explore.orbits.stability import (
     HalfReturn,
     Side,
@@ -28,8 +29,6 @@ from orbitproof.explore.orbits.stability import (
     stability_parameters,
 )
 from orbitproof.shared.systems import ReversibleSystem, on_level
-
-_DIFFERENCE = 1e-6
 
 RESIDUAL = 1e3
 """How far the equations may be off, in units of the tolerance of a step (orbits close to a collision are sensitive)."""
@@ -153,27 +152,6 @@ class ShootingProblem:
         state[list(fixed)] = unknowns[self.size - 1 - len(fixed) : -1]
         return np.array(on_level(self.system, state.tolist(), self.parameter_values(unknowns)))
 
-    @cached_property
-    def _level_index(self) -> int:
-        return self.system.state.index(str(self.system.level_coordinate))
-
-    def _on_level(self, unknowns: Vector, flow: FlowResult) -> FlowResult:
-        """The flow with derivatives along the level: w moves with the other coordinates and the family parameter."""
-        steps = np.zeros((self.size, self.size))
-        slopes = np.zeros(self.size)
-        for i in range(self.size - 1):
-            steps[i, i] = _DIFFERENCE * (1 + abs(float(unknowns[i])))
-            ends = [self.initial_state(unknowns + sign * steps[i])[self._level_index] for sign in (1, -1)]
-            slopes[i] = (ends[0] - ends[1]) / (2 * steps[i, i])
-        along = flow.state_transition[:, self._level_index]
-        transition = flow.state_transition.copy()
-        transition[:, list(self.system.fixed_coordinates)] += np.outer(along, slopes[1:-1])
-        return replace(
-            flow,
-            state_transition=transition,
-            parameter_derivative=flow.parameter_derivative + along * slopes[0],
-        )
-
     def parameter_values(self, unknowns: Vector) -> Vector:
         """All parameters of the vector field in its order, as doubles."""
         family = self.system.family_parameter
@@ -190,8 +168,7 @@ class ShootingProblem:
         flow = flow_of(system).derivative(
             self.initial_state(unknowns), float(unknowns[-1]), self.parameter_values(unknowns)
         )
-        if system.fixed_level is not None:
-            flow = self._on_level(unknowns, flow)
+        flow = along_level(system, self.initial_state(unknowns), self.parameter_values(unknowns), flow)
         columns = [flow.state_transition[:, list(system.fixed_coordinates)], flow.velocity[:, None]]
         if system.family_parameter is not None:
             columns.insert(0, flow.parameter_derivative[:, None])
