@@ -14,3 +14,4 @@ from .scripting import refine as refine
 from .scripting import resonances as resonances
 from .scripting import trace as trace
 from .scripting import trace_from as trace_from
+from .seeds import triangular_orbit as triangular_orbit

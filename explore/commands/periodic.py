@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +12,10 @@ from orbitproof.explore.commands import common
 from orbitproof.explore.commands.periodic_atlas import cover
 from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, follow_families, refine_orbits
 from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of
+from orbitproof.explore.seeds import TRIANGULAR
 from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims
 from orbitproof.shared.interrupts import INTERRUPTED
-from orbitproof.shared.systems import System
+from orbitproof.shared.systems import CR3BP, System
 
 if TYPE_CHECKING:
     from orbitproof.explore.periodic import FoundOrbit
@@ -35,6 +38,8 @@ examples:
   orbitproof explore periodic --system lorenz.py --parameter sigma=10 rho=28 beta=8/3 --start x=1 y=2 z=20 \\
       --section z=27 --direction - --returns 2 --along rho 27 29 --atlas curve.json
       its curve in rho as pieces; then orbitproof verify atlas curve.json -o certificate.json
+  orbitproof explore periodic --system cr3bp --parameter mu=1.215058560962404e-2 --triangular L4-long -o l4.json
+      an orbit of the long-period family of L4
   orbitproof verify lorenz.json -o certificates.json
 
 The system's file needs neither R nor section. For a system with a first integral the orbits on one level are looked
@@ -52,8 +57,12 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--parameter", nargs="+", metavar="NAME=VALUE", help="all parameters of the vector field, exactly as written"
     )
-    parser.add_argument(
-        "--start", nargs="+", required=True, metavar="NAME=VALUE", help="where to begin: all coordinates of the state"
+    begin = parser.add_mutually_exclusive_group(required=True)
+    begin.add_argument("--start", nargs="+", metavar="NAME=VALUE", help="where to begin: all coordinates of the state")
+    begin.add_argument(
+        "--triangular",
+        choices=TRIANGULAR,
+        help="of cr3bp: a small orbit about a triangular point, of the short- or long-period family",
     )
     parser.add_argument("--period", type=common.positive, metavar="T", help="near the period: Newton's method at once")
     parser.add_argument(
@@ -127,7 +136,7 @@ def run(options: argparse.Namespace) -> int:
     for name, value in parameters.items():
         if not system.parameters[name].contains(value):
             raise InputError(f"--parameter {name}={value}: outside {system.parameters[name]}; give a value inside")
-    start = given_values("--start", options.start, system.state)
+    start, period = _start(options, system, parameters)
     section = section_of(system, options.section, options.direction)
     along = _along(options, system)
     if options.level is not None and system.first_integral_program is None:
@@ -144,8 +153,8 @@ def run(options: argparse.Namespace) -> int:
     request = PeriodicRequest(
         system,
         parameters,
-        tuple(map(float, start.values())),
-        options.period,
+        start,
+        period,
         None if section is None else AffineSection(*section),
         level,
         options.returns,
@@ -182,6 +191,24 @@ def run(options: argparse.Namespace) -> int:
             code = max(code, 0 if store.complete else 1)
     print("\n".join(lines))
     return code
+
+
+def _start(
+    options: argparse.Namespace, system: System, parameters: Mapping[str, Fraction]
+) -> tuple[tuple[float, ...], float | None]:
+    """Where to begin, and the period near that, if it is known. Raises `InputError`."""
+    if options.triangular is None:
+        given = given_values("--start", options.start, system.state)
+        return tuple(map(float, given.values())), options.period
+    if system is not CR3BP:
+        raise InputError(f"--triangular: {system.name} is not cr3bp; give --start")
+    from orbitproof.explore.seeds import triangular_orbit
+
+    try:
+        found, period = triangular_orbit(float(parameters["mu"]), options.triangular)
+    except ValueError as error:
+        raise InputError(f"--triangular: {error}") from None
+    return tuple(found[name] for name in system.state), options.period or period
 
 
 def _along(options: argparse.Namespace, system: System) -> Along | None:

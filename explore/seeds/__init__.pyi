@@ -11,3 +11,5 @@ from .libration_points import libration_point as libration_point
 from .libration_points import lyapunov_orbit as lyapunov_orbit
 from .libration_points import primaries as primaries
 from .libration_points import vertical_orbit as vertical_orbit
+from .triangular import TRIANGULAR as TRIANGULAR
+from .triangular import triangular_orbit as triangular_orbit
