@@ -52,7 +52,8 @@ class PeriodicBifurcationResults:
         known: the multiplier of the orbit that bifurcates, 1 or -1 exactly.
         multipliers: the others, and where they lie.
         side: the values of what varies for which there are the new orbits: above or below that of the bifurcation.
-        opening: kappa; a = a* + kappa y^2 + .. along the new orbits, y in units of the eigenvector.
+        opening: kappa: what varies differs from its value at the bifurcation by kappa y^2 + .. along the new orbits, in
+            the units of Lemmas 25.2 and 25.3.
         criticality: of a doubling or a pitchfork without a first integral, whether the new orbits are where a
             multiplier of the old one lies outside the unit circle ("supercritical") or inside; `None` if not known.
         is_fixed: of a pitchfork, whether the orbit lies in Fix(S); if not, S moves it by half a period.
