@@ -138,7 +138,7 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"--parameter {name}={value}: outside {system.parameters[name]}; give a value inside")
     start, period = _start(options, system, parameters)
     section = section_of(system, options.section, options.direction)
-    along = _along(options, system)
+    along = _along(options, system, parameters)
     if options.level is not None and system.first_integral_program is None:
         raise InputError(f"--level: {system.name} has no first integral; leave it out")
     level = None if options.level is None else exact_number("--level", options.level)
@@ -211,7 +211,7 @@ def _start(
     return tuple(found[name] for name in system.state), options.period or period
 
 
-def _along(options: argparse.Namespace, system: System) -> Along | None:
+def _along(options: argparse.Namespace, system: System, parameters: Mapping[str, Fraction]) -> Along | None:
     """The parameter (`None`: the level) and the interval of ``--along``. Raises `InputError`."""
     outputs = {"--csv": options.csv, "--family-output": options.family_output, "--atlas": options.atlas}
     for option, path in outputs.items():
@@ -233,6 +233,10 @@ def _along(options: argparse.Namespace, system: System) -> Along | None:
     if not low < high:
         raise InputError(f"--along {name}: an empty interval; give the smaller value first")
     if name in system.parameters:
+        if not low <= float(parameters[name]) <= high:
+            raise InputError(
+                f"--along {name}: {parameters[name]}, where the first orbit is, lies outside; widen the interval"
+            )
         return name, low, high
     if name == "level" and system.first_integral_program is not None:
         return None, low, high

@@ -20,6 +20,8 @@ from .detection import FOLD as FOLD
 from .detection import PITCHFORK as PITCHFORK
 from .detection import TORUS as TORUS
 from .detection import Bifurcation as Bifurcation
+from .family import Family as Family
+from .family import FamilyMember as FamilyMember
 from .family_file import PERIODIC_FAMILY as PERIODIC_FAMILY
 from .family_file import BifurcationRecord as BifurcationRecord
 from .family_file import MemberRecord as MemberRecord

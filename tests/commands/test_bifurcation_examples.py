@@ -93,14 +93,25 @@ OF_CIRCUIT = "nu=-0.595 beta=0.5 gamma=-0.6 r=0.6 a=0.32858 b=0.93358 e=0.001"
                 "doubling-3": "energy = 0.135285919",
             },
         ),
+        (
+            "cr3bp",
+            "",
+            "--parameter mu=0x18e267d713713fp-59 --start x=0.8234 y=0 z=0 vx=0 vy=0.1263 vz=0 --period 2.743 "
+            "--along level 3.165 3.18",
+            {"pitchfork-1": "3.174351944268834742257350354"},
+        ),
     ],
 )
 def test_what_is_found_on_the_way_is_proved(
     name: str, text: str, words: str, proved: dict[str, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     system, claims, certificates = tmp_path / f"{name}.py", tmp_path / "claims.json", tmp_path / "certificates.json"
-    system.write_text(text)
-    assert explore(["periodic", "--system", str(system), *words.split(), "-o", str(claims), "--quiet"]) == 0
+    if text:
+        system.write_text(text)
+    assert (
+        explore(["periodic", "--system", str(system) if text else name, *words.split(), "-o", str(claims), "--quiet"])
+        == 0
+    )
     capsys.readouterr()
     assert verify([str(claims), "-o", str(certificates)]) == 0
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith(f"{name}-")]

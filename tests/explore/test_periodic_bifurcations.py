@@ -18,6 +18,7 @@ from orbitproof.explore.periodic import (
     TORUS,
     AffineSection,
     Bifurcation,
+    Family,
     PeriodicFamily,
     PeriodicProblem,
     StepControl,
@@ -30,6 +31,7 @@ from orbitproof.explore.periodic import (
 )
 from orbitproof.explore.refinement import RefinementFailure
 from orbitproof.shared.formats import define_system, read_claims
+from orbitproof.shared.interrupts import INTERRUPTED
 
 
 def _system(name: str, state: str, field: dict[str, str], **more: Any) -> Any:
@@ -247,11 +249,32 @@ def test_bifurcations_are_written_by_the_command(tmp_path: Path, capsys: pytest.
     assert "no fold, doubling" in capsys.readouterr().err
 
 
+def test_an_interrupt_keeps_the_family_so_far(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "mine.py").write_text(MINE)
+    claims, table = tmp_path / "claims.json", tmp_path / "family.csv"
+    corrected, calls = Family.corrected, iter(range(9))
+
+    def interrupted(*arguments: Any) -> Any:
+        if next(calls, None) is None:
+            raise KeyboardInterrupt
+        return corrected(*arguments)
+
+    monkeypatch.setattr(Family, "corrected", interrupted)
+    words = ["--system", str(tmp_path / "mine.py"), "--parameter", "a=-1/10", "--start", "x=1", "y=0", "w=0"]
+    words += ["--period", "6.3", "--along", "a", "-0.11", "0.1", "--quiet", "-o", str(claims), "--csv", str(table)]
+    assert main(["periodic", *words]) == INTERRUPTED
+    assert "family so far is kept" in capsys.readouterr().err
+    assert 5 < len(table.read_text().splitlines()) < 12
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["--generations", "1"], "belongs to --along"),
         (["--claims", "all"], "belongs to --along"),
+        (["--along", "a", "0", "1"], "-1/10, where the first orbit is, lies outside"),
         (["--along", "a", "-1", "1", "--symmetry=-x,y"], "give the image of (x, y, w)"),
         (["--along", "a", "-1", "1", "--symmetry=-x,y,w**2"], "not linear"),
         (["--along", "a", "-1", "1", "--symmetry=-x,y,w"], "no such symmetry"),
