@@ -22,6 +22,12 @@ CHAPTERS = {
     "fold": ("verify.poincare.iterates", "verify.bifurcation.fold"),
     "orbit": ("verify.orbit.following", "verify.orbit.proved_orbit"),
     "curve": ("verify.curve.piece", "verify.curve.proved_curve"),
+    "periodic": ("verify.periodic.following", "verify.periodic.proved_periodic"),
+    "periodic-bifurcation": (
+        "verify.periodic_bifurcation.following",
+        "verify.periodic_bifurcation.proved_periodic_bifurcation",
+    ),
+    "torus": ("verify.periodic_bifurcation.following", "verify.periodic_bifurcation.proved_torus"),
     "periodic-curve": ("verify.periodic_curve.piece", "verify.periodic_curve.proved_curve"),
     "surface": ("verify.surface.piece", "verify.surface.libration_piece", "verify.surface.proved_surface"),
     "list": ("verify.curve.piece", "verify.stability.matrix", "verify.stability.proved_list"),
@@ -34,6 +40,9 @@ OTHER_WORDS = {
     "fold": ("extremum",),
     "orbit": ("one-orbit", "single-orbit"),
     "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
+    "periodic": ("periodic-orbit",),
+    "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),
+    "torus": ("periodic-torus", "neimark-sacker"),
     "periodic-curve": ("periodic-atlas", "periodic-arc", "periodic-loop"),
     "surface": ("mass", "masses", "birth"),
     "list": ("complete", "complete-list", "stability"),
@@ -145,7 +154,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not asked:
         for name, last in CHAPTERS.items():
             modules = reading_list(last)
-            print(f"{name:14}{sum(map(length, modules)):7} lines in {len(modules)} modules, up to {last[-1]}")
+            print(f"{name:21}{sum(map(length, modules)):7} lines in {len(modules)} modules, up to {last[-1]}")
         print(f"\nin all {total(reading_list([name for last in CHAPTERS.values() for name in last]))}")
         return 0
     chapter = chapter_of(asked)

@@ -239,7 +239,7 @@ def vertical(**more: Any) -> PeriodicBifurcation:
 def level_fold(**more: Any) -> PeriodicBifurcation:
     """The fold of `LEVEL_FOLD` at the level 1."""
     given: dict[str, Any] = {"parameters": {"a": ZERO}, "level": ONE, **more}
-    return bifurcation(LEVEL_FOLD, "periodic-fold", 1, [ONE, ZERO, ZERO], [ZERO, ONE], **given)
+    return bifurcation(given.pop("system", LEVEL_FOLD), "periodic-fold", 1, [ONE, ZERO, ZERO], [ZERO, ONE], **given)
 
 
 def _decimals(*texts: str) -> list[Fraction]:

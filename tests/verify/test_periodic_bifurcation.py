@@ -178,6 +178,18 @@ def test_a_parameter_may_vary_on_a_level() -> None:
     assert _is(found.opening, -ONE)
 
 
+@pytest.mark.parametrize(("integral", "opening"), [("x**2 + y**2 + a", -1), ("(x**2 + y**2)*(1 - 2*a)", HALF)])
+def test_a_first_integral_may_depend_on_the_parameter(integral: str, opening: Any) -> None:
+    """u^2 = x^2 + y^2 - 1 on the level 1: -a, and 2 a to first order."""
+    field = {"x": "-y", "y": "x", "u": "(x**2 + y**2 - 1 - u**2)/4 + 0*a"}
+    system = define_system(
+        {"name": "on", "state": "x y u", "parameters": "a", "field": field, "first_integral": integral}
+    )  # fmt: skip
+    found = _proved(cases.level_fold(parameter="a", system=system))
+    assert _is(found.opening, Fraction(opening))
+    assert found.side == ("above" if opening > 0 else "below")
+
+
 def test_where_a_map_keeps_an_area_the_other_multiplier_is_the_same() -> None:
     for c in (1, -1):
         found = _proved(cases.area(c))
