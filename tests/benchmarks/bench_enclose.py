@@ -1,20 +1,24 @@
 """Time, widths and digits of validated maps, beside integrators that compute and prove nothing.
 
-python tests/benchmarks/bench_enclose.py
+python tests/benchmarks/bench_enclose.py                         print the tables
+python tests/benchmarks/bench_enclose.py -o docs/benchmarks.md   write the page with them
 
 One half period of a CR3BP halo orbit, and one return of Lorenz's system, both from a point; then their Poincare maps
 with derivatives up to order 3 on a box. scipy (DOP853, relative tolerance 1e-13) and, where they can be imported,
 heyoka in double precision and with as many bits as the enclosure. Digits are those in which a number agrees with the
-enclosure of a run with more bits.
+enclosure of a run with more bits. Seconds are of processor time, the least of five runs.
 """
 
 from __future__ import annotations
 
+import argparse
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from flint import arb, ctx
 from scipy.integrate import solve_ivp
 
@@ -29,7 +33,7 @@ LORENZ = define_system({
 HALO = {"x": "0.843193964637", "y": 0, "z": "0.165", "vx": 0, "vy": "0.263718532564", "vz": 0, "mu": EARTH_MOON}
 WING = {"x": "-13.763610682134", "y": "-19.578751942452", "z": 27, "sigma": 10, "rho": 28, "beta": "8/3"}
 CASES: Sequence[tuple[str, System, Mapping[str, Any], Section, int, Sequence[str], int]] = (
-    ("halo orbit, half a period", CR3BP, HALO, enclose.section("y"), -1, ("x", "z", "vy"), 1),
+    ("Halo orbit, half a period", CR3BP, HALO, enclose.section("y"), -1, ("x", "z", "vy"), 1),
     ("Lorenz, one return of orbit AB", LORENZ, WING, enclose.section("z", 27), 1, ("x", "y"), 2),
 )
 BITS = (128, 176, 256)
@@ -38,12 +42,12 @@ REPEATS = 5
 
 
 def timed(call: Callable[[], Any]) -> tuple[Any, float]:
-    """A result, and the least of some times."""
+    """A result, and the least processor time of some runs."""
     times = []
     for _ in range(REPEATS):
-        begin = time.perf_counter()
+        begin = time.process_time()
         result = call()
-        times.append(time.perf_counter() - begin)
+        times.append(time.process_time() - begin)
     return result, min(times)
 
 
@@ -95,50 +99,91 @@ def by_heyoka(system: System, centre: Mapping[str, Any], until: arb, bits: int) 
     more = {} if bits == 53 else {"prec": bits}
     integrator = hy.taylor_adaptive(equations, np.array(start), fp_type=kind, **more)
     end = number(until.mid().str(80, radius=False))
-    begin = time.perf_counter()
-    integrator.propagate_until(end)
-    return list(integrator.state), time.perf_counter() - begin
+
+    def run() -> list[Any]:
+        integrator.time, integrator.state[:] = number("0") if bits != 53 else 0.0, start
+        integrator.propagate_until(end)
+        return list(integrator.state)
+
+    return timed(run)
 
 
 def compare(
     name: str, system: System, centre: Any, section: Section, direction: int, free: Any, crossings: int
-) -> None:
-    """Print the rows of a case."""
-    print(f"\n{name}\n{'':34}{'seconds':>10}{'digits':>9}{'width of the widest ball':>28}")
+) -> Iterator[str]:
+    """The lines of a case's table."""
+    yield f"\n## {name}\n"
+    yield "| | seconds | digits | width of the widest ball |"
+    yield "| --- | --- | --- | --- |"
     point = enclose.box(centre)
     best = mapped(system, point, section, direction, crossings, precision=512)
     watched = [each for each in system.state if abs(best.centre.value[each]) > 1e-3]
 
-    def row(label: str, seconds: float, values: Mapping[str, Any], width: str = "") -> None:
+    def row(label: str, seconds: float, values: Mapping[str, Any], width: str = "proves nothing") -> str:
         worst = min((digits(values[each], best.centre.value[each]) for each in watched), key=float)
-        print(f"{label:34}{seconds:10.3f}{worst:>9}{width:>28}", flush=True)
+        return f"| {label} | {seconds:.2g} | {worst} | {width} |"
 
     for bits in BITS:
         found, seconds = timed(lambda bits=bits: mapped(system, point, section, direction, crossings, precision=bits))
         widest = max(ball.rad() for ball in found.value.values())
-        row(f"from a point, {bits} bits", seconds, found.centre.value, f"{float(2 * widest):.1e}")
+        yield row(f"from a point, {bits} bits", seconds, found.centre.value, f"{float(2 * widest):.1e}")
     box = enclose.box(centre, radii=dict.fromkeys(free, RADIUS))
     for order in (1, 2, 3):
         found, seconds = timed(
             lambda order=order: mapped(system, box, section, direction, crossings, derivatives=order, precision=176)
         )
         slopes = max(ball.rad() for row_of in found.jacobian.values() for ball in row_of)
-        width = f"{float(2 * slopes):.1e} (DP)"
-        row(f"box {RADIUS}, derivatives to order {order}", seconds, found.centre.value, width)
+        width = f"{float(2 * slopes):.1e}, of a first derivative"
+        yield row(f"box of radius {RADIUS}, derivatives to order {order}, 176 bits", seconds, found.centre.value, width)
     state, seconds = timed(lambda: by_scipy(system, centre, section, direction, crossings))
-    row("scipy DOP853", seconds, dict(zip(system.state, state, strict=True)))
+    yield row(f"scipy {scipy.__version__}, DOP853", seconds, dict(zip(system.state, state, strict=True)))
     try:
-        import heyoka  # noqa: F401
+        import heyoka
     except ImportError:
-        print("heyoka cannot be imported")
+        yield "| heyoka, which is not installed here | | | |"
         return
-    for bits in (53, 176):
+    for bits in (53, *BITS):
         state, seconds = by_heyoka(system, centre, best.centre.time, bits)
         text = [arb(str(value)) for value in state]
-        row(f"heyoka, {bits} bits, no section", seconds, dict(zip(system.state, text, strict=True)))
+        kind = "double precision" if bits == 53 else f"{bits} bits"
+        yield row(
+            f"heyoka {heyoka.__version__}, {kind}, without the section",
+            seconds,
+            dict(zip(system.state, text, strict=True)),
+        )
+
+
+PAGE = """# Benchmarks
+
+What an enclosure costs beside integrators that compute and prove nothing. Made by
+
+    pip install heyoka
+    python tests/benchmarks/bench_enclose.py -o docs/benchmarks.md
+
+on one core of a small virtual machine. Seconds are of processor time, the least of five runs, without the time in which
+heyoka compiles a system. Digits are those in which the worst coordinate agrees with an enclosure of
+512 bits, in which a ball counts with its radius; widths are of the widest ball. "From a point" is one orbit up to
+its crossing of the section; a box has the Poincare map of all its points, with all partial derivatives to an order.
+The half period is that of a halo orbit of the Earth-Moon system; the return of Lorenz's system is once
+around the orbit AB.
+What the enclosures say, and what they do not: [validated integration](validated-integration.md).
+"""
+
+
+def main() -> None:
+    """Print the tables, and write the page if that is asked for."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page to write")
+    options = parser.parse_args()
+    lines = []
+    with ctx.workprec(640):
+        for case in CASES:
+            for line in compare(*case):
+                print(line, flush=True)
+                lines.append(line)
+    if options.output is not None:
+        options.output.write_text(PAGE + "\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    with ctx.workprec(640):
-        for case in CASES:
-            compare(*case)
+    main()
