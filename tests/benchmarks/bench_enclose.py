@@ -163,7 +163,7 @@ What an enclosure costs beside integrators that compute and prove nothing. Made 
 on one core of a small virtual machine. Seconds are of processor time, the least of five runs, without the time in which
 heyoka compiles a system. Digits are those in which the worst coordinate agrees with an enclosure of
 512 bits, in which a ball counts with its radius; widths are of the widest ball. "From a point" is one orbit up to
-its crossing of the section; a box has the Poincare map of all its points, with all partial derivatives to an order.
+its crossing of the section; a box has the Poincaré map of all its points, with all partial derivatives to an order.
 The half period is that of a halo orbit of the Earth-Moon system; the return of Lorenz's system is once
 around the orbit AB.
 What the enclosures say, and what they do not: [validated integration](validated-integration.md).
