@@ -21,6 +21,8 @@ PITCHFORK = "pitchfork"
 _RESOLUTION = 1e-9
 _REAL = 1e-7
 """An imaginary part below this, relative to the multiplier, is rounding."""
+_ON_CIRCLE = 1e-6
+"""A distance from the unit circle that is rounding."""
 _FARTHEST = 0.2
 """Multipliers move at most so far from orbit to orbit, relative to their sizes, where they are followed."""
 _ZERO = 1e-6
@@ -127,7 +129,8 @@ def _check_resolved(
     for left, right in _followed(old, new):
         if abs(left - right) > _FARTHEST * (1 + abs(left) + abs(right)):
             raise UnresolvedError
-    if not conservative:
+    # Multipliers that stay on the circle are on both sides of it by rounding.
+    if not conservative and not np.any(np.abs(np.abs(np.concatenate([old, new])) - 1) < _ON_CIRCLE):
         outward = {True: 1, False: -1}
         change = sum((2 if kind == TORUS else 1) * outward[abs(each) < 1] for kind, _, each in crossed)
         if int(np.sum(np.abs(new) > 1)) - int(np.sum(np.abs(old) > 1)) != change:
@@ -163,8 +166,10 @@ def _crossings(
             for kind, goal in ((BRANCH, 1.0), (DOUBLING, -1.0)):
                 if (left.real - goal) * (right.real - goal) < 0:
                     yield kind, goal, old
-        elif not (conservative or is_real(old) or is_real(new)) and old.imag > 0 > (abs(old) - 1) * (abs(new) - 1):
-            yield TORUS, None, old
+        elif not (conservative or is_real(old) or is_real(new)) and old.imag > 0:
+            inner, outer = sorted((abs(old) - 1, abs(new) - 1))
+            if inner < 0 < outer and outer - inner > _ON_CIRCLE:
+                yield TORUS, None, old
 
 
 def _test(kind: str, near: complex, conservative: bool) -> Test:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 
 from orbitproof.explore.flow import FlowFailure
 from orbitproof.explore.periodic.correction import ClosedOrbit, PeriodicFailure, PeriodicProblem, multipliers
 from orbitproof.explore.periodic.flow import Matrix, Vector, arc_of
-from orbitproof.explore.periodic.symmetries import Symmetry
+from orbitproof.explore.periodic.symmetries import Symmetry, keeps_volume
 
 _NEWTON_STEPS = 8
 _TOLERANCE = 1e-10
@@ -55,10 +56,11 @@ class Family:
         """Of the parameter among all."""
         return None if self.name is None else list(self.problem.system.parameters).index(self.name)
 
-    @property
+    @cached_property
     def conservative(self) -> bool:
-        """Whether multipliers come in pairs mu, 1/mu, as with a first integral they are taken to do."""
-        return self.problem.system.first_integral_program is not None
+        """Whether multipliers are taken to come in pairs mu, 1/mu: with an integral, or without divergence in R^3."""
+        system = self.problem.system
+        return system.first_integral_program is not None or (len(system.state) == 3 and keeps_volume(self.problem))
 
     def values(self, z: Vector) -> Vector:
         """All parameters at the unknowns z."""

@@ -21,6 +21,7 @@ from orbitproof.shared.systems import System
 _MOST_PERMUTED = 6
 """Up to so many coordinates permutations are tried too, beyond it changes of sign alone."""
 _AGREES = 1e-11
+_FLAT = 1e-6
 _INVARIANT = 1e-5
 _MOVE = 0.0173
 """By so much the parameter that varies is changed: a symmetry must not need its value."""
@@ -99,6 +100,23 @@ def linear_symmetries(problem: PeriodicProblem, parameter: str | None) -> tuple[
         if _commutes(problem, matrix, parameter, points):
             found.append(Symmetry(tuple(tuple(Fraction(int(value)) for value in row) for row in matrix)))
     return tuple(found)
+
+
+def keeps_volume(problem: PeriodicProblem) -> bool:
+    """Whether the vector field has no divergence at some points."""
+    points, step = _points(len(problem.system.state)), 1e-4
+    try:
+        for point in points:
+            terms = []
+            for i in range(len(point)):
+                shift = step * np.eye(len(point))[i]
+                ahead, back = (_field(problem.system, point + sign * shift, problem.values) for sign in (1, -1))
+                terms.append((ahead[i] - back[i]) / (2 * step))
+            if abs(sum(terms)) > _FLAT * (1 + sum(map(abs, terms))):
+                return False
+    except (ArithmeticError, ValueError, TypeError):
+        return False
+    return True
 
 
 def _points(size: int) -> Matrix:

@@ -81,6 +81,13 @@ LEVELS_DOUBLING = _system(
 SPIN = _system("spin", "x y z", {"x": "x*s - y", "y": "x + y*s", "z": "a*z - z**3"}, parameters="a", where=ONE)
 
 
+NEUTRAL = _system(
+    "neutral", "x y z", {"x": "-a*z*x/2 - y", "y": "x - a*z*y/2", "z": "a*(x**2 + y**2 - 1)"}, parameters="a"
+)
+"""The unit circle with the multipliers exp(+-2 pi i a), on the circle for all a."""
+MICHELSON = _system("michelson", "x y z", {"x": "y", "y": "z", "z": "c**2 - y - x**2/2"}, parameters="c")
+
+
 def _found(family: PeriodicFamily, kind: str) -> Bifurcation:
     (found,) = [each for each in family.bifurcations if each.kind == kind]
     return found
@@ -159,6 +166,20 @@ def test_multipliers_that_collide_and_cross_on_one_step_are_followed() -> None:
     family = _family(COLLIDING, "-3/20", [1, 0, 0, 0], 6.3, (-0.2, 0.05), initial=0.6, largest=0.6)
     found = _found(family, TORUS)
     assert found.member.value == pytest.approx(0, abs=1e-7)
+
+
+def test_multipliers_that_stay_on_the_circle_do_not_cross_it() -> None:
+    family = _family(NEUTRAL, "1/4", [1, 0, 0], 6.3, (0.2, 0.3))
+    assert not family.bifurcations
+    assert len(family.members) < 40
+
+
+def test_a_field_without_divergence_has_multipliers_in_pairs() -> None:
+    problem = PeriodicProblem(MICHELSON, {"c": Fraction(1, 5)})
+    orbit = correct(problem, [0.0, 0.3, 0.0], 6.2)
+    family = continue_orbit(problem, orbit, "c", (0.15, 0.25))
+    assert not [each for each in family.bifurcations if each.kind == TORUS]
+    assert len(family.members) < 40
 
 
 def test_the_orbits_of_a_doubling_are_followed_from_their_birth() -> None:
