@@ -34,6 +34,8 @@ from orbitproof.verify.oracle.solution import CentreExpansion
 _MINUS_ONE = Fraction(-1)
 _CENTRE_BITS = 60
 _VARIATION = Grading((1,), 1)
+_BITS_OF_ONE = 112
+"""Up to so many bits one correction is enough: each adds about those of a double number."""
 
 
 def element_at_points(arithmetic: WideArithmetic, element: Series) -> Points:
@@ -86,17 +88,18 @@ class CircleExpansion:
             for component, x in enumerate(self.state)
         ]
         constants = [p.coefs for p in self.parameters]
-        trial = Evaluation(program, arithmetic)
-        trial.fill(0, [row[0] for row in (*solution, *constants)])
-        forcing = _defects(arithmetic, trial, [row[0] for row in solution], step)
         start = np.zeros((size, 2, taylor.shape[-1]), complex)
         start[:, 0] = taylor[:, 0, 0]
         fixed = np.zeros((len(constants), 2, taylor.shape[-1]), complex)
         fixed[:, 0] = self._fixed[:, 0] if constants else 0.0
-        variation = taylor_at_points(program, _VARIATION, start, fixed, degree, float(step), to_points(forcing))
-        corrections = from_points(variation[:, :, 1], width)
-        for component in range(size):
-            solution[component][0] = solution[component][0] + arithmetic.pack(corrections[component], bits)
+        for _ in range(1 if bits <= _BITS_OF_ONE else 2):
+            trial = Evaluation(program, arithmetic)
+            trial.fill(0, [row[0] for row in (*solution, *constants)])
+            forcing = _defects(arithmetic, trial, [row[0] for row in solution], step)
+            variation = taylor_at_points(program, _VARIATION, start, fixed, degree, float(step), to_points(forcing))
+            corrections = from_points(variation[:, :, 1], width)
+            for component in range(size):
+                solution[component][0] = solution[component][0] + arithmetic.pack(corrections[component], bits)
         for column in zip(*solution, strict=True):
             along.give(column)
 

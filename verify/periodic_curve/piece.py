@@ -40,7 +40,7 @@ class PeriodicLimits(PieceLimits):
 
     precision: int = 128
     order: int = 52
-    width: int = 32
+    width: int = 40
     top: int = 2
 
     def __post_init__(self) -> None:
