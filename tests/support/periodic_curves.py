@@ -38,6 +38,15 @@ TURNING = shared.define_system({"name": "turning", "state": "x y", "parameters":
 TWICE = shared.define_system({"name": "twice", "state": "x y u", "parameters": "a", "field": _two_crossings})
 """x + iy = R exp(it), a = R^2, and u = x^2 - y^2 vanishes four times in a period, twice growing."""
 
+
+def _faster(x: Any, y: Any, a: Any) -> tuple[Any, Any]:
+    rate, speed = (1 - x * x - y * y) / 8, 1 + a / 4
+    return rate * x - speed * y, rate * y + speed * x
+
+
+FASTER = shared.define_system({"name": "faster", "state": "x y", "parameters": "a", "field": _faster})
+"""The unit circle, run through in the time 2 pi/(1 + a/4)."""
+
 LEVELS = shared.define_system(
     {
         "name": "levels", "state": "x y z", "parameters": "a", "first_integral": lambda x, y, z, a: x * x + y * y,
@@ -78,12 +87,44 @@ def twice_atlas(crossings: int = 2) -> PeriodicAtlas:
     return PeriodicAtlas("twice", "Two crossings", TWICE, {}, claim, (_piece("p1", (Q(0), x, -x), 1, h, rows),))
 
 
+def faster_atlas() -> PeriodicAtlas:
+    """x = 1, a from 0 to 1."""
+    claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1)), Q(0), 1, 1, "a")
+    piece = _piece("p1", (Q(1, 2), Q(0)), 0, Q(1, 2), [[Q(1)]])
+    return PeriodicAtlas("faster", "Faster and faster", FASTER, {}, claim, (piece,))
+
+
 def levels_atlas(a: str = "1/2") -> PeriodicAtlas:
     """Over the levels of x^2 + y^2, x from -1.25 to -0.75, z = a x/2."""
     claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1), Q(0)), Q(0), 1, 1)
     x, h, value = Q(-1), Q(1, 4), Q(a)
     piece = _piece("p1", (x, Q(0)), 0, h, [[value * x / 2, value * h / 2]])
     return PeriodicAtlas("levels", "Over the levels", LEVELS, {"a": value}, claim, (piece,))
+
+
+def tilted_atlas() -> PeriodicAtlas:
+    """Over the levels, from the section x + y/2 = 1: y from -0.1 to 0.1, where x changes with it; z = (x - y)/4."""
+    claim = PeriodicCurveClaim("periodic-arc", (Q(1), Q(1, 2), Q(0)), Q(1), -1, 1)
+    piece = _piece("p1", (Q(0), Q(0)), 0, Q(1, 10), [[Q(1, 4), Q(-3, 80)]])
+    return PeriodicAtlas("tilted", "Over the levels", LEVELS, {"a": Q(1, 2)}, claim, (piece,))
+
+
+def _flipping(x: Any, y: Any, u: Any, v: Any) -> tuple[Any, Any, Any, Any]:
+    rate = (1 - x * x - y * y) / 8
+    return rate * x - y, rate * y + x, v / 2, -u / 2
+
+
+FLIPPING = shared.define_system(
+    {"name": "flipping", "state": "x y u v", "field": _flipping, "first_integral": lambda x, y, u, v: u * u + v * v}
+)
+"""After one turn of (x, y) the point (u, v) is at (-u, -v), on the same level."""
+
+
+def flipped_atlas() -> PeriodicAtlas:
+    """x = 1, v = 0, u from 0.5 to 1.5: all equations hold after one turn but that for u."""
+    claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1), Q(0), Q(0)), Q(0), 1, 1)
+    piece = _piece("p1", (Q(0), Q(1), Q(0)), 1, Q(1, 2), [[Q(1)], [Q(0)]])
+    return PeriodicAtlas("flipped", "No curve", FLIPPING, {}, claim, (piece,))
 
 
 def on_level_atlas(level: str = "1") -> PeriodicAtlas:
@@ -94,13 +135,18 @@ def on_level_atlas(level: str = "1") -> PeriodicAtlas:
 
 
 ATLASES: Mapping[str, PeriodicAtlas] = {
-    atlas.id: atlas for atlas in (turning_atlas(), twice_atlas(), levels_atlas(), on_level_atlas())
+    atlas.id: atlas for atlas in (turning_atlas(), twice_atlas(), levels_atlas(), tilted_atlas(), on_level_atlas())
 }
 
 
-def attempt(atlas: PeriodicAtlas, number: int = 0, limits: PeriodicLimits = LIMITS) -> PieceResult[ProvedInterval]:
-    """One piece, over all of s."""
-    return prove_periodic_piece(atlas, atlas.curve_pieces()[number], WHOLE, ORACLE, limits)
+def attempt(
+    atlas: PeriodicAtlas,
+    number: int = 0,
+    limits: PeriodicLimits = LIMITS,
+    interval: tuple[Fraction, Fraction] = WHOLE,
+) -> PieceResult[ProvedInterval]:
+    """One piece, by default over all of s."""
+    return prove_periodic_piece(atlas, atlas.curve_pieces()[number], interval, ORACLE, limits)
 
 
 @cache

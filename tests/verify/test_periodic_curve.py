@@ -6,6 +6,7 @@ import random
 from dataclasses import replace
 from fractions import Fraction
 from math import pi
+from typing import Any
 
 import pytest
 from support.periodic_curves import (
@@ -13,6 +14,8 @@ from support.periodic_curves import (
     LIMITS,
     TUBE,
     attempt,
+    faster_atlas,
+    flipped_atlas,
     levels_atlas,
     on_level_atlas,
     proved,
@@ -76,6 +79,38 @@ def test_pieces_beside_their_curve_are_not_proved(name: str) -> None:
         assert condition(shifted(atlas, 2 * TUBE, row=row)) == "newton"
 
 
+def test_nothing_is_proved_beyond_the_ends_of_a_piece() -> None:
+    outcome = attempt(turning_atlas(), interval=(Fraction(-1), Fraction(9, 8))).outcome
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "piece"
+
+
+def test_a_curve_that_leaves_its_tube_next_to_an_end_is_not_proved() -> None:
+    """At s = 16/17 the power of s is a fortieth of what it is at 1."""
+    atlas = turning_atlas()
+    first, second = atlas.curve_pieces()
+    row = (*first.polynomial[0], *[Fraction(0)] * (60 - len(first.polynomial[0])), TUBE / 2)
+    bent = replace(atlas, pieces=(replace(first, polynomial=(row,)), second))
+    wide = replace(LIMITS, width=100)
+    assert not attempt(bent, limits=wide).is_proved
+    inside = attempt(bent, limits=wide, interval=(Fraction(-7, 8), Fraction(7, 8)))
+    assert inside.is_proved, inside.outcome
+
+
+def test_a_sixteenth_of_the_tube_is_what_a_curve_may_be_off() -> None:
+    assert attempt(shifted(turning_atlas(), TUBE / 20)).is_proved
+    assert condition(shifted(turning_atlas(), TUBE / 12)) == "newton"
+
+
+def test_the_time_is_that_of_all_orbits_of_a_piece() -> None:
+    found = attempt(faster_atlas()).outcome
+    assert isinstance(found, Proved), found
+    time = found.results.time
+    assert float(time.lower()) <= 2 * pi / 1.25
+    assert 2 * pi <= float(time.upper())
+    assert float(time.rad()) < 1
+
+
 def test_another_direction_is_refused_before_the_integration() -> None:
     assert condition(turning_atlas(direction=-1)) == "direction"
 
@@ -103,6 +138,20 @@ def test_a_function_that_is_no_integral_is_refused() -> None:
     system = replace(atlas.system, first_integral=lambda state, _: (state[0] * state[0] + state[2],))
     assert condition(replace(atlas, system=system)) == "first-integral"
     assert refused(replace(atlas, system=system), proved("levels")).startswith("first-integral")
+
+
+def test_orbits_that_come_back_to_another_point_of_their_level_are_no_curve() -> None:
+    assert condition(flipped_atlas()) == "last-coordinate"
+
+
+def test_an_integral_that_does_not_tell_the_last_coordinate_is_refused() -> None:
+    atlas = levels_atlas()
+
+    def integral(state: Any, _: Any) -> Any:
+        x, y, _z = state
+        return ((x * x + y * y - 1) * (x * x + y * y - 1),)
+
+    assert condition(replace(atlas, system=replace(atlas.system, first_integral=integral))) == "last-coordinate"
 
 
 def test_a_fold_lies_on_the_curve() -> None:

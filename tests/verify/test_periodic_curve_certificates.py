@@ -103,7 +103,7 @@ def test_certificates_stand(name: str) -> None:
 def test_the_theorem_says_what_is_proved() -> None:
     theorem = certificate("turning")["statement"]["theorem"]
     for words in (
-        "Along it a has at least an extremum: a minimum between",
+        "Along it a has at least one extremum: a minimum between",
         "All least periods lie in [6.283, 6.284]",
         "exactly once",
         "Along it x increases strictly",
@@ -116,6 +116,17 @@ def test_the_theorem_says_what_is_proved() -> None:
     full = certificate("levels")["statement"]["in_full"]
     assert "H = x^2 + y^2" in full
     assert "z' = a*x - z" in full
+
+
+def test_periods_that_are_not_stored_are_not_told() -> None:
+    document = copy.deepcopy(certificate("turning"))
+    del _results(document)[0]["time"]
+    atlas = atlas_of(document)
+    results = results_from_json(atlas, document["results"])
+    again = make_atlas_certificate(atlas, results, conclusion_of(atlas, results, [], lambda entries: [], None))
+    assert "period" not in again["conclusion"]
+    assert "least periods lie" not in again["statement"]["theorem"]
+    assert not check_of_conclusion(document).stands
 
 
 def _results(document: Document) -> list[Document]:
@@ -132,7 +143,9 @@ FORGED: dict[str, Callable[[Document], Any]] = {
     "a piece elsewhere": lambda d: d["statement"]["atlas"]["pieces"][1].update(centre=["0", "0x3p-1"]),
     "bounds as wide as the tube": lambda d: _results(d)[0].update(deviation=["0x1"]),
     "a result of no interval": lambda d: _results(d)[0].update(interval=["-0x2", "0x1"]),
-    "stability of a symmetric kind": lambda d: _results(d)[0].update(stability={"condition": "none", "message": "x"}),
+    "stability of a symmetric kind": lambda d: _results(d)[0].update(
+        stability={"reason": {"condition": "stability", "message": "x", "remedy": "y"}}
+    ),
     "a turn that is none": lambda d: d["conclusion"].update(turns=[]),
     "another vector field": lambda d: d["statement"].update(vector_field=d["statement"]["vector_field"] + "\n"),
     "another theorem": lambda d: d["statement"].update(theorem="There is a curve of stable orbits."),

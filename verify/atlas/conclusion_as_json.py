@@ -59,7 +59,8 @@ def _whole(
         ]
         ends = {end: balls_to_json(balls) for end, balls in whole.ends.items()}
         if isinstance(whole, ProvedPeriodicCurve):
-            more = {"period": to_json(whole.period), "turns": [to_json(turn) for turn in whole.turns]}
+            known = {"period": to_json(whole.period)} if whole.period.is_finite() else {}
+            more = {**known, "turns": [to_json(turn) for turn in whole.turns]}
     return {
         **outcome_to_json(conclusion.outcome),
         "statement": statement,

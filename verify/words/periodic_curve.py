@@ -96,7 +96,7 @@ def _level(atlas: PeriodicAtlas) -> str:
 def _turns(name: str, turns: Sequence[Turn]) -> Iterator[str]:
     if not turns:
         return
-    count = "an extremum" if len(turns) == 1 else f"{len(turns)} extrema"
+    count = "one extremum" if len(turns) == 1 else f"{len(turns)} extrema"
     listed = "; ".join(
         f"a {'maximum' if turn.is_maximum else 'minimum'} between a point with {name} in "
         f"{interval_text(turn.values[0], _DIGITS)} and one with {name} in {interval_text(turn.values[1], _DIGITS)}"
