@@ -94,6 +94,18 @@ OF_CIRCUIT = "nu=-0.595 beta=0.5 gamma=-0.6 r=0.6 a=0.32858 b=0.93358 e=0.001"
             },
         ),
         (
+            "michelson",
+            (ROOT / "docs/examples/michelson.py").read_text(),
+            "--parameter c=1/10 --start x=0 y=1/5 z=0 --period 6.3 --along c 0.05 1.4",
+            {
+                "doubling-1": "c = 0.319378643",
+                "doubling-2": "c = 0.340493134",
+                "doubling-3": "c = 0.579430540",
+                "fold-1": "c = 1.266232337",
+                "doubling-4": "c = 1.265823351",
+            },
+        ),
+        (
             "cr3bp",
             "",
             "--parameter mu=0x18e267d713713fp-59 --start x=0.8234 y=0 z=0 vx=0 vy=0.1263 vz=0 --period 2.743 "
