@@ -246,6 +246,78 @@ def test_volume_is_kept_only_where_no_rate_depends_on_its_own_coordinate() -> No
     assert kept == [True, False]
 
 
+@pytest.fixture(scope="module")
+def recorded(certificates: dict[str, dict[str, Any]]) -> tuple[Any, tuple[Any, int], int, list[Any]]:
+    """The statement of the first case, where it starts, with how many bits, and what was followed of it in turn."""
+    stated = periodic.read_periodic(certificates["on a slanted section"])
+    with package.jets.precision(160):
+        start = periodic._Proof(stated, 160).guess()
+    bits, found = 2 * max(start[1], 0) + periodic.KNOWN, list[Any]()
+
+    class Recording(periodic._Proof):  # type: ignore[name-defined, misc]
+        def followed(self, *arguments: Any) -> Any:
+            found.append(super().followed(*arguments))
+            return found[-1]
+
+    with package.jets.precision(bits):
+        assert Recording(stated, bits, start).conclusion().inside == 1
+    return stated, start, bits, found
+
+
+def concluded(
+    recorded: tuple[Any, tuple[Any, int], int, list[Any]],
+    last: Callable[[Any], Any] = lambda found: found,
+    after: Callable[[Any], object] = lambda proof: None,
+    **claimed: Any,
+) -> Any:
+    """The proof of a changed claim from what was followed, the last of it changed, and itself after Newton's method."""
+    stated, start, bits, found = recorded
+    results = iter([*found[:-1], last(found[-1])])
+
+    class Replayed(periodic._Proof):  # type: ignore[name-defined, misc]
+        def followed(self, *arguments: Any) -> Any:
+            return next(results)
+
+        def refine(self) -> Any:
+            exactly = super().refine()
+            after(self)
+            return exactly
+
+    with package.jets.precision(bits):
+        return Replayed(replace(stated, **claimed), bits, start).conclusion()
+
+
+def test_what_was_followed_is_enough_for_the_proof(recorded: Any) -> None:
+    assert concluded(recorded).inside == 1
+
+
+def test_each_condition_is_looked_at(recorded: Any) -> None:
+    with pytest.raises(package.CannotFollow, match="crossings is not shown"):
+        concluded(recorded, lambda found: found._replace(crossings=found.crossings + 1))
+    with pytest.raises(package.CannotFollow, match="direction is not shown"):
+        concluded(recorded, direction=1)
+    with pytest.raises(package.CannotFollow, match="newton is not shown"):
+        concluded(recorded, after=lambda proof: setattr(proof, "reach", arb(2) ** -1000))
+
+
+def test_a_time_of_return_that_is_a_multiple_of_the_period_is_refused(recorded: Any) -> None:
+    """With two crossings claimed and found: half the time on, the orbit may be at its point."""
+
+    with pytest.raises(package.CannotFollow, match="least period, T/2 is not shown"):
+        concluded(recorded, lambda found: found._replace(crossings=2, between={2: found.state}), crossings=2)
+    with pytest.raises(package.CannotFollow, match="least period, T/2 is not shown"):
+        concluded(recorded, lambda found: found._replace(crossings=2), crossings=2)
+
+
+def test_a_disc_that_may_have_two_multipliers_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    coefficients = [arb("9.0003", "1e-6"), arb("-6.0001"), arb(1)]
+    with pytest.raises(package.CannotFollow, match="not isolated"):
+        periodic._only_root(coefficients, acb(3))
+    monkeypatch.setattr(periodic, "_nearer", lambda polynomial, guess: acb("0.5"))
+    with pytest.raises(package.CannotFollow, match="not told apart"):
+        periodic.multipliers(arb_mat([[1, 0, 0], [0, "0.5", 0], [0, 0, 3]]), 1)
+
+
 @pytest.mark.slow
 def test_an_orbit_of_lorenz_is_proved_and_agrees() -> None:
     certificate = certify(lorenz("AB"), Limits(digits=20)).to_json()

@@ -19,6 +19,7 @@ from .statement import BadCertificate, Program, exact, read
 
 ROUGH, KNOWN = (160, 320, 640), 128
 """Bits of the first integration, tried one after the other; of the others beyond twice those that are lost."""
+MOST_STEPS = 10_000
 ERRORS = (ArithmeticError, ValueError, TypeError, MemoryError)
 DEPENDENCE = {name: lambda a, b: a | b for name in "+-*/"} | {"**": lambda a, exponent: a}
 """For the sets of names on which lines depend."""
@@ -208,6 +209,8 @@ class _Proof:
             while period is None or not now > period:
                 step, guess = take_step(statement, state, guess, self.bits)
                 self.steps += 1
+                if self.steps > MOST_STEPS:
+                    raise CannotFollow(f"the orbit takes more than {MOST_STEPS} steps")
                 end = step.duration
                 while not sign_of(step.polynomials[statement.section][()](end)):
                     end = (end * 7 / 8).mid()
@@ -223,7 +226,7 @@ class _Proof:
                     count += sign == statement.direction
                     if period is not None and now + piece[0] < period and period < now + piece[1]:
                         return _Return(step.at(period - now), period, count, between)
-                    if period is None and count == statement.crossings and sign == statement.direction:
+                    if period is None and count >= statement.crossings and sign == statement.direction:
                         found, moment = crossing_state(statement, step, piece)
                         return _Return(found, now + moment, count, between)
                     piece, sign = first_crossing(step, statement.section, sign, piece[1], end)
