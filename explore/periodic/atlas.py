@@ -8,6 +8,7 @@ curve, so folds in the parameter are nothing special.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -34,7 +35,7 @@ _RELIABLE = 1e-7
 """Newton's method need not reach `_CONVERGED`, where float64 does not allow it."""
 _MARGIN = 50.0
 """A tube is so many times wider than the noise of its polynomial."""
-_LEAST_CHANGE = 1e-3
+_LEAST_CHANGES = 0.2, 0.01
 _STRAIGHT = 0.8
 """Least cosine of the angle between neighbours."""
 _INSIDE, _NEAR = 0.8, 1e-3
@@ -204,7 +205,34 @@ def cover_curve(
     Both ways it ends with the first piece that reaches beyond `bounds`, or where no further piece is found. Raises
     `PeriodicFailure` if there is none at all.
     """
-    control = control or CurveControl()
+    # Where a curve turns sharply in some units it may not in others.
+    tried: list[CoveredCurve] = []
+    failure = PeriodicFailure("no piece is found")
+    for least in _LEAST_CHANGES[: 1 if name is None else None]:
+        try:
+            tried.append(_covered(found, name, bounds, identity, control or CurveControl(), progress, least))
+        except PeriodicFailure as error:
+            failure = error
+    if not tried:
+        raise failure
+    whole = [each for each in tried if each.reaches]
+    return min(whole, key=_number) if whole else max(tried, key=_number)
+
+
+def _number(found: CoveredCurve) -> int:
+    return len(found.atlas.pieces)
+
+
+def _covered(
+    found: FoundOrbit,
+    name: str | None,
+    bounds: tuple[float, float],
+    identity: str,
+    control: CurveControl,
+    progress: Callable[[str], None] | None,
+    least: float,
+) -> CoveredCurve:
+    """As `cover_curve`, with coordinates measured by at least this part of the size of the orbit."""
     problem, section = found.problem, found.section
     system = problem.system
     place = None if name is None else list(system.parameters).index(name)
@@ -217,13 +245,11 @@ def cover_curve(
         raise PeriodicFailure("the orbits of a curve have no coordinate across it; there is nothing to prove")
     level = found.level if place is not None else None
     curve = _Curve(problem, section, place, scales, None if level is None else float(level))
-    tangent = curve.tangent(start, found.orbit.period)
-    if place is not None and tangent[0]:
+    if place is not None:
         # The curve shall not look straight where it turns: coordinates are measured by how much they change.
-        change = float(np.abs(tangent[1:] / tangent[0]).max())
-        scales[1:] *= min(max(change, _LEAST_CHANGE), 1.0)
+        scales[1:] *= min(max(_change(curve, start, found.orbit.period), least), 1.0)
         curve = replace(curve, scales=scales)
-        tangent = curve.tangent(start, found.orbit.period)
+    tangent = curve.tangent(start, found.orbit.period)
     tangent = tangent / np.linalg.norm(tangent) * (-1.0 if tangent[0] < 0 else 1.0)
     first = curve.solved(start, found.orbit.period, tangent, start, 0.0)
     middle = _first_chart(curve, first)
@@ -249,6 +275,16 @@ def cover_curve(
     parameters = {key: exact for key, exact in problem.parameters.items() if key != name}
     title = f"Periodic orbits of the {system.title} along {varies}"
     return CoveredCurve(PeriodicAtlas(identity, title, system, parameters, claim, pieces, {}), ends, reaches)
+
+
+def _change(curve: _Curve, start: Vector, period: float) -> float:
+    """How much the coordinates of the section change with the parameter, at an orbit and not far from it."""
+    tangents = [curve.tangent(start, period)]
+    for length in (sign * part * _FIRST for part in (1.0, 0.2) for sign in (1.0, -1.0)):
+        with suppress(PeriodicFailure):
+            guess = start + length * tangents[0] * curve.scales
+            tangents.append(curve.solved(guess, period, tangents[0], start, length).tangent)
+    return max(float(np.abs(each[1:]).max() / (abs(each[0]) or 1.0)) for each in tangents)
 
 
 def _first_chart(curve: _Curve, point: _Point) -> _Chart:

@@ -47,7 +47,7 @@ def test_a_curve_is_covered_through_its_fold_and_proved() -> None:
         for s in np.linspace(-1, 1, 7):
             a, x = map(float, piece.point(shared.parse_exact(repr(float(s)))))
             assert abs(x**4 - 2 * x**2 - a) < 1e-9
-    proof = prove_periodic_piece(atlas, turning[0], WHOLE, ORACLE, LIMITS)
+    proof = prove_periodic_piece(atlas, turning[0], WHOLE, ORACLE)
     assert proof.is_proved, proof.outcome
 
 
@@ -62,7 +62,7 @@ def test_a_closed_curve_is_found_to_be_closed() -> None:
 @pytest.mark.slow
 def test_a_closed_curve_is_proved() -> None:
     atlas = explore.periodic_atlas(found(ISOLA, "0", x=1.118, y=0.0), ("a", -1.0, 1.0), quiet=True)
-    certificate = verify.certify_atlas(atlas, quiet=True)
+    certificate = verify.certify_atlas(atlas, precision=104, order=40, width=32, quiet=True)
     assert certificate.is_proved, certificate.reason
     assert len(certificate.document["conclusion"]["turns"]) == 2
 
