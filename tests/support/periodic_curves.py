@@ -6,11 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from math import pi, tan
 from typing import Any
+
+from flint import arb
 
 from orbitproof import shared
 from orbitproof.shared.formats import PeriodicAtlas, PeriodicCurveClaim, Piece
-from orbitproof.verify.curve import IntervalResult, PieceResult, ProvedInterval
+from orbitproof.verify.curve import PROVED, Computation, IntervalResult, PieceResult, ProvedInterval
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
 
@@ -54,6 +57,19 @@ LEVELS = shared.define_system(
     }
 )  # fmt: skip
 """Where y = 0 and falls or grows, z = a x/2 on the periodic orbits, all of period 2 pi."""
+
+
+def _closed(x: Any, y: Any, a: Any) -> tuple[Any, Any]:
+    r = (x * x + y * y) ** Q(1, 2)
+    rate = (r * r - 4 * r + 3 + a * a) / 10
+    return rate * x - y, rate * y + x
+
+
+CLOSED = shared.define_system({"name": "closed", "state": "x y", "parameters": "a", "field": _closed})
+"""x^2 + y^2 = r^2 turns with period 2 pi if (r - 2)^2 + a^2 = 1: a closed curve of orbits."""
+
+ROUND = tuple(0.3 - pi + 2 * pi * number / 12 for number in range(12))
+"""Angles of pieces that go round once."""
 
 
 def _piece(name: str, centre: Sequence[Q], along: int, half_width: Q, rows: Sequence[Sequence[Q]]) -> Piece:
@@ -132,6 +148,29 @@ def on_level_atlas(level: str = "1") -> PeriodicAtlas:
     claim = PeriodicCurveClaim("periodic-arc", (Q(0), Q(1), Q(0)), Q(0), 1, 1, "a", Q(level))
     piece = _piece("p1", (Q(1, 2), Q(0), Q(0)), 0, Q(1, 4), [[Q(-1)], [Q(-1, 4), Q(-1, 8)]])
     return PeriodicAtlas("on-level", "On a level", LEVELS, {}, claim, (piece,))
+
+
+def _arc_of_circle(name: str, angle: float) -> Piece:
+    """|p_0| <= 0.35 on the tangent of the circle a^2 + (x - 2)^2 = 1, p_1 across it."""
+    half_width, t = Q(7, 20), Q(round(tan(angle / 2) * 2**20), 2**20)
+    cosine, sine = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
+    row, factor = [Q(0)], Q(1)
+    for k in range(1, 15):
+        factor *= (k - 1 - Q(1, 2)) / k
+        row += [Q(0), factor * half_width ** (2 * k)]
+    frame = ((-sine, cosine), (cosine, sine))
+    return Piece(
+        name, "regular", (cosine, 2 + sine), frame, half_width, (tuple(row),), (Q(1, 10**6),), "physical"
+    )  # fmt: skip
+
+
+def closed_atlas(angles: Sequence[float] = ROUND, **claim: Any) -> tuple[PeriodicAtlas, tuple[IntervalResult, ...]]:
+    """Parts of the closed curve about points at these angles, and what is true of them, without an integration."""
+    stated = PeriodicCurveClaim("periodic-loop", (Q(0), Q(1)), Q(0), 1, 1, "a")
+    pieces = tuple(_arc_of_circle(f"p{number}", angle) for number, angle in enumerate(angles))
+    bounds = ((Q(1, 10**9),), (Q(1, 10**7),), arb(2 * pi, 2.0**-20))
+    results = tuple(IntervalResult(piece.id, WHOLE, PROVED, Computation(0.0), None, *bounds) for piece in pieces)
+    return PeriodicAtlas("closed", "A closed curve", CLOSED, {}, replace(stated, **claim), pieces), results
 
 
 ATLASES: Mapping[str, PeriodicAtlas] = {

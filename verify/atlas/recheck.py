@@ -22,6 +22,7 @@ from orbitproof.shared.formats import (
     AnyAtlas,
     AnyPiece,
     InputError,
+    PeriodicAtlas,
     atlas_from_json,
     validate_document,
 )
@@ -66,6 +67,9 @@ higher degree are sometimes enclosed a little more widely; what they do not conf
 
 _ENDED = ("time", "memory", "process")
 """Why a proof was not brought to an end."""
+
+_HALF_PERIOD = "half period"
+"""What the time of a symmetric orbit from one point on Fix(R) to the other is called."""
 
 _LARGEST_ORDER = 99
 _LARGEST = 4096
@@ -248,13 +252,14 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
     results: dict[str, Result] = {}
     findings: dict[str, list[Finding]] = {}
     contradictions: list[Finding] = []
+    time = "period" if isinstance(atlas, PeriodicAtlas) else _HALF_PERIOD
     for more in (_MORE, _MORE_OF_SAME_WIDTH):
         intervals, before = _intervals(document, atlas, more)
         examination.precision = min((interval.settings["precision"] for interval in intervals), default=0)
 
         def finished(name: str, fresh: Result, before: Mapping[str, Result] = before) -> str:
-            contradictions.extend(_contradictions(before[name], fresh))
-            results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh))
+            contradictions.extend(_contradictions(before[name], fresh, time))
+            results[name], findings[name] = fresh, list(_interval_findings(before[name], fresh, time))
             return f"{fresh.verdict} again"
 
         if remaining := [interval for interval in intervals if findings.get(interval.name, True)]:
@@ -326,12 +331,12 @@ def _stated(document: Document) -> dict[str, Any]:
     }
 
 
-def _contradictions(stored: Result, fresh: Result) -> Iterator[Finding]:
+def _contradictions(stored: Result, fresh: Result, time: str = _HALF_PERIOD) -> Iterator[Finding]:
     """Where a new proof of an interval and the stored one cannot both be true; no further integration mends that."""
     if not fresh.is_proved:
         return
     place = _place_of(stored)
-    yield from overlap(_time(stored), _time(fresh), f"{place}, half period")
+    yield from overlap(_time(stored), _time(fresh), f"{place}, {time}")
     for part in _parts(stored):
         for entry in (entry for entry in _parts(fresh) if covers([part.interval], entry.interval)):
             if part.side != entry.side:
@@ -339,7 +344,7 @@ def _contradictions(stored: Result, fresh: Result) -> Iterator[Finding]:
                 yield Finding(where, f"stored is {part.side!r}, found {entry.side!r}")
 
 
-def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
+def _interval_findings(stored: Result, fresh: Result, time: str = _HALF_PERIOD) -> Iterator[Finding]:
     """What a new proof of an interval does not confirm."""
     place = _place_of(stored)
     if fresh.reason is not None:
@@ -347,7 +352,7 @@ def _interval_findings(stored: Result, fresh: Result) -> Iterator[Finding]:
         return
     if not covers([fresh.interval], stored.interval):
         yield Finding(place, "is proved on less than that")
-    yield from confirmed(_time(stored), _time(fresh), f"{place}, half period")
+    yield from confirmed(_time(stored), _time(fresh), f"{place}, {time}")
     for name in ("deviation", "slope_deviation"):
         bounds = getattr(stored, name), getattr(fresh, name)
         if len(bounds[0]) != len(bounds[1]):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 from orbitproof.shared.formats import PERIODIC_CURVES, PeriodicAtlas, Piece
 from orbitproof.verify.claim import determinant, is_first_integral
@@ -34,6 +35,23 @@ def require_piece(evidence: Evidence, atlas: PeriodicAtlas, piece: Piece) -> Non
     evidence.require(determinant(piece.frame) != 0, f"the frame of piece {piece.id} is singular")
     positive = min(piece.half_width, *piece.tube) > 0
     evidence.require(positive, f"half_width and tube of piece {piece.id} have to be positive")
+    if atlas.claim.parameter is not None:
+        allowed = atlas.system.parameters.get(atlas.claim.parameter)
+        evidence.require(
+            allowed is not None and all(map(allowed.contains, _parameter_bounds(piece))),
+            f"values of {atlas.claim.parameter} on piece {piece.id} are not shown to lie inside {allowed}",
+        )
+
+
+def _parameter_bounds(piece: Piece) -> tuple[Fraction, Fraction]:
+    """Numbers between which the first coordinate lies at all points of a piece (section 26.1)."""
+    along, *across = piece.frame[0]
+    middle, spread = piece.centre[0], abs(along) * piece.half_width
+    for factor, row, width in zip(across, piece.polynomial, piece.tube, strict=True):
+        constant, *others = row or (Fraction(0),)
+        middle += factor * constant
+        spread += abs(factor) * (sum(map(abs, others), Fraction(0)) + width)
+    return middle - spread, middle + spread
 
 
 def check_section(checklist: Checklist, atlas: PeriodicAtlas) -> None:
@@ -49,6 +67,7 @@ def check_section(checklist: Checklist, atlas: PeriodicAtlas) -> None:
             {*atlas.parameters} | varies == {*system.parameters} and not varies & {*atlas.parameters},
             "a parameter has no value, or is none of the system",
         )
+        evidence.require(not system.defined, "coordinates of the state are functions of others")
         evidence.require(claim.level is None or claim.parameter is not None, "a level is given, and varies")
 
 

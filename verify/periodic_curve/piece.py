@@ -51,7 +51,7 @@ class PeriodicLimits(PieceLimits):
 
 @dataclass(frozen=True)
 class PeriodicTubeTheorem:
-    """For every s of the interval the tube contains exactly one point that returns as claimed (Theorem 26.3)."""
+    """For every s of the interval the tube contains exactly one point that returns as claimed (Lemma 26.2)."""
 
     uses_integral: bool
 

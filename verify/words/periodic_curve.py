@@ -29,11 +29,13 @@ def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodic
     closed = " closed" if claim.is_closed else ""
     way = f"through {first}" if claim.is_closed else f"from {first} to {last}"
     times = "exactly once" if m == 1 else f"in exactly {m} points"
+    level = "" if claim.level is None else " of that level"
+    beyond = "" if claim.is_closed else " and, next to its ends, of its continuation"
     paragraphs = [
         f"{_setting(atlas)}\nThere is a smooth{closed} curve{simple} in the coordinates ({coordinates}) {way}. The "
         f"orbit of each of its points is periodic, and within its least period it crosses the section in the "
         f"direction of the atlas {times}; the point comes back to itself at crossing number {m}.{_level(atlas)} Near "
-        "it there are no other points that do so but those of the curve."
+        f"it there are no other points of such orbits{level} but those of the curve{beyond}."
     ]
     if claim.increasing:
         grow = "increases" if len(claim.increasing) == 1 else "increase"
@@ -44,7 +46,7 @@ def periodic_curve_in_words(theorem: PeriodicCurveTheorem, curve: ProvedPeriodic
         low, high = exact_text(claim.covers.start), exact_text(claim.covers.end)
         paragraphs.append(f"Along it {name} takes all values from {low} to {high}.")
     if claim.parameter is not None:
-        paragraphs += _turns(names.get(claim.parameter, claim.parameter), curve.turns)
+        paragraphs += _turns(names.get(claim.parameter, claim.parameter), curve.turns, bool(claim.increasing))
     if curve.period.is_finite():
         paragraphs.append(f"All least periods lie in {range_text(curve.period, 4)}.")
     paragraphs.append("That there are no other periodic orbits nearby, with other numbers of crossings, is not said.")
@@ -93,16 +95,21 @@ def _level(atlas: PeriodicAtlas) -> str:
     return "" if claim.parameter is not None else f" The {integral_in_words(atlas.system)} varies along the curve."
 
 
-def _turns(name: str, turns: Sequence[Turn]) -> Iterator[str]:
+def _turns(name: str, turns: Sequence[Turn], embedded: bool) -> Iterator[str]:
+    """`embedded`: whether the curve is known to meet none of its points again."""
     if not turns:
         return
-    count = "one extremum" if len(turns) == 1 else f"{len(turns)} extrema"
+    maxima = sum(turn.is_maximum for turn in turns)
+    if embedded or max(maxima, len(turns) - maxima) == 1:
+        has = f"has at least {'one extremum' if len(turns) == 1 else f'{len(turns)} extrema'}"
+    else:
+        has = "has extrema, some of which are listed more than once if the curve runs through parts of itself again"
     listed = "; ".join(
         f"a {'maximum' if turn.is_maximum else 'minimum'} between a point with {name} in "
         f"{interval_text(turn.values[0], _DIGITS)} and one with {name} in {interval_text(turn.values[1], _DIGITS)}"
         for turn in turns
     )
-    yield f"Along it {name} has at least {count}: {listed}."
+    yield f"Along it {name} {has}: {listed}."
 
 
 def _point(point: Mapping[str, arb]) -> str:
