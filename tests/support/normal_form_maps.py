@@ -1,4 +1,4 @@
-"""Maps with a known Neimark-Sacker bifurcation: normal forms in other coordinates, exactly."""
+"""Maps with a known bifurcation: normal forms in other coordinates, exactly."""
 
 from __future__ import annotations
 
@@ -65,21 +65,124 @@ def known_torus(size: int, chance: random.Random, others: tuple[Fraction, ...] |
         for other in range(2, size):
             terms = _random(size, chance, 1, 2)
             components[place] = _plus(components[place], _times(variables[other], terms))
-    linear, bent = _linear(size, chance), [_random(size, chance, 2, MOST) for _ in range(size)]
-    near = [_plus(_variable(size, place), each) for place, each in enumerate(bent)]
-    change = _composed(linear, [*near, a])
-    back = _composed(_near_inverse(bent), [*_linear_inverse(linear), a])
-    assert _composed(change, [*back, a]) == [_variable(size, place) for place in range(size)]
-    moved = _composed(change, [*_composed(components, [*back, a]), a])
-    columns = [[polynomial.get(_unit(size, j), Fraction(0)) for polynomial in change] for j in range(2)]
+    moved, columns, _ = _in_other_coordinates(components, chance)
     return KnownTorus(
-        tuple({index: value * prod(map(factorial, index)) for index, value in each.items()} for each in moved),
+        tuple(map(_derivatives, moved)),
         (c, s),
         (tuple(value / 2 for value in columns[0]), tuple(-value / 2 for value in columns[1])),
         d,
         r,
         others,
     )
+
+
+@dataclass(frozen=True)
+class KnownBifurcation:
+    """A map with the fixed point 0 at a = 0 and the eigenvalue 1 or -1, and what branches off.
+
+    Attributes:
+        derivatives: for each component, by multi-index in (p, a).
+        eigenvector: w.
+        opening: a = opening y^2 along the new points, p = +- y w.
+        speed, bend: of the terms a y (fold: a) and y^3 (fold: y^2) in the coordinate y of the normal form.
+        others: the other eigenvalues, without that of the levels.
+        integral: the function that the map leaves alone, a polynomial in (p, a); `None` without one.
+    """
+
+    derivatives: tuple[dict[Exponents, Fraction], ...]
+    eigenvector: tuple[Fraction, ...]
+    opening: Fraction
+    speed: Fraction
+    bend: Fraction
+    others: tuple[Fraction, ...]
+    integral: Polynomial | None
+
+
+def known_bifurcation(
+    sigma: int,
+    size: int,
+    chance: random.Random,
+    on_level: bool = False,
+    level_varies: bool = False,
+    signs: tuple[int, ...] | None = None,
+    others: tuple[Fraction, ...] | None = None,
+) -> KnownBifurcation:
+    """y -> y + r a + d y^2 or y -> -y + r a y + b y^2 + c y^3, further coordinates, in random coordinates.
+
+    On a level the last coordinate is left alone, and stands for a where the level varies. With signs the map and the
+    change of coordinates respect the changes of sign of the coordinates.
+    """
+    r, b, c = (_number(chance) for _ in range(3))
+    if signs is not None:
+        b = Fraction(0)
+    variables = [_variable(size, place) for place in range(size + 1)]
+    y, a = variables[0], variables[size - 1 if level_varies else size]
+    square = _times(y, y)
+    if sigma == 1:
+        first = _plus(_plus(y, _scaled(a, r)), _plus(_scaled(square, c), _scaled(_times(a, y), b)))
+        bend = c
+    else:
+        cubic = _scaled(_times(square, y), c)
+        first = _plus(_plus(_scaled(y, Fraction(-1)), _scaled(_times(a, y), r)), _plus(_scaled(square, b), cubic))
+        bend = b * b + c
+    last = size - on_level
+    others = others or tuple(chance.choice(OFF_THE_CIRCLE) for _ in range(1, last))
+    components = [first, *(_scaled(variables[place], value) for place, value in enumerate(others, start=1))]
+    for place in range(last):
+        for other in range(1, last):
+            terms = _random(size, chance, 1, 2)
+            components[place] = _plus(components[place], _times(variables[other], terms))
+    if on_level:
+        components.append(variables[last])
+    if level_varies:
+        components = [_without_parameter(each) for each in components]
+    if signs is not None:
+        components = [_respecting(each, signs, place) for place, each in enumerate(components)]
+    moved, columns, back = _in_other_coordinates(components, chance, signs, not level_varies)
+    return KnownBifurcation(
+        tuple(map(_derivatives, moved)), tuple(columns[0]), -bend / r, r, bend, others, back[last] if on_level else None
+    )
+
+
+def _without_parameter(polynomial: Polynomial) -> Polynomial:
+    return {index: value for index, value in polynomial.items() if not index[-1]}
+
+
+def _respecting(polynomial: Polynomial, signs: tuple[int, ...], place: int) -> Polynomial:
+    """The terms that the changes of sign of p turn as they turn coordinate `place`."""
+    return {
+        index: value
+        for index, value in polynomial.items()
+        if prod(sign**power for sign, power in zip(signs, index, strict=False)) == signs[place]
+    }
+
+
+def _in_other_coordinates(
+    components: Sequence[Polynomial],
+    chance: random.Random,
+    signs: tuple[int, ...] | None = None,
+    with_parameter: bool = True,
+) -> tuple[list[Polynomial], list[list[Fraction]], list[Polynomial]]:
+    """A map in random coordinates, their first derivatives in the old ones at 0, and the old ones in them."""
+    size = len(components)
+    a = _variable(size, size)
+    linear, bent = _linear(size, chance), [_random(size, chance, 2, MOST) for _ in range(size)]
+    if not with_parameter:
+        linear, bent = (list(map(_without_parameter, part)) for part in (linear, bent))
+    if signs is not None:
+        linear, bent = ([_respecting(each, signs, i) for i, each in enumerate(part)] for part in (linear, bent))
+        linear = [{_unit(size, i): each[_unit(size, i)]} for i, each in enumerate(linear)]
+    near = [_plus(_variable(size, place), each) for place, each in enumerate(bent)]
+    change = _composed(linear, [*near, a])
+    back = _composed(_near_inverse(bent), [*_linear_inverse(linear), a])
+    assert _composed(change, [*back, a]) == [_variable(size, place) for place in range(size)]
+    moved = _composed(change, [*_composed(components, [*back, a]), a])
+    columns = [[polynomial.get(_unit(size, j), Fraction(0)) for polynomial in change] for j in range(size)]
+    return moved, columns, back
+
+
+def _derivatives(polynomial: Polynomial) -> dict[Exponents, Fraction]:
+    return {index: value * prod(map(factorial, index)) for index, value in polynomial.items()}
 
 
 def _number(chance: random.Random) -> Fraction:
@@ -96,7 +199,7 @@ def _random(size: int, chance: random.Random, least: int, most: int) -> dict[Exp
 
 def _linear(size: int, chance: random.Random) -> list[Polynomial]:
     """Linear functions of p and a, of triangular form: the fixed point moves with the parameter."""
-    rows = []
+    rows = list[Polynomial]()
     for place in range(size):
         row = {_unit(size, j): Fraction(chance.randint(-2, 2)) for j in range(place)}
         row[_unit(size, place)] = Fraction(chance.choice([-2, -1, 1, 2]))
@@ -108,7 +211,7 @@ def _linear(size: int, chance: random.Random) -> list[Polynomial]:
 def _linear_inverse(rows: Sequence[Polynomial]) -> list[Polynomial]:
     size, found = len(rows), list[Polynomial]()
     for place, row in enumerate(rows):
-        rest = _minus(_variable(size, place), _scaled(_variable(size, size), row[_unit(size, size)]))
+        rest = _minus(_variable(size, place), _scaled(_variable(size, size), row.get(_unit(size, size), Fraction(0))))
         for j, known in enumerate(found):
             rest = _minus(rest, _scaled(known, row.get(_unit(size, j), Fraction(0))))
         found.append(_scaled(rest, 1 / row[_unit(size, place)]))

@@ -263,8 +263,15 @@ def test_an_interval_of_the_parameter_beside_the_bifurcation_is_refused(by: Frac
 
 @pytest.mark.parametrize("turns", [Fraction(1, 7), Fraction(5, 7), Fraction(2, 7) + Fraction(1, 2**27)])
 def test_another_multiplier_is_refused(turns: Fraction) -> None:
-    claim = cases.round_claim(multiplier=cases.on_circle(turns))
-    assert _refused(claim, _round()) == "bifurcation"
+    outcome = _outcome(cases.round_claim(multiplier=cases.on_circle(turns)), _round())
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.condition == "bifurcation"
+
+
+def test_a_multiplier_that_is_near_is_excluded() -> None:
+    outcome = _outcome(cases.round_claim(multiplier=cases.on_circle(Fraction(2, 7) + Fraction(1, 2**27))), _round())
+    assert isinstance(outcome, NotProved)
+    assert outcome.reason.excluded
 
 
 @pytest.mark.parametrize("place", range(2))
@@ -273,7 +280,9 @@ def test_another_eigenvector_is_refused(part: int, place: int) -> None:
     claim = cases.round_claim()
     kernel = [list(row) for row in claim.kernel]
     kernel[part][place] += Fraction(1, 2**20)
-    assert _refused(replace(claim, kernel=tuple(map(tuple, kernel))), _round()) == "bifurcation"
+    outcome = _outcome(replace(claim, kernel=tuple(map(tuple, kernel))), _round())
+    assert isinstance(outcome, NotProved)
+    assert (outcome.reason.condition, outcome.reason.excluded) == ("bifurcation", False)
 
 
 def test_the_conjugate_pair_says_the_same() -> None:

@@ -36,7 +36,7 @@ from orbitproof.verify.periodic import (
 from orbitproof.verify.periodic_bifurcation.coefficients import Coefficients, flip_coefficients, fold_coefficients
 from orbitproof.verify.periodic_bifurcation.enclosures import BifurcationEnclosures
 from orbitproof.verify.periodic_bifurcation.equations import PointEquations, equations_of, sides_of
-from orbitproof.verify.periodic_bifurcation.extended_system import Place, check_extended, check_kernel, multiplier_of
+from orbitproof.verify.periodic_bifurcation.extended_system import Place, check_extended, multiplier_of
 from orbitproof.verify.periodic_bifurcation.returns import check_last, check_least, check_returns, time_at
 from orbitproof.verify.periodic_bifurcation.symmetry import check_mirrored, check_symmetry, signs_on_box
 
@@ -89,7 +89,7 @@ class PeriodicBifurcationTheorem:
         is_fold = self.claim.kind == PERIODIC_FOLD
         return (
             "section", *(["symmetry"] if mirrored else []), *(["first-integral"] if on_level else []), "direction",
-            "return-map", "bifurcation", "kernel", *(["last-coordinate"] if on_level else []),
+            "return-map", "bifurcation", *(["last-coordinate"] if on_level else []),
             *([] if is_fold else ["curve"]), *(["mirrored"] if mirrored else []), "least-period", "side",
         )  # fmt: skip
 
@@ -117,7 +117,6 @@ def prove_periodic_bifurcation(
         found = check_returns(checklist, claim, enclosures)
         equations = equations_of(claim, found)
         place = check_extended(checklist, claim, equations)
-        check_kernel(checklist, claim, equations)
         if claim.level is not None:
             check_last(checklist, claim, equations)
         if claim.kind != PERIODIC_FOLD:

@@ -49,7 +49,8 @@ def check_torus_point(checklist: Checklist, claim: PeriodicBifurcation, equation
         numbers = range(size)
         names = [f"p_{i}" for i in numbers] + ["s"] + [f"u_{i}" for i in numbers] + [f"v_{i}" for i in numbers]
         radii = [*radii_of(claim), *(claim.kernel_radius for _ in range(2 * size + 2))]
-        found = enclose_zero(evidence, matrix_over, residual, radii, [*names, "cos", "sin"])
+        eigenvector = range(size + 1, 3 * size + 1)
+        found = enclose_zero(evidence, matrix_over, residual, radii, [*names, "cos", "sin"], eigenvector)
     u, v, (c, s) = _parts(claim, found)
     return TorusPlace(tuple(found[: size + 1]), tuple(map(acb, u, v)), acb(c, s))
 
