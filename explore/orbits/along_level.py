@@ -26,6 +26,9 @@ def along_level(system: ReversibleSystem, state: Vector, values: Vector, flow: F
     place, count = system.state.index(str(system.level_coordinate)), len(system.state)
     own = count + list(system.parameters).index(str(system.family_parameter))
     gradient = _gradient(system, np.concatenate([state, values]))
+    if gradient[place] == 0.0:
+        # As at an equilibrium: the level does not say how w moves.
+        return flow
     slopes = -gradient / gradient[place]
     slopes[place] = 0.0
     along = flow.state_transition[:, place]
