@@ -202,7 +202,7 @@ def _union_schema(found: list[Schema], definitions: Definitions, path: tuple[str
     whole: Schema = {"enum": [name for tag in tags for name in tag.get("enum", [tag.get("const")])]}
     for key in reversed(path):
         whole = {"type": "object", "required": [key], "properties": {key: whole}}
-        tags = [{"properties": {key: tag}} for tag in tags]
+        tags = [{"type": "object", "required": [key], "properties": {key: tag}} for tag in tags]
     return {**whole, "allOf": [{"if": tag, "then": schema} for tag, schema in zip(tags, found, strict=True)]}
 
 

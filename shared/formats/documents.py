@@ -70,16 +70,20 @@ _MOST_ERRORS = 100
 
 
 def _any_of(checker: Any, alternatives: Any, instance: Any, schema: Any) -> Iterator[ValidationError]:
-    """The keyword, with the first errors of each alternative."""
+    """The keyword, with the first errors of the alternative that fits best, or of each."""
     from jsonschema.exceptions import ValidationError
 
-    context: list[ValidationError] = []
+    found: list[list[ValidationError]] = []
     for index, alternative in enumerate(alternatives):
-        errors = list(islice(checker.descend(instance, alternative, schema_path=index), _MOST_ERRORS))
-        if not errors:
+        found.append(list(islice(checker.descend(instance, alternative, schema_path=index), _MOST_ERRORS)))
+        if not found[-1]:
             return
-        context += errors
-    yield ValidationError("no alternative fits", context=context)
+    depths = [min(len(error.relative_path) for error in errors) for errors in found]
+    if depths.count(max(depths)) == 1:
+        # It has the keys that it needs and no others: something inside is wrong.
+        yield from found[depths.index(max(depths))]
+    else:
+        yield ValidationError("no alternative fits", context=[error for errors in found for error in errors])
 
 
 def _refuse_constant(text: str) -> NoReturn:
