@@ -60,7 +60,7 @@ def conclude_periodic(atlas: PeriodicAtlas, results: Sequence[IntervalResult]) -
         except NotEstablishedError as error:
             return Conclusion(NotProved(error.reason, tuple(checklist.hypotheses)))
         except EmptyIntersectionError as error:
-            reason = Reason("curve", f"pieces contradict each other: {error}", "report this")
+            reason = Reason("results", f"pieces contradict each other: {error}", "report this")
             return Conclusion(NotProved(reason, tuple(checklist.hypotheses)))
         curve = ProvedPeriodicCurve(chain, ends, times_of(chain), turns)
     return Conclusion(Proved(PeriodicCurveTheorem(atlas), curve, tuple(checklist.hypotheses)))
