@@ -213,7 +213,7 @@ def draw_periodic(
         else:
             found = _certified(path) if kind == "certificates" else _numerical(path)
             if not found:
-                raise InputError(f"{path}: holds no periodic orbits without symmetry; {remedy}")
+                raise InputError(f"{path}: holds no claims about single periodic orbits without symmetry; {remedy}")
             drawings += [(f"orbit-{file_name(claim.id)}", (claim, point)) for claim, point in found]
     target, names, written, not_drawn = folder_of(folder), Names(), Written(told), dict[str, str]()
     with saved_as(files), use_style():
