@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from orbitproof.explore.flow import FlowFailure
-from orbitproof.explore.periodic.correction import PeriodicFailure, PeriodicProblem
-from orbitproof.explore.periodic.flow import Arc, Matrix, Vector, arc_of
+from orbitproof.explore.periodic.correction import PeriodicFailure
+from orbitproof.explore.periodic.flow import Matrix, Vector
 from orbitproof.explore.periodic.search import FoundOrbit
-from orbitproof.explore.periodic.section import AffineSection
+from orbitproof.explore.periodic.section_curve import CONVERGED, CurvePoint, SectionCurve
 from orbitproof.shared.formats import Covers, PeriodicAtlas, PeriodicCurveClaim, Piece
 
 _NODES, _DEGREE = 24, 16
@@ -30,9 +29,6 @@ _SMALL, _TINY = 1e-11, 1e-15
 _OVERLAP = 0.1
 _FIRST, _LEAST = 0.05, 1e-6
 _WIDER, _NARROWER = 1.6, 0.6
-_NEWTON_STEPS, _CONVERGED = 10, 1e-10
-_RELIABLE = 1e-7
-"""Newton's method need not reach `_CONVERGED`, where float64 does not allow it."""
 _MARGIN = 50.0
 """A tube is so many times wider than the noise of its polynomial."""
 _LEAST_CHANGES = 0.2, 0.01
@@ -56,108 +52,6 @@ class CurveControl:
 
 
 @dataclass(frozen=True)
-class _Point:
-    """An orbit on the curve.
-
-    Attributes:
-        place: shape (1 + n,), the coordinates of the atlas.
-        period: in the system's time.
-        tangent: shape (1 + n,), along the curve, of length 1 in units of the scales.
-        error: length of the last Newton step, in the same units.
-    """
-
-    place: Vector
-    period: float
-    tangent: Vector
-    error: float
-
-
-@dataclass(frozen=True)
-class _Curve:
-    """The equations of a curve: phi_T(x) = x on a section, on a level if there is one.
-
-    Attributes:
-        place: of the parameter that varies, among all; `None` for the level of the first integral.
-        scales: shape (1 + n,), in which lengths are measured.
-        level: of the first integral, where another parameter varies.
-    """
-
-    problem: PeriodicProblem
-    section: AffineSection
-    place: int | None
-    scales: Vector
-    level: float | None
-
-    @property
-    def others(self) -> list[int]:
-        """Indices of the state coordinates that are coordinates of the section."""
-        return [i for i in range(len(self.section.normal)) if i != self.section.pivot]
-
-    def state(self, place: Vector) -> tuple[Vector, Vector]:
-        """The state and all parameters at coordinates of the atlas."""
-        values = self.problem.values
-        own = place
-        if self.place is not None:
-            values[self.place], own = place[0], place[1:]
-        normal = np.array(list(map(float, self.section.normal)))
-        x = np.zeros(len(normal))
-        x[self.others] = own
-        x[self.section.pivot] = (float(self.section.offset) - normal @ x) / normal[self.section.pivot]
-        return x, values
-
-    def arc(self, place: Vector, period: float) -> tuple[Arc, Vector, Vector]:
-        """The orbit over its period. Raises `FlowFailure`."""
-        x, values = self.state(place)
-        return arc_of(self.problem.system, x, period, values), x, values
-
-    def linearised(self, place: Vector, period: float) -> tuple[Vector, Matrix]:
-        """What is zero on the curve, and its derivatives by coordinates in units of their scales and log T."""
-        arc, x, values = self.arc(place, period)
-        normal = np.array(list(map(float, self.section.normal)))
-        frame = np.array([[float(value) for value in row] for row in self.section.frame()])
-        columns = [(arc.by_state - np.eye(len(x))) @ frame]
-        if self.place is not None:
-            columns.insert(0, arc.by_parameters[:, [self.place]])
-        columns.append(arc.velocity[:, None] * period)
-        matrix, residual = np.hstack(columns), arc.end - x
-        if self.level is not None:
-            by_state, by_values = self.problem.level_slopes(x, values)
-            assert self.place is not None
-            row = np.concatenate([[by_values[self.place]], by_state @ frame, [0.0]])
-            matrix = np.vstack([matrix, row])
-            residual = np.append(residual, (self.problem.level(x, values) or 0.0) - self.level)
-        assert normal.size
-        return residual, matrix * np.append(self.scales, 1.0)
-
-    def tangent(self, place: Vector, period: float) -> Vector:
-        """Along the curve, in units of the scales."""
-        along = np.linalg.svd(self.linearised(place, period)[1])[2][-1][:-1]
-        return np.asarray(along / np.linalg.norm(along))
-
-    def solved(self, guess: Vector, period: float, along: Vector, origin: Vector, length: float) -> _Point:
-        """The orbit at which along . (place - origin)/scales is `length`. Raises `PeriodicFailure`."""
-        place, time, last = guess.copy(), period, np.inf
-        try:
-            for _ in range(_NEWTON_STEPS):
-                residual, matrix = self.linearised(place, time)
-                here = along @ ((place - origin) / self.scales) - length
-                rows = np.vstack([matrix, np.append(along, 0.0)])
-                step = -np.linalg.lstsq(rows, np.append(residual, here), rcond=None)[0]
-                size = float(np.max(np.abs(step)))
-                if not size < 1.0:
-                    break
-                place, time = place + step[:-1] * self.scales, time * float(np.exp(step[-1]))
-                if size < _CONVERGED or (size < _RELIABLE and size > last / 4):
-                    tangent = np.linalg.svd(matrix)[2][-1][:-1]
-                    tangent = tangent / np.linalg.norm(tangent)
-                    return _Point(place, time, tangent if tangent @ along >= 0 else -tangent, size)
-                last = size
-        except (FlowFailure, np.linalg.LinAlgError) as failure:
-            raise PeriodicFailure(str(failure)) from None
-        raise PeriodicFailure("Newton's method does not converge")
-
-
-@dataclass(frozen=True)
 class _Chart:
     """A piece in float64.
 
@@ -170,11 +64,11 @@ class _Chart:
         noise: of the coefficients.
     """
 
-    centre: _Point
+    centre: CurvePoint
     half_width: float
     series: Matrix
     frame: Matrix
-    ends: tuple[_Point, _Point]
+    ends: tuple[CurvePoint, CurvePoint]
     noise: float
 
 
@@ -244,7 +138,7 @@ def _covered(
     if len(start) < 2:
         raise PeriodicFailure("the orbits of a curve have no coordinate across it; there is nothing to prove")
     level = found.level if place is not None else None
-    curve = _Curve(problem, section, place, scales, None if level is None else float(level))
+    curve = SectionCurve(problem, section, place, scales, None if level is None else float(level))
     if place is not None:
         # The curve shall not look straight where it turns: coordinates are measured by how much they change.
         scales[1:] *= min(max(_change(curve, start, found.orbit.period), least), 1.0)
@@ -277,7 +171,7 @@ def _covered(
     return CoveredCurve(PeriodicAtlas(identity, title, system, parameters, claim, pieces, {}), ends, reaches)
 
 
-def _change(curve: _Curve, start: Vector, period: float) -> float:
+def _change(curve: SectionCurve, start: Vector, period: float) -> float:
     """How much the coordinates of the section change with the parameter, at an orbit and not far from it."""
     tangents = [curve.tangent(start, period)]
     for length in (sign * part * _FIRST for part in (1.0, 0.2) for sign in (1.0, -1.0)):
@@ -287,7 +181,7 @@ def _change(curve: _Curve, start: Vector, period: float) -> float:
     return max(float(np.abs(each[1:]).max() / (abs(each[0]) or 1.0)) for each in tangents)
 
 
-def _first_chart(curve: _Curve, point: _Point) -> _Chart:
+def _first_chart(curve: SectionCurve, point: CurvePoint) -> _Chart:
     width = _FIRST
     while True:
         try:
@@ -306,20 +200,20 @@ class _Trace:
         first: the piece from which it begins, both ways.
     """
 
-    curve: _Curve
+    curve: SectionCurve
     bounds: tuple[float, float]
     control: CurveControl
     first: _Chart
     progress: Callable[[str], None] | None
 
-    def value(self, point: _Point) -> float:
+    def value(self, point: CurvePoint) -> float:
         """The parameter, or the level."""
         if self.curve.place is not None:
             return float(point.place[0])
         x, values = self.curve.state(point.place)
         return self.curve.problem.level(x, values) or 0.0
 
-    def pieces(self, start: _Point) -> tuple[list[_Chart], str | None]:
+    def pieces(self, start: CurvePoint) -> tuple[list[_Chart], str | None]:
         """Pieces from an end of the first one on, and why they end; `None` if they come back to the first."""
         found: list[_Chart] = []
         end, width, low_high = start, self.first.half_width * _WIDER, self.bounds
@@ -344,7 +238,7 @@ class _Trace:
                 return found, None
         return found, "beyond what was asked for"
 
-    def _next(self, end: _Point, width: float) -> _Chart:
+    def _next(self, end: CurvePoint, width: float) -> _Chart:
         """The piece that begins at the end of another one. Raises `PeriodicFailure`."""
         step = (1 - _OVERLAP) * width
         guess = end.place + step * end.tangent * self.curve.scales
@@ -354,7 +248,7 @@ class _Trace:
             raise PeriodicFailure("it turns too fast")
         return chart
 
-    def _is_back(self, end: _Point) -> bool:
+    def _is_back(self, end: CurvePoint) -> bool:
         """Whether a point lies on the first piece."""
         first = self.first
         local = first.frame.T @ ((end.place - first.centre.place) / self.curve.scales)
@@ -364,7 +258,7 @@ class _Trace:
         )
 
 
-def _chart(curve: _Curve, centre: _Point, half_width: float) -> _Chart:
+def _chart(curve: SectionCurve, centre: CurvePoint, half_width: float) -> _Chart:
     """The piece about an orbit. Raises `PeriodicFailure` if it is too wide."""
     frame = _frame(centre.tangent)
     nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
@@ -385,22 +279,22 @@ def _chart(curve: _Curve, centre: _Point, half_width: float) -> _Chart:
         raise PeriodicFailure("the piece is too wide")
     ends = tuple(_at(curve, centre, centre, frame, sign * half_width, across, nodes, periods) for sign in (-1.0, 1.0))
     # A step that has converged is far longer than what is left.
-    noise = max(tail, error if error > _CONVERGED else 0.0, _TINY)
+    noise = max(tail, error if error > CONVERGED else 0.0, _TINY)
     large = np.flatnonzero(np.abs(series).max(axis=0) > noise)
     kept = series[:, : min(_DEGREE, int(large[-1]) if len(large) else 0) + 1]
     return _Chart(centre, half_width, kept, frame, (ends[0], ends[1]), noise)
 
 
 def _at(
-    curve: _Curve,
-    centre: _Point,
-    near: _Point,
+    curve: SectionCurve,
+    centre: CurvePoint,
+    near: CurvePoint,
     frame: Matrix,
     length: float,
     across: Matrix | None = None,
     nodes: Vector | None = None,
     periods: Vector | None = None,
-) -> _Point:
+) -> CurvePoint:
     """The orbit of a piece at p_0 = length, from one nearby or from those at all nodes."""
     here = float(centre.tangent @ ((near.place - centre.place) / curve.scales))
     step = (length - here) / float(centre.tangent @ near.tangent)
@@ -431,7 +325,7 @@ def _turned(chart: _Chart) -> _Chart:
     return replace(chart, series=chart.series * signs, frame=frame, ends=(chart.ends[1], chart.ends[0]))
 
 
-def _piece(curve: _Curve, name: str, chart: _Chart, control: CurveControl) -> Piece:
+def _piece(curve: SectionCurve, name: str, chart: _Chart, control: CurveControl) -> Piece:
     centre = tuple(Fraction(float(value)) for value in chart.centre.place)
     frame = tuple(
         tuple(Fraction(float(entry)) for entry in row) for row in chart.frame * curve.scales[:, None]
@@ -459,7 +353,7 @@ def _powers(series: Sequence[float] | Any) -> tuple[Fraction, ...]:
     return tuple(round(value / unit) * unit for value in result)
 
 
-def _covers(name: str | None, first: _Point, last: _Point, bounds: tuple[float, float]) -> Covers | None:
+def _covers(name: str | None, first: CurvePoint, last: CurvePoint, bounds: tuple[float, float]) -> Covers | None:
     """The range of the parameter, where the curve goes through all of it."""
     if name is None or not (first.place[0] < bounds[0] and bounds[1] < last.place[0]):
         return None
