@@ -150,13 +150,22 @@ class _Proof:
         known = dict(zip(self.statement.fixed, values, strict=True))
         return [known.get(i, other) for i in range(len(self.statement.state))]
 
+    def point_of(self, values: Sequence[arb]) -> Vector:
+        """An exact point of Fix(R), near the fixed level if there is one."""
+        return [jet[()].mid() for jet in self.lifted([Jet({(): x}, 1) for x in self.state_of(values, arb(0))])]
+
+    def lifted(self, state: Sequence[Jet]) -> list[Jet]:
+        """Points of Fix(R) with the w of the fixed level, if there is one."""
+        level_set = self.statement.level_set
+        return list(state) if level_set is None else level_set.lifted(self.statement.conserved, state, self.bits)
+
     def across(self, coordinates: Sequence[arb]) -> Vector:
         """A p in the coordinates of Fix(R)."""
         return [dot(line, coordinates) for line in zip(*self.columns, strict=True)]
 
     def integrate(self, spread: arb, degree: int, bits: int) -> list[Jet]:
         """Jets of P in the coordinates of the section, on a box about the centre."""
-        start = [Jet({(): x + spread, (j,): arb(1)}, degree) for j, x in enumerate(self.state_of(self.centre, arb(0)))]
+        start = [Jet({(): x + spread, (j,): arb(1)}, degree) for j, x in enumerate(self.point_of(self.centre))]
         start[self.statement.section] = Jet({}, degree)
         with precision(bits):
             found, _, count = follow(self.statement, start, bits)
@@ -170,10 +179,11 @@ class _Proof:
             Jet({(): x + dot(line, reach)} | {(j,): a for j, a in enumerate(line)}, 3)
             for x, line in zip(poincare.centre, lines, strict=True)
         ]
-        level, found = self.statement.level(state), []
+        state = self.lifted(state)
+        level, kept, found = self.statement.level(state), self.statement.conserved(state), []
         for i in range(self.statement.k):
             state = poincare.backward(state) if i % 2 else poincare.forward(state)
-            check_integral(level, self.statement.level(state))
+            check_integral(kept, self.statement.conserved(state))
             found.append([combine([state[j] for j in self.statement.kernel], row, 3) for row in self.rows])
         return found, level
 
@@ -206,7 +216,7 @@ class _Proof:
                 middle, box = self.centre, self.on_box(wide)
             thin = self.integrate(arb(0), 1, 2 * self.bits + SPARE)
             tables = [Table(at, around, 1) for at, around in zip(thin, box, strict=True)]
-            near, point = (self.state_of(values, arb(0)) for values in (middle, self.centre))
+            near, point = (self.point_of(values) for values in (middle, self.centre))
             poincare = PoincareMap(self.statement.reversing, self.statement.section, near, wide, point, tables)
             found = self.evaluated(poincare, [arb(0)] * self.size)
             if self.statement.k > 1:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from .fixed_level import LevelSet
 from .jets import CannotFollow, Jet, ball
 
 _NUMBER = re.compile(
@@ -109,6 +110,7 @@ class Statement:
         fixed: indices of the coordinates of Fix(R), n + 1 of them; `kernel`: of the n others, without the section.
         centre, frame, kernel_frame: of the claim, in the coordinates `fixed` and `kernel`.
         crossings: of the section in a half orbit, its end included.
+        level_set: of a family on a fixed level; the coordinate w that coordinate of Fix(R) is not among `fixed`.
     """
 
     state: tuple[str, ...]
@@ -126,6 +128,7 @@ class Statement:
     frame: tuple[tuple[Fraction, ...], ...]
     kernel_frame: tuple[tuple[Fraction, ...], ...]
     crossings: int = 1
+    level_set: LevelSet | None = None
 
     def _evaluate(self, program: Program, state: Sequence[Jet]) -> list[Jet]:
         def constant(value: Fraction) -> Jet:
@@ -143,6 +146,10 @@ class Statement:
         """The first integral on jets."""
         return self._evaluate(self.integral, state)[0]
 
+    def conserved(self, state: Sequence[Jet]) -> Jet:
+        """What does not change along orbits: H, also where it is not the bifurcation parameter."""
+        return self._evaluate(self.integral if self.level_set is None else self.level_set.integral, state)[0]
+
     def check(self) -> None:
         """There is a theorem; R reverses the field, S commutes with it, both keep the first integral: section 1."""
         if len(self.kernel) not in (1, 2) or (self.kind == "symmetry_breaking" and self.symmetry is None):
@@ -150,8 +157,10 @@ class Statement:
         for name, signs, sense in (("R", self.reversing, -1), ("S", self.symmetry, 1)):
             if signs is not None:
                 inputs = dict.fromkeys(self.parameters, 1) | dict(zip(self.state, signs, strict=True))
-                field, level = (p.run(inputs, lambda _: 1, PARITY) for p in (self.field, self.integral))
-                if any(found != sense * sign for found, sign in zip(field, signs, strict=False)) or level != [1]:
+                kept = self.integral if self.level_set is None else self.level_set.integral
+                field, level = (p.run(inputs, lambda _: 1, PARITY) for p in (self.field, kept))
+                holds = level == [1] and (self.level_set is None or signs[self.level_set.place] == 1)
+                if not holds or any(f != sense * sign for f, sign in zip(field, signs, strict=False)):
                     raise CannotFollow(f"{name} is not shown to be a symmetry of the field and its first integral")
 
 
@@ -189,7 +198,10 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
         raise BadCertificate("statement.section: no coordinate that R negates")
     fixed = tuple(i for i, sign in enumerate(reversing) if sign == 1)
     kernel = tuple(i for i, sign in enumerate(reversing) if sign == -1 and i != section)
-    if words.get("first_integral") is None and len(free) == 1:
+    level_set = _level_set(certificate, state)
+    if level_set is not None:
+        fixed = tuple(i for i in fixed if i != level_set.place)
+    if (words.get("first_integral") is None or level_set is not None) and len(free) == 1:
         # A parameter nu is a coordinate with nu' = 0, fixed by R and S, and its own first integral.
         integral, state, fixed = Program((("name", free),), (0,)), (*state, *free), (m, *fixed)
         reversing, symmetry = (*reversing, 1), None if symmetry is None else (*symmetry, 1)
@@ -202,5 +214,16 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
     shapes = [len(numbers[0]), [len(row) for row in numbers[1]], [len(row) for row in numbers[2]]]
     if len(integral.outputs) != 1 or size != n + 1 or shapes != [size, [size] * size, [n] * n]:
         raise BadCertificate(f"{claim}: centre and frames do not have the sizes of the coordinates p and q")
-    claimed = kind, k, *numbers, crossings
+    claimed = kind, k, *numbers, crossings, level_set
     return Statement(state, parameters, field, integral, reversing, symmetry, section, fixed, kernel, *claimed)
+
+
+def _level_set(certificate: Mapping[str, Any], state: Sequence[str]) -> LevelSet | None:
+    """The fixed level that the system of a claim names, if it names one."""
+    system = "statement.candidate.system"
+    if not read(certificate, system, lambda given: isinstance(given, dict) and given.get("fixed_level")):
+        return None
+    place = read(certificate, f"{system}.level_coordinate", state.index)
+    value = read(certificate, f"{system}.fixed_level.value", exact)
+    sign = read(certificate, f"{system}.fixed_level.sign", {1: 1, -1: -1}.__getitem__)
+    return LevelSet(read(certificate, "statement.first_integral", Program.from_text), value, place, sign)

@@ -1,0 +1,117 @@
+"""Bifurcations on a fixed level of a first integral, proved once more; false claims about the level are not."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb
+
+from orbitproof.explore.refinement.newton import refine
+from orbitproof.shared.formats import read_atlas
+from orbitproof.verify.certificate import Limits, certify
+from orbitproof.verify.run.second_proofs import compare
+from orbitproof.verify.second_proof import BadCertificate, NotProved, Proved, second_proof
+from orbitproof.verify.second_proof.fixed_level import LevelSet
+from orbitproof.verify.second_proof.jets import CannotFollow, Jet
+from orbitproof.verify.second_proof.statement import Program
+
+FILE = Path(__file__).parents[1] / "data" / "atlas-fixed-level.json"
+
+
+@cache
+def certificate() -> dict[str, Any]:
+    system = read_atlas(FILE).system
+    claim = refine(system, {}, "period_tupling", 4, [1.909118763, -0.2369648123], digits=40)
+    return certify(claim.to_candidate("quadrupling", {}), Limits(max_precision=512)).to_json()
+
+
+def changed(change: Callable[[dict[str, Any]], None]) -> dict[str, Any]:
+    result = copy.deepcopy(certificate())
+    change(result["statement"])
+    return result
+
+
+def level(statement: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = statement["candidate"]["system"]["fixed_level"]
+    return found
+
+
+def test_a_tupling_on_a_level_is_proved_again() -> None:
+    proof = second_proof(certificate())
+    assert isinstance(proof, Proved), str(proof)
+    assert proof.side == "below"
+    assert compare(certificate(), proof).verdict == "agrees"
+
+
+def test_on_another_level_it_is_another_one() -> None:
+    other = second_proof(changed(lambda statement: level(statement).update(value="1e-25")))
+    assert isinstance(other, Proved), str(other)
+    assert compare(certificate(), other).verdict == "disagrees"
+
+
+def without_h(statement: dict[str, Any]) -> None:
+    *lines, last = statement["first_integral"].split("\n")
+    number = len(lines)
+    more = [f"v{number} = {last.removeprefix('return ')} + v0"]
+    statement["first_integral"] = "\n".join([*lines, *more, f"return v{number}"])
+
+
+FALSE: dict[str, Callable[[dict[str, Any]], None]] = {
+    "no points": lambda statement: level(statement).update(value="5e-1"),
+    "an integral that is not kept": without_h,
+    "a coordinate that R negates": lambda s: s["candidate"]["system"].update(level_coordinate="u3"),
+}
+
+
+@pytest.mark.parametrize("case", FALSE)
+def test_a_false_claim_is_not_proved(case: str) -> None:
+    try:
+        found = second_proof(changed(FALSE[case]))
+    except BadCertificate:
+        return
+    assert isinstance(found, NotProved)
+
+
+@pytest.mark.slow
+def test_on_the_other_sheet_there_is_none() -> None:
+    assert isinstance(second_proof(changed(lambda statement: level(statement).update(sign=-1))), NotProved)
+
+
+@pytest.mark.parametrize(("name", "value"), [("sign", 2), ("value", "h"), ("value", None)])
+def test_a_level_that_cannot_be_read_is_named(name: str, value: Any) -> None:
+    with pytest.raises(BadCertificate, match=f"fixed_level.{name}"):
+        second_proof(changed(lambda statement: level(statement).update({name: value})))
+
+
+def circle(x: arb, sign: int, level: int = 1) -> Jet:
+    """w on x^2 + w^2 = level, over all points of a ball."""
+    program = Program.from_text("v0 = x\nv1 = w\nv2 = v0 * v0\nv3 = v1 * v1\nv4 = v2 + v3\nreturn v4")
+    level_set = LevelSet(program, Fraction(level), 1, sign)
+
+    def conserved(state: Sequence[Jet]) -> Jet:
+        return program.run(dict(zip("xw", state, strict=True)), lambda value: Jet({(): arb(1) * int(value)}, 2))[0]
+
+    return level_set.lifted(conserved, [Jet({(): x, (0,): arb(1)}, 2), Jet({}, 2)], 90)[1]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_coordinate_that_follows_is_enclosed_with_its_derivatives(sign: int) -> None:
+    w = circle(arb("0.6"), sign)
+    for key, value in ((), "0.8"), ((0,), "-0.75"), ((0, 0), "-0.9765625"):
+        assert (w[key] - sign * arb(value)).contains(0)
+        assert w[key].rad() < 1e-14
+    over = circle(arb("0.6", "0.1"), sign)
+    for x in ("0.5", "0.55", "0.7"):
+        assert over[()].contains(sign * (1 - arb(x) ** 2).sqrt().mid())
+
+
+@pytest.mark.parametrize(("x", "level"), [(arb("0.6", "0.18"), 1), (arb("0.6", "0.3"), 1), (arb(2), 1), (arb(0), 0)])
+def test_where_it_is_not_shown_to_follow_nothing_is_said(x: arb, level: int) -> None:
+    with pytest.raises((CannotFollow, ZeroDivisionError)):
+        circle(x, 1, level)
