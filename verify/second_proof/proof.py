@@ -175,11 +175,11 @@ class _Proof:
     def iterates(self, poincare: PoincareMap, reach: Sequence[arb]) -> tuple[list[list[Jet]], Jet]:
         """Jets in p of q(P), .., q(P^k) at all points centre + A p with p in `reach`, and of the first integral."""
         lines = self.state_of(list(zip(*self.columns, strict=True)), [arb(0)] * self.size)
-        state = [
+        start = [
             Jet({(): x + dot(line, reach)} | {(j,): a for j, a in enumerate(line)}, 3)
             for x, line in zip(poincare.centre, lines, strict=True)
         ]
-        state = self.lifted(state)
+        state = self.lifted(start)
         level, kept, found = self.statement.level(state), self.statement.conserved(state), []
         for i in range(self.statement.k):
             state = poincare.backward(state) if i % 2 else poincare.forward(state)

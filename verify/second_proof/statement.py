@@ -220,10 +220,10 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
 
 def _level_set(certificate: Mapping[str, Any], state: Sequence[str]) -> LevelSet | None:
     """The fixed level that the system of a claim names, if it names one."""
-    system = "statement.candidate.system"
-    if not read(certificate, system, lambda given: isinstance(given, dict) and given.get("fixed_level")):
+    named = read(certificate, "statement.candidate", lambda claim: claim.get("system"))
+    if not (isinstance(named, dict) and named.get("fixed_level")):
         return None
-    place = read(certificate, f"{system}.level_coordinate", state.index)
-    value = read(certificate, f"{system}.fixed_level.value", exact)
-    sign = read(certificate, f"{system}.fixed_level.sign", {1: 1, -1: -1}.__getitem__)
+    place = read(certificate, "statement.candidate.system.level_coordinate", state.index)
+    value = read(certificate, "statement.candidate.system.fixed_level.value", exact)
+    sign = read(certificate, "statement.candidate.system.fixed_level.sign", {1: 1, -1: -1}.__getitem__)
     return LevelSet(read(certificate, "statement.first_integral", Program.from_text), value, place, sign)
