@@ -55,16 +55,17 @@ def test_on_another_level_it_is_another_one() -> None:
     assert compare(certificate(), other).verdict == "disagrees"
 
 
-def without_h(statement: dict[str, Any]) -> None:
+def not_kept(statement: dict[str, Any]) -> None:
+    """H + u3^2, which is H on Fix(R): all points that are claimed are on its level."""
     *lines, last = statement["first_integral"].split("\n")
     number = len(lines)
-    more = [f"v{number} = {last.removeprefix('return ')} + v0"]
-    statement["first_integral"] = "\n".join([*lines, *more, f"return v{number}"])
+    more = [f"v{number} = v3 ** (2)", f"v{number + 1} = {last.removeprefix('return ')} + v{number}"]
+    statement["first_integral"] = "\n".join([*lines, *more, f"return v{number + 1}"])
 
 
 FALSE: dict[str, Callable[[dict[str, Any]], None]] = {
     "no points": lambda statement: level(statement).update(value="5e-1"),
-    "an integral that is not kept": without_h,
+    "an integral that is not kept": not_kept,
     "a coordinate that R negates": lambda s: s["candidate"]["system"].update(level_coordinate="u3"),
 }
 
