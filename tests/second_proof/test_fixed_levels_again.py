@@ -16,7 +16,7 @@ from orbitproof.explore.refinement.newton import refine
 from orbitproof.shared.formats import read_atlas
 from orbitproof.verify.certificate import Limits, certify
 from orbitproof.verify.run.second_proofs import compare
-from orbitproof.verify.second_proof import BadCertificate, NotProved, Proved, second_proof
+from orbitproof.verify.second_proof import BadCertificate, NotProved, Proved, proof, second_proof
 from orbitproof.verify.second_proof.fixed_level import LevelSet
 from orbitproof.verify.second_proof.jets import CannotFollow, Jet
 from orbitproof.verify.second_proof.statement import Program
@@ -43,10 +43,10 @@ def level(statement: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_a_tupling_on_a_level_is_proved_again() -> None:
-    proof = second_proof(certificate())
-    assert isinstance(proof, Proved), str(proof)
-    assert proof.side == "below"
-    assert compare(certificate(), proof).verdict == "agrees"
+    found = second_proof(certificate())
+    assert isinstance(found, Proved), str(found)
+    assert found.side == "below"
+    assert compare(certificate(), found).verdict == "agrees"
 
 
 def test_on_another_level_it_is_another_one() -> None:
@@ -71,7 +71,8 @@ FALSE: dict[str, Callable[[dict[str, Any]], None]] = {
 
 
 @pytest.mark.parametrize("case", FALSE)
-def test_a_false_claim_is_not_proved(case: str) -> None:
+def test_a_false_claim_is_not_proved(case: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(proof, "PRECISIONS", (96,))
     try:
         found = second_proof(changed(FALSE[case]))
     except BadCertificate:
