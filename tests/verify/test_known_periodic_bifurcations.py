@@ -10,6 +10,7 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from math import prod
 from typing import Any
 
 import pytest
@@ -89,7 +90,7 @@ def _enclosures(known: KnownBifurcation, claim: PeriodicBifurcation) -> Bifurcat
     indices = indices_up_to(len(sides), 3)
 
     def table(values: Mapping[tuple[int, ...], Fraction]) -> DerivativeTable:
-        known_here = {index if varies else index[:-1]: value for index, value in values.items()}
+        known_here = {index if varies else index[:-1]: x for index, x in values.items() if varies or not index[-1]}
         centre = {index: enclose(known_here.get(index, ZERO)) for index in indices}
         return DerivativeTable({index: _over(centre, index, sides) for index in indices}, centre)
 
@@ -208,12 +209,65 @@ def test_an_eigenvector_of_another_length_changes_the_opening_by_its_square(kind
     assert found.side == ("above" if known.opening > 0 else "below")
 
 
+def _seen_from(known: KnownBifurcation, origin: Sequence[Fraction]) -> KnownBifurcation:
+    """The map about another point (p, a), in coordinates that are 0 there."""
+
+    def moved(values: Mapping[tuple[int, ...], Fraction]) -> dict[tuple[int, ...], Fraction]:
+        indices = indices_up_to(len(origin), 3)
+        found = dict.fromkeys(indices, ZERO)
+        for index in indices:
+            for shift in indices_up_to(len(origin), 3 - sum(index)):
+                powers = prod((x**power for x, power in zip(origin, shift, strict=True)), start=ONE)
+                there = tuple(map(sum, zip(index, shift, strict=True)))
+                found[index] += values.get(there, ZERO) * powers / index_factorial(shift)
+        return found
+
+    derivatives = [moved(each) for each in known.derivatives]
+    for each, value in zip(derivatives, origin, strict=False):
+        each[(0,) * len(origin)] -= value
+    integral = None
+    if known.integral is not None:
+        found = moved({index: value * index_factorial(index) for index, value in known.integral.items()})
+        integral = {index: value / index_factorial(index) for index, value in found.items()}
+    return replace(known, derivatives=tuple(derivatives), integral=integral)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("kind", ["periodic-fold", "periodic-doubling"])
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_what_is_found_does_not_depend_on_the_centre(kind: str, setting: str, seed: int) -> None:
+    known, claim = _case(kind, setting, seed)
+    chance = random.Random(f"{kind} {setting} {seed} elsewhere")
+    wide = Fraction(1, 2**40)
+    by = [wide * chance.choice([-1, 1]) / 64 for _ in range(len(claim.radii) + 1)]
+    changes: dict[str, Any] = {"centre": (*by[:-1], ZERO), "kernel_radius": Fraction(1, 2**20)}
+    changes |= {"radii": (wide,) * len(claim.radii), "parameter_radius": wide}
+    changes |= {"level": by[-1]} if claim.parameter is None else {"parameters": {"a": by[-1]}}
+    seen = _seen_from(known, [*by[:-1], ZERO if claim.parameter is None else by[-1]])
+    found = _proved(seen, replace(claim, **changes))
+    with guarded(BITS):
+        assert found.opening.overlaps(enclose(known.opening))
+        assert found.parameter.contains(0)
+        assert all(found.point[name].contains(0) for name in claim.system.state)
+        assert found.opening.rad() < 2.0**-50 * (1 + abs(found.opening))
+        assert found.parameter.rad() < 1e-18
+
+
 @pytest.mark.parametrize("kind", ["periodic-fold", "periodic-doubling"])
 def test_a_narrow_box_of_eigenvectors_is_enough(kind: str) -> None:
     """Over the box the eigenvector moves farther: wherever the multiplier is one, its eigenvector is there."""
     known, claim = _case(kind, "free", 0)
     found = _proved(known, replace(claim, kernel_radius=WIDTH / 2**30))
     assert _is(found.opening, known.opening)
+
+
+@pytest.mark.parametrize("kind", ["periodic-fold", "periodic-doubling"])
+def test_a_box_of_eigenvectors_with_the_vector_0_is_refused(kind: str) -> None:
+    """There the derivative of the equations is singular."""
+    known, claim = _case(kind, "free", 0)
+    outcome = _outcome(known, replace(claim, kernel_radius=Fraction(2**10)))
+    assert isinstance(outcome, NotProved)
+    assert (outcome.reason.condition, outcome.reason.excluded) == ("bifurcation", False)
 
 
 @pytest.mark.parametrize("kind", ["periodic-fold", "periodic-doubling"])
