@@ -151,13 +151,13 @@ def on_level_atlas(level: str = "1") -> PeriodicAtlas:
 
 
 def _arc_of_circle(name: str, angle: float) -> Piece:
-    """|p_0| <= 0.35 on the tangent of the circle a^2 + (x - 2)^2 = 1, p_1 across it."""
-    half_width, t = Q(7, 20), Q(round(tan(angle / 2) * 2**20), 2**20)
-    cosine, sine = (1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)
+    """|p_0| <= 0.35 on the tangent of the circle a^2 + (x - 2)^2 = 1, p_1 across it, to 18 digits."""
+    half_width, t = Q(7, 20), Q(tan(angle / 2))
+    cosine, sine = (Q(round(2**60 * value), 2**60) for value in ((1 - t * t) / (1 + t * t), 2 * t / (1 + t * t)))
     row, factor = [Q(0)], Q(1)
     for k in range(1, 15):
         factor *= (k - 1 - Q(1, 2)) / k
-        row += [Q(0), factor * half_width ** (2 * k)]
+        row += [Q(0), Q(round(2**80 * factor * half_width ** (2 * k)), 2**80)]
     frame = ((-sine, cosine), (cosine, sine))
     return Piece(
         name, "regular", (cosine, 2 + sine), frame, half_width, (tuple(row),), (Q(1, 10**6),), "physical"

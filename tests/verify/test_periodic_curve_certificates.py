@@ -113,6 +113,9 @@ def test_the_theorem_says_what_is_proved() -> None:
     assert "in exactly 2 points" in certificate("twice")["statement"]["theorem"]
     assert "The first integral H varies along the curve" in certificate("levels")["statement"]["theorem"]
     assert "All orbits have first integral H = 1" in certificate("on-level")["statement"]["theorem"]
+    for name, atlas in ATLASES.items():
+        stated = certificate(name)["statement"].get("first_integral")
+        assert (stated is not None) == atlas.claim.uses_integral
     full = certificate("levels")["statement"]["in_full"]
     assert "H = x^2 + y^2" in full
     assert "z' = a*x - z" in full
@@ -178,6 +181,10 @@ def test_results_of_another_claim_are_not_used_again(tmp_path: Path) -> None:
     assert len(results_for(stored, atlas)) == 2
     assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, crossings=2)))
     assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, offset=Fraction(1, 10))))
+    assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, direction=-1)))
+    assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, normal=(Fraction(1), Fraction(2)))))
+    assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, level=Fraction(1))))
+    assert not results_for(stored, replace(atlas, claim=replace(atlas.claim, parameter=None)))
     wider = replace(atlas, claim=replace(atlas.claim, covers=Covers("x", Fraction(4, 5), Fraction(1))))
     assert len(results_for(stored, wider)) == 2
     assert len(results_for(stored, shifted(atlas, TUBE))) == 1

@@ -57,6 +57,9 @@ def test_a_closed_curve_is_one_with_a_maximum_and_a_minimum() -> None:
     assert sorted(turn.is_maximum for turn in turns) == [False, True]
     for turn in turns:
         assert all(0.99 < (value if turn.is_maximum else -value) < 1 for value in map(float, turn.values))
+        for name, s, value in zip(turn.pieces, turn.between, turn.values, strict=True):
+            (piece,) = (piece for piece in atlas.curve_pieces() if piece.id == name)
+            assert abs(float(piece.point(s)[0]) - float(value)) < 1e-8
     words = said(atlas, results)
     for expected in (
         "a smooth closed curve without self-intersections in the coordinates (a, x) through (",
