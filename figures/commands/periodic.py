@@ -1,4 +1,4 @@
-"""``orbitproof figures periodic``: pictures of periodic orbits without symmetry, and of their families."""
+"""``orbitproof figures periodic``: pictures of periodic orbits without symmetry, bifurcations and families of them."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ examples:
   orbitproof figures periodic family.json -o figures-out/
 
 Of each orbit two projections with its points on the section (orbit-*), the point that is enclosed by a certificate
-filled; of each family the period and the multipliers over what varies, with the points where multipliers meet the unit
-circle, all numerical (family-*). Verdicts are copied.
-Exit codes: 0 written, 1 an orbit could not be drawn, 2 bad input.
+filled; of each bifurcation the orbit, and beside it the new orbits or, of a torus, iterates on the section, these
+numerical (bifurcation-*); of each family the period and the multipliers over what varies, with the points where
+multipliers meet the unit circle, all numerical (family-*). Verdicts are copied.
+Exit codes: 0 written, 1 an orbit, or what is born at a bifurcation, could not be drawn, 2 bad input.
 """
 
 
@@ -28,7 +29,7 @@ def add_parser(commands: Any) -> None:
     """Add the subcommand to the parser's `commands`."""
     parser = commands.add_parser(
         "periodic",
-        help="periodic orbits without symmetry, and their families",
+        help="periodic orbits without symmetry, their bifurcations and families",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, solve_ivp
 from scipy.optimize import brentq
 
 from orbitproof.figures.orbits.fixed_set import Array
 from orbitproof.figures.orbits.orbit import OrbitNotClosed
-from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.formats import InSection
 
 _TOLERANCE = 1e-12
+_COARSE = 1e-9
 _STEPS = 50_000
 _ROWS = 24
 """States that are kept of a step."""
@@ -36,12 +37,19 @@ class ReturningOrbit:
     crossings: Array
 
 
-def returning_orbit(claim: PeriodicOrbit, start: Sequence[float]) -> ReturningOrbit:
+def returning_orbit(
+    claim: InSection, start: Sequence[float], crossings: int | None = None, values: Sequence[float] | None = None
+) -> ReturningOrbit:
     """The orbit of a point of a claim's section up to its last crossing, in double precision.
+
+    Arguments:
+        crossings: how many; by default as claimed.
+        values: the parameters in the vector field's order; by default those of the claim.
 
     Raises `OrbitNotClosed`, also if the orbit is so unstable that it does not close in a picture.
     """
-    values = [float(value) for value in claim.values]
+    last = claim.crossings if crossings is None else crossings
+    values = [float(value) for value in (claim.values if values is None else values)]
     normal, offset = np.array([float(value) for value in claim.normal]), float(claim.offset)
 
     def field(_time: float, state: Array) -> Array:
@@ -50,7 +58,7 @@ def returning_orbit(claim: PeriodicOrbit, start: Sequence[float]) -> ReturningOr
     def height(state: Array) -> float:
         return claim.direction * float(normal @ state - offset)
 
-    times, states, crossings = [0.0], [np.array(start, dtype=float)], list[Array]()
+    times, states, found = [0.0], [np.array(start, dtype=float)], list[Array]()
     try:
         solver = DOP853(field, 0.0, states[0], np.inf, rtol=_TOLERANCE, atol=_TOLERANCE)
         above = True
@@ -63,9 +71,9 @@ def returning_orbit(claim: PeriodicOrbit, start: Sequence[float]) -> ReturningOr
                 state = between(time)
                 if not above and height(state) >= 0:
                     instant = brentq(lambda t, between=between: height(between(t)), times[-1], time, xtol=1e-15)
-                    crossings.append(between(instant))
-                    if len(crossings) == claim.crossings:
-                        return _closed([*times, instant], [*states, crossings[-1]], crossings)
+                    found.append(between(instant))
+                    if len(found) == last:
+                        return _closed([*times, instant], [*states, found[-1]], found)
                 above = height(state) >= 0
                 times.append(float(time))
                 states.append(state)
@@ -80,3 +88,24 @@ def _closed(times: list[float], states: list[Array], crossings: list[Array]) -> 
     if not apart < _CLOSED * size:
         raise OrbitNotClosed("the orbit does not close in double precision")
     return ReturningOrbit(np.array(times), rows, np.array(crossings))
+
+
+def orbit_over(
+    claim: InSection, start: Sequence[float] | Array, values: Sequence[float], time: float, rows: int
+) -> tuple[Array, Array]:
+    """An orbit over a time, which may be negative: so many times, and the states there, shape (rows, N).
+
+    Raises `OrbitNotClosed` if it cannot be followed.
+    """
+
+    def field(_time: float, state: Array) -> Array:
+        return np.array(claim.system.vector_field(state.tolist(), list(values)), dtype=float)
+
+    times = np.linspace(0.0, time, rows)
+    try:
+        found = solve_ivp(field, (0.0, time), np.asarray(start), "DOP853", times, rtol=_COARSE, atol=_COARSE)
+    except (ArithmeticError, ValueError) as error:
+        raise OrbitNotClosed(f"an orbit of {claim.id} cannot be followed: {error}") from None
+    if not (found.success and np.all(np.isfinite(found.y))):
+        raise OrbitNotClosed(f"an orbit of {claim.id} cannot be followed")
+    return times, found.y.T

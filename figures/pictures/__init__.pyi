@@ -24,6 +24,7 @@ from .invariants import draw_tori as draw_tori
 from .legends import legend_handles as legend_handles
 from .mass_curve import draw_mass_curves as draw_mass_curves
 from .mass_curve import read_mass_curves as read_mass_curves
+from .periodic_bifurcation import draw_periodic_bifurcation as draw_periodic_bifurcation
 from .periodic_family import draw_periodic_family as draw_periodic_family
 from .periodic_orbit import draw_periodic_orbit as draw_periodic_orbit
 from .portraits import draw_portraits as draw_portraits

@@ -13,12 +13,15 @@ from matplotlib.figure import Figure
 
 from orbitproof.figures.orbits import Array, ReturningOrbit, returning_orbit
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, unit_of
-from orbitproof.shared.formats import PeriodicOrbit
+from orbitproof.shared.formats import InSection, PeriodicOrbit
 
 _WIDTH = 7.2
 _FLAT = 1e-6
 """A coordinate that varies less, relative to the one that varies most, is left out."""
-_DOT: Mapping[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5.0, "zorder": 4}
+DOT: Mapping[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 5.0, "zorder": 4}
+
+Pair = tuple[int | None, int]
+"""What a panel shows: two coordinates, `None` for the time."""
 
 
 def draw_periodic_orbit(claim: PeriodicOrbit, point: Mapping[str, arb] | None = None) -> Figure:
@@ -33,17 +36,17 @@ def draw_periodic_orbit(claim: PeriodicOrbit, point: Mapping[str, arb] | None = 
     orbit = returning_orbit(claim, [float(value) for value in start])
     figure = plt.figure(figsize=(_WIDTH, 3.5))
     grid = figure.add_gridspec(1, 2, left=0.1, right=0.985, top=0.97, bottom=0.24, wspace=0.28)
-    for column, (first, second) in enumerate(_pairs(orbit)):
+    for column, pair in enumerate(pairs_of(orbit.states)):
         axes = figure.add_subplot(grid[0, column])
-        _panel(axes, claim, orbit, (first, second), point is not None)
+        _panel(axes, claim, orbit, pair, point is not None)
     known = {str(line.get_label()): line for axes in figure.axes for line in axes.get_lines()}
     figure.legend(list(known.values()), list(known), loc="lower center", ncols=4, frameon=False)
     return figure
 
 
-def _pairs(orbit: ReturningOrbit) -> Sequence[tuple[int | None, int]]:
-    """What the two panels show: coordinates, `None` for the time."""
-    widths = np.ptp(orbit.states, axis=0)
+def pairs_of(states: Array) -> Sequence[Pair]:
+    """What the two panels show of states, shape (K, N); one if only one coordinate varies."""
+    widths = np.ptp(states, axis=0)
     shown = [int(i) for i in np.flatnonzero(widths > _FLAT * widths.max())]
     if len(shown) == 1:
         return [(None, shown[0])]
@@ -52,40 +55,37 @@ def _pairs(orbit: ReturningOrbit) -> Sequence[tuple[int | None, int]]:
     return [(shown[0], shown[1]), (shown[2], shown[3]) if len(shown) > 3 else (shown[0], shown[2])]
 
 
-def _panel(
-    axes: Axes, claim: PeriodicOrbit, orbit: ReturningOrbit, pair: tuple[int | None, int], certified: bool
-) -> None:
+def coordinates_of(times: Array, states: Array, pair: Pair) -> tuple[Array, Array]:
+    """What a panel shows of states, shape (K, N), at times: abscissas and ordinates."""
     first, second = pair
-    system = claim.system
+    return times if first is None else states[:, first], states[:, second]
 
-    def across(times: Array, states: Array) -> Array:
-        return times if first is None else states[:, first]
 
-    axes.plot(
-        across(orbit.times, orbit.states),
-        orbit.states[:, second],
-        color=CURVE,
-        linewidth=1.1,
-        label="orbit, in double precision",
-    )
-    axes.autoscale_view()
-    axes.autoscale(False)
-    _section(axes, claim, pair)
-    if first is not None and len(orbit.crossings) > 1:
-        others = orbit.crossings[:-1]
-        axes.plot(
-            others[:, first], others[:, second], color=INK, markerfacecolor="white", label="further crossings", **_DOT
-        )
-    start = orbit.states[:1]
-    axes.plot(
-        across(orbit.times[:1], start), start[:, second], color=INK, markerfacecolor=INK if certified else "white",
-        label="the point, enclosed" if certified else "the point, numerical", clip_on=False, **_DOT,
-    )  # fmt: skip
+def label_axes(axes: Axes, claim: InSection, pair: Pair) -> None:
+    """The names of the coordinates, as the system has them."""
+    system, (first, second) = claim.system, pair
     axes.set_xlabel(f"time{unit_of(system)}" if first is None else label_of(system, system.state[first]))
     axes.set_ylabel(label_of(system, system.state[second]))
 
 
-def _section(axes: Axes, claim: PeriodicOrbit, pair: tuple[int | None, int]) -> None:
+def _panel(axes: Axes, claim: PeriodicOrbit, orbit: ReturningOrbit, pair: Pair, certified: bool) -> None:
+    curve = coordinates_of(orbit.times, orbit.states, pair)
+    axes.plot(*curve, color=CURVE, linewidth=1.1, label="orbit, in double precision")
+    axes.autoscale_view()
+    axes.autoscale(False)
+    show_section(axes, claim, pair)
+    if pair[0] is not None and len(orbit.crossings) > 1:
+        others = coordinates_of(orbit.times, orbit.crossings[:-1], pair)
+        axes.plot(*others, color=INK, markerfacecolor="white", label="further crossings", **DOT)
+    axes.plot(
+        *coordinates_of(orbit.times[:1], orbit.states[:1], pair), color=INK,
+        markerfacecolor=INK if certified else "white",
+        label="the point, enclosed" if certified else "the point, numerical", clip_on=False, **DOT,
+    )  # fmt: skip
+    label_axes(axes, claim, pair)
+
+
+def show_section(axes: Axes, claim: InSection, pair: Pair) -> None:
     """The line in which the section meets the plane of a panel, where it is perpendicular to it."""
     used = {i for i, value in enumerate(claim.normal) if value != 0}
     if not used <= set(pair):

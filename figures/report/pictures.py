@@ -12,6 +12,7 @@ from orbitproof.figures.orbits import OrbitNotClosed
 from orbitproof.figures.pictures import (
     draw_curves,
     draw_orbit,
+    draw_periodic_bifurcation,
     draw_periodic_orbit,
     draw_pieces,
     draw_surface,
@@ -25,6 +26,7 @@ from orbitproof.shared.formats import PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
 from orbitproof.verify.periodic import PeriodicResults
+from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
 
 _PNG_DPI = 130
 _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the true curve is not further than the tube"
@@ -41,7 +43,7 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
     if entry.certificate.periodic is not None:
         return _of_periodic(entry, entry.certificate.periodic)
     if isinstance(entry.candidate, PeriodicBifurcation):
-        return ()
+        return _of_periodic_bifurcation(entry, entry.candidate)
     if entry.certificate.orbit is not None:
         caption = (
             f"{shown(name)}: the orbit, integrated in double precision from the middle of its enclosures; the marked "
@@ -72,6 +74,22 @@ def _of_periodic(entry: CheckedRow, found: PeriodicResults) -> tuple[Picture, ..
         "encloses the filled point, far closer than can be seen"
     )
     return (_picture(f"orbit-{file_name(name)}", caption, figure),)
+
+
+def _of_periodic_bifurcation(entry: CheckedRow, claim: PeriodicBifurcation) -> tuple[Picture, ...]:
+    """None of an orbit that is too unstable to be drawn in double precision."""
+    name, found = entry.certificate.id, entry.certificate.results
+    assert isinstance(found, PeriodicBifurcationResults | TorusResults)
+    try:
+        drawn = draw_periodic_bifurcation(claim, found)
+    except OrbitNotClosed:
+        return ()
+    caption = (
+        f"{shown(name)}: the orbit at the bifurcation, integrated in double precision from the middle of its "
+        "enclosures; the certificate encloses the filled point, far closer than can be seen. "
+    )
+    caption += f"Numerical, and not proved: {drawn.beside}" if drawn.is_complete else f"Nothing else: {drawn.beside}"
+    return (_picture(f"bifurcation-{file_name(name)}", caption, drawn.figure),)
 
 
 def _of_atlas(entry: CheckedAtlas) -> tuple[Picture, ...]:

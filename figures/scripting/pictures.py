@@ -8,15 +8,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from flint import arb
-
 from orbitproof.explore.periodic import PERIODIC_FAMILY
 from orbitproof.figures.files import Files, file_name, saved_as
 from orbitproof.figures.scripting.written import Names, Source, Told, Written, folder_of, optional, quietly
 from orbitproof.shared.formats import (
     ArgumentError,
     InputError,
-    PeriodicOrbit,
+    InSection,
+    PeriodicBifurcation,
     read_candidates,
     read_claims,
     select_ids,
@@ -24,6 +23,8 @@ from orbitproof.shared.formats import (
     write_text,
 )
 from orbitproof.shared.wording import counted
+from orbitproof.verify.periodic import PeriodicResults
+from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
 
 
 def draw_family(
@@ -197,11 +198,15 @@ class Drawn:
 def draw_periodic(
     sources: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> Drawn:
-    """Periodic orbits without symmetry, from candidates or certificates, and their families. Verdicts are copied."""
+    """Periodic orbits without symmetry and their bifurcations, from candidates or certificates, and their families.
+
+    Verdicts are copied. What is born at a bifurcation is numerical; where it is not found, the orbit is drawn alone and
+    `Drawn.not_drawn` says why.
+    """
     from orbitproof.explore.periodic import PeriodicFamilyRecord, read_periodic_family
     from orbitproof.figures.files import save
     from orbitproof.figures.orbits import OrbitNotClosed
-    from orbitproof.figures.pictures import draw_periodic_family, draw_periodic_orbit
+    from orbitproof.figures.pictures import draw_periodic_bifurcation, draw_periodic_family, draw_periodic_orbit
     from orbitproof.figures.style import close, use_style
 
     remedy = "give candidates, certificates or a family of explore periodic"
@@ -213,16 +218,24 @@ def draw_periodic(
         else:
             found = _certified(path) if kind == "certificates" else _numerical(path)
             if not found:
-                raise InputError(f"{path}: holds no claims about single periodic orbits without symmetry; {remedy}")
-            drawings += [(f"orbit-{file_name(claim.id)}", (claim, point)) for claim, point in found]
+                what = "claims about single periodic orbits without symmetry or their bifurcations"
+                raise InputError(f"{path}: holds no {what}; {remedy}")
+            drawings += [(f"{_stem(each.claim)}-{file_name(each.claim.id)}", each) for each in found]
     target, names, written, not_drawn = folder_of(folder), Names(), Written(told), dict[str, str]()
     with saved_as(files), use_style():
         for name, drawing in drawings:
             try:
                 if isinstance(drawing, PeriodicFamilyRecord):
                     figure = draw_periodic_family(drawing)
+                elif isinstance(drawing.claim, PeriodicBifurcation):
+                    assert not isinstance(drawing.found, PeriodicResults)
+                    drawn = draw_periodic_bifurcation(drawing.claim, drawing.found)
+                    figure = drawn.figure
+                    if not drawn.is_complete:
+                        not_drawn[name] = f"what is born there: {drawn.beside}"
                 else:
-                    figure = draw_periodic_orbit(*drawing)
+                    point = drawing.found.point if isinstance(drawing.found, PeriodicResults) else None
+                    figure = draw_periodic_orbit(drawing.claim, point)
             except OrbitNotClosed as error:
                 not_drawn[name] = str(error)
                 continue
@@ -231,23 +244,32 @@ def draw_periodic(
     return Drawn(tuple(written.paths), not_drawn, False, False)
 
 
-_Claimed = tuple[PeriodicOrbit, Mapping[str, arb] | None]
+@dataclass(frozen=True)
+class _Claimed:
+    """A claim, with what its certificate has found if it says "proved"."""
+
+    claim: InSection
+    found: PeriodicResults | PeriodicBifurcationResults | TorusResults | None = None
+
+
+def _stem(claim: InSection) -> str:
+    return "bifurcation" if isinstance(claim, PeriodicBifurcation) else "orbit"
 
 
 def _numerical(path: Path) -> list[_Claimed]:
-    return [(claim, None) for claim in read_claims(path) if isinstance(claim, PeriodicOrbit)]
+    return [_Claimed(claim) for claim in read_claims(path) if isinstance(claim, InSection)]
 
 
 def _certified(path: Path) -> list[_Claimed]:
-    """The claims of certificates, with the enclosed point where they say "proved"."""
     from orbitproof.verify.certificate import read_certificates
 
-    entries = read_certificates(path).values()
-    return [
-        (entry.candidate, None if entry.periodic is None else entry.periodic.point)
-        for entry in entries
-        if isinstance(entry.candidate, PeriodicOrbit)
-    ]
+    claimed = []
+    for entry in read_certificates(path).values():
+        if isinstance(entry.candidate, InSection):
+            found = entry.results
+            is_known = isinstance(found, PeriodicResults | PeriodicBifurcationResults | TorusResults)
+            claimed.append(_Claimed(entry.candidate, found if is_known else None))
+    return claimed
 
 
 def draw_all(
