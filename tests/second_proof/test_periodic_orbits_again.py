@@ -291,6 +291,27 @@ def test_what_was_followed_is_enough_for_the_proof(recorded: Any) -> None:
     assert concluded(recorded).inside == 1
 
 
+def test_the_last_that_is_followed_is_the_whole_box(recorded: Any) -> None:
+    stated, start, bits, found = recorded
+    results, seen = iter(found), list[Any]()
+
+    class Watched(periodic._Proof):  # type: ignore[name-defined, misc]
+        def followed(self, spread: Any, period: Any) -> Any:
+            seen.append((self.around, spread, period))
+            return next(results)
+
+    with package.jets.precision(bits):
+        proof = Watched(stated, bits, start)
+        proof.conclusion()
+    around, spread, period = seen[-1]
+    with package.jets.precision(4 * bits):
+        for side in (-1, 1):
+            reach = side * proof.reach
+            assert all(ball.contains(c + reach) for ball, c in zip(around, proof.centre, strict=True))
+            assert all(ball.contains(reach) for ball in spread)
+            assert period.contains(proof.period + reach)
+
+
 def test_each_condition_is_looked_at(recorded: Any) -> None:
     with pytest.raises(package.CannotFollow, match="crossings is not shown"):
         concluded(recorded, lambda found: found._replace(crossings=found.crossings + 1))
@@ -307,6 +328,44 @@ def test_a_time_of_return_that_is_a_multiple_of_the_period_is_refused(recorded: 
         concluded(recorded, lambda found: found._replace(crossings=2, between={2: found.state}), crossings=2)
     with pytest.raises(package.CannotFollow, match="least period, T/2 is not shown"):
         concluded(recorded, lambda found: found._replace(crossings=2), crossings=2)
+
+
+def test_the_equations_ask_for_the_section_and_the_level(certificates: dict[str, dict[str, Any]]) -> None:
+    """Also where the centre is on neither: what is left of the last rows is by how much."""
+    stated = periodic.read_periodic(certificates["on a level"])
+    moved = replace(stated, centre=tuple(c + Fraction(1, 8) for c in stated.centre))
+    jets = [package.jets.Jet({(): package.jets.ball(c)}, 0) for c in moved.centre]
+    off = sum((a * c for a, c in zip(moved.normal, moved.centre, strict=True)), -moved.offset)
+    x, y, *_ = moved.centre
+    with package.jets.precision(160):
+        *_, section, level = [
+            row for (row,) in periodic._Proof(moved, 160).values(periodic._Return(jets, arb(1), 1, {})).tolist()
+        ]
+    assert off != 0
+    for found, wanted in ((section, off), (level, x * x + y * y - moved.level)):
+        assert found.contains(arb(wanted.numerator) / wanted.denominator)
+        assert found.rad() < 1e-30
+
+
+COUNTED: dict[str, tuple[list[acb], bool, tuple[int, int, int]]] = {
+    "a pair, volume kept": ([acb(0.6, 0.8), acb(0.6, -0.8)], True, (0, 2, 0)),
+    "a pair, volume not kept": ([acb(0.5, 0.5), acb(0.5, -0.5)], False, (2, 0, 0)),
+    "two real ones, volume kept": ([acb(0.5), acb(2)], True, (1, 0, 1)),
+    "two that may be real": ([acb(arb(1), arb(0, 0.1)), acb(arb(3), arb(0, 0.1))], True, (0, 0, 1)),
+    "one that may be on the circle": ([acb(arb(1, 0.1)), acb(0.5)], False, (1, 0, 0)),
+    "three, volume kept": ([acb(0.5, 0.5), acb(0.5, -0.5), acb(0.0, 2.0)], True, (2, 0, 1)),
+}
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_multipliers_are_counted_where_they_are_shown_to_be(
+    name: str, recorded: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    balls, volume, counts = COUNTED[name]
+    monkeypatch.setattr(periodic, "multipliers", lambda monodromy, trivial: balls)
+    monkeypatch.setattr(periodic.PeriodicStatement, "keeps_volume", lambda statement: volume)
+    found = concluded(recorded)
+    assert (found.inside, found.on, found.outside) == counts
 
 
 def test_a_disc_that_may_have_two_multipliers_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

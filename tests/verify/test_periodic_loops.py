@@ -45,8 +45,33 @@ def test_what_is_said_of_parts_of_the_closed_curve_is_found_by_integration() -> 
     found = attempt(atlas, interval=(Fraction(-1, 8), Fraction(1, 8)))
     assert isinstance(found.outcome, Proved), found.outcome
     known = found.outcome.results
+    assert (known.start, known.end) == (Fraction(-1, 8), Fraction(1, 8))
     assert known.deviation[0] <= results[0].deviation[0]
     assert known.slope_deviation[0] <= results[0].slope_deviation[0]
+
+
+def test_a_curve_that_leaves_the_tube_of_a_piece_is_proved_where_it_is_in_it() -> None:
+    """The polynomial is off by 2 s^8 times the width of the tube."""
+    atlas = turning_atlas()
+    first, second = atlas.curve_pieces()
+    (row,) = first.polynomial
+    bent = replace(first, polynomial=((*row, *[Fraction(0)] * (8 - len(row)), 2 * first.tube[0]),))
+    for interval, holds in (((Fraction(1, 2), Fraction(1)), False), ((Fraction(-1, 4), Fraction(1, 4)), True)):
+        found = attempt(replace(atlas, pieces=(bent, second)), interval=interval)
+        assert found.is_proved == holds
+
+
+def test_the_slope_of_the_curve_is_within_that_of_its_polynomial_and_the_bound() -> None:
+    """The polynomial is off by c s, the curve's own slope by c."""
+    atlas = turning_atlas()
+    first, second = atlas.curve_pieces()
+    ((constant, linear, *others),) = first.polynomial
+    off = first.tube[0] / 200
+    bent = replace(first, polynomial=((constant, linear + off, *others),))
+    outcome = attempt(replace(atlas, pieces=(bent, second)), interval=(Fraction(0), Fraction(1, 4))).outcome
+    assert isinstance(outcome, Proved)
+    assert off <= outcome.results.slope_deviation[0] < 2 * off
+    assert off / 4 <= outcome.results.deviation[0]
 
 
 def test_a_closed_curve_is_one_with_a_maximum_and_a_minimum() -> None:
