@@ -108,6 +108,7 @@ def test_claims_of_every_kind_are_read_as_they_were_written(tmp_path: Path) -> N
         ({"symmetry": TURN}, "symmetry"),
         ({**PITCHFORK, "symmetry": None}, "symmetry"),
         ({**PITCHFORK, "symmetry": TURN[:2]}, "symmetry"),
+        ({**PITCHFORK, "symmetry": (*TURN[:2], TURN[2][:2])}, "symmetry"),
         ({**PITCHFORK, "symmetry": ((Fraction(1, 3), ZERO, ZERO), *TURN[1:])}, "symmetry"),
         ({"direction": 2}, "direction"),
         ({"radii": (ONE, ZERO)}, "radii[1]"),
@@ -133,12 +134,12 @@ def test_a_state_of_few_coordinates_has_no_such_points() -> None:
 
 
 def test_the_values_of_a_parameter_stay_in_its_range() -> None:
-    system = replace(
-        LORENZ, parameters={**LORENZ.parameters, "rho": type(LORENZ.parameters["rho"])(ZERO, Fraction(29))}
-    )
-    _claim(system=system)
-    with pytest.raises(InputError, match="parameter_radius"):
-        _claim(system=system, parameter_radius=ONE)
+    for least, most in ((ZERO, Fraction(29)), (Fraction(27), Fraction(100))):
+        interval = type(LORENZ.parameters["rho"])(least, most)
+        system = replace(LORENZ, parameters={**LORENZ.parameters, "rho": interval})
+        _claim(system=system)
+        with pytest.raises(InputError, match="parameter_radius"):
+            _claim(system=system, parameter_radius=Fraction(3, 2))
 
 
 def test_files_name_the_field_that_is_wrong(tmp_path: Path) -> None:

@@ -185,6 +185,27 @@ def _derivatives(polynomial: Polynomial) -> dict[Exponents, Fraction]:
     return {index: value * prod(map(factorial, index)) for index, value in polynomial.items()}
 
 
+def seen_from(derivatives: Sequence[Polynomial], origin: Sequence[Fraction]) -> tuple[dict[Exponents, Fraction], ...]:
+    """The derivatives of a map of degree 3 about another point (p, a), in coordinates that are 0 there."""
+    moved = [derivatives_at(each, origin) for each in derivatives]
+    for each, value in zip(moved, origin, strict=False):
+        each[(0,) * len(origin)] -= value
+    return tuple(moved)
+
+
+def derivatives_at(derivatives: Polynomial, origin: Sequence[Fraction]) -> dict[Exponents, Fraction]:
+    """Those of a function of degree 3 at another point, from those at 0."""
+    found = {}
+    for index in _indices(len(origin), MOST):
+        value = Fraction(0)
+        for shift in _indices(len(origin), MOST - sum(index)):
+            there = tuple(i + j for i, j in zip(index, shift, strict=True))
+            powers = prod((x**power for x, power in zip(origin, shift, strict=True)), start=Fraction(1))
+            value += derivatives.get(there, Fraction(0)) * powers / prod(map(factorial, shift))
+        found[index] = value
+    return found
+
+
 def _number(chance: random.Random) -> Fraction:
     return Fraction(chance.choice([-1, 1]) * chance.randint(1, 9), chance.randint(1, 4))
 

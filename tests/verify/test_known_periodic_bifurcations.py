@@ -10,12 +10,11 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from math import prod
 from typing import Any
 
 import pytest
 from flint import arb, ctx
-from support.normal_form_maps import KnownBifurcation, Polynomial, known_bifurcation
+from support.normal_form_maps import KnownBifurcation, Polynomial, derivatives_at, known_bifurcation, seen_from
 
 from orbitproof.shared.formats import PeriodicBifurcation, define_system
 from orbitproof.verify.evidence import (
@@ -32,12 +31,15 @@ from orbitproof.verify.evidence import (
     symmetric,
     total,
 )
+from orbitproof.verify.periodic import Linearised, Multipliers, SectionReturn
 from orbitproof.verify.periodic_bifurcation import (
     BifurcationEnclosures,
     PeriodicBifurcationResults,
+    PeriodicBifurcationTheorem,
     check_bifurcation_exactly,
     prove_periodic_bifurcation,
 )
+from orbitproof.verify.words import in_full
 
 BITS = 200
 ZERO, ONE = Fraction(0), Fraction(1)
@@ -113,14 +115,16 @@ def _over(centre: dict[tuple[int, ...], arb], index: tuple[int, ...], sides: lis
     return total(terms)
 
 
-def _outcome(known: KnownBifurcation, claim: PeriodicBifurcation) -> Outcome[PeriodicBifurcationResults]:
+def _outcome(
+    known: KnownBifurcation, claim: PeriodicBifurcation, earlier: tuple[SectionReturn, ...] = ()
+) -> Outcome[PeriodicBifurcationResults]:
     checklist = Checklist()
     with guarded(BITS):
         try:
             check_bifurcation_exactly(checklist, claim)
         except NotEstablishedError as error:
             return NotProved(error.reason, tuple(checklist.hypotheses))
-        return prove_periodic_bifurcation(claim, checklist, _enclosures(known, claim))
+        return prove_periodic_bifurcation(claim, checklist, replace(_enclosures(known, claim), earlier=earlier))
 
 
 def _proved(known: KnownBifurcation, claim: PeriodicBifurcation) -> PeriodicBifurcationResults:
@@ -209,27 +213,54 @@ def test_an_eigenvector_of_another_length_changes_the_opening_by_its_square(kind
     assert found.side == ("above" if known.opening > 0 else "below")
 
 
+def _return(claim: PeriodicBifurcation, crossings: int, distance: int) -> SectionReturn:
+    """The centre, and so the point, comes to the distance from it in its last coordinate."""
+    size = len(claim.radii)
+    slopes = (arb(0),) * (size + (claim.parameter is not None))
+    image = tuple(Linearised(arb(distance if place == size - 1 else 0), slopes) for place in range(size))
+    return SectionReturn(crossings, image, Linearised(arb(1) / 2, slopes))
+
+
+@pytest.mark.parametrize(("kind", "setting"), CASES)
+def test_every_earlier_return_is_looked_at(kind: str, setting: str) -> None:
+    known, claim = _case(kind, setting, 0)
+    claim = replace(claim, crossings=6)
+    for distances, condition in (((1, 1), None), ((0, 1), "least-period"), ((1, 0), "least-period")):
+        earlier = tuple(_return(claim, each, by) for each, by in zip((2, 3), distances, strict=True))
+        outcome = _outcome(known, claim, earlier)
+        assert (outcome.reason.condition if isinstance(outcome, NotProved) else None) == condition
+        for missing in (earlier[:1], earlier[1:], (*earlier, earlier[1])):
+            refused = _outcome(known, claim, missing)
+            assert isinstance(refused, NotProved)
+            assert refused.reason.condition == "return-map"
+
+
+@pytest.mark.parametrize("kind", ["periodic-fold", "periodic-doubling"])
+def test_an_earlier_return_is_complete_and_finite(kind: str) -> None:
+    known, claim = _case(kind, "free", 1)
+    claim = replace(claim, crossings=2)
+    whole = _return(claim, 1, 1)
+    first, *others = whole.image
+    assert isinstance(_outcome(known, claim, (whole,)), Proved)
+    for changed in (
+        replace(whole, image=tuple(others)),
+        replace(whole, image=(replace(first, slopes=first.slopes[1:]), *others)),
+        replace(whole, image=(replace(first, centre=arb("nan")), *others)),
+        replace(whole, time=replace(whole.time, centre=arb("inf"))),
+        replace(whole, time=replace(whole.time, slopes=(*whole.time.slopes, arb(0)))),
+    ):
+        outcome = _outcome(known, claim, (changed,))
+        assert isinstance(outcome, NotProved)
+        assert outcome.reason.condition == "return-map"
+
+
 def _seen_from(known: KnownBifurcation, origin: Sequence[Fraction]) -> KnownBifurcation:
     """The map about another point (p, a), in coordinates that are 0 there."""
-
-    def moved(values: Mapping[tuple[int, ...], Fraction]) -> dict[tuple[int, ...], Fraction]:
-        indices = indices_up_to(len(origin), 3)
-        found = dict.fromkeys(indices, ZERO)
-        for index in indices:
-            for shift in indices_up_to(len(origin), 3 - sum(index)):
-                powers = prod((x**power for x, power in zip(origin, shift, strict=True)), start=ONE)
-                there = tuple(map(sum, zip(index, shift, strict=True)))
-                found[index] += values.get(there, ZERO) * powers / index_factorial(shift)
-        return found
-
-    derivatives = [moved(each) for each in known.derivatives]
-    for each, value in zip(derivatives, origin, strict=False):
-        each[(0,) * len(origin)] -= value
     integral = None
     if known.integral is not None:
-        found = moved({index: value * index_factorial(index) for index, value in known.integral.items()})
+        found = derivatives_at({i: value * index_factorial(i) for i, value in known.integral.items()}, origin)
         integral = {index: value / index_factorial(index) for index, value in found.items()}
-    return replace(known, derivatives=tuple(derivatives), integral=integral)
+    return replace(known, derivatives=seen_from(known.derivatives, origin), integral=integral)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -307,3 +338,11 @@ def test_a_multiplier_minus_1_at_a_fold_is_not_called_inside() -> None:
     found = _proved(known, _claim(known, "periodic-fold"))
     assert (found.multipliers.inside, found.multipliers.outside, found.multipliers.undecided) == (0, 0, 1)
     assert not found.multipliers.is_attracting
+
+
+def test_where_the_criticality_is_not_known_nothing_is_called_stable() -> None:
+    known, claim = _case("periodic-doubling", "free", 1)
+    found = replace(_proved(known, claim), multipliers=Multipliers((), 0, 0, 0, 0, 1))
+    theorem = PeriodicBifurcationTheorem(claim)
+    assert "stable" in in_full(claim, theorem, found)
+    assert "stable" not in in_full(claim, theorem, replace(found, criticality=None))

@@ -75,7 +75,7 @@ SAID = {
     "fold": [
         "exactly two points near the point come back to themselves at that crossing",
         "  b = 1",
-        "The interval of a: all values that differ from 0",
+        "The interval of a: all values that differ from 0 by at most 8.4703294725430034e-22 (exactly 0x1p-70).",
         "One more multiplier is 1 exactly",
         "There are no other multipliers.",
         "The new orbits are at values of a above",
@@ -93,6 +93,7 @@ SAID = {
     ],
     "pitchfork": [
         "The symmetry S maps (x, y, z) to (-x, -y, z).",
+        "at which S, the symmetry of the candidate, takes crossing number 1 of the section in the direction of the",
         "exactly two further periodic orbits pass near the point",
         "S moves the orbit by half its period; it crosses the section in 2 points.",
         "S maps one to the other and neither to itself",

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from flint import acb, arb, ctx
 from support import torus_cases as cases
-from support.normal_form_maps import KnownTorus, known_torus
+from support.normal_form_maps import KnownTorus, known_torus, seen_from
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import PERIODIC_DOUBLING, PeriodicBifurcation
@@ -455,6 +455,28 @@ def test_maps_with_a_known_torus_are_proved_with_its_side_and_stability(seed: in
     assert found.side == ("above" if known.speed * known.lyapunov < 0 else "below")
     assert found.criticality == ("supercritical" if known.lyapunov < 0 else "subcritical")
     assert found.is_attracting is (known.lyapunov < 0 and abs(known.others[0]) < 1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_known_torus_seen_from_another_centre_is_where_it_is(seed: int) -> None:
+    known = known_torus(3, random.Random(seed))
+    claim = _claim_of_map(known)
+    by = [WIDTH / 256 * sign for sign in (1, -1, 1, -1)]
+    centre = tuple(
+        x + sum(a * b for a, b in zip(row, by, strict=False)) for x, row in zip(claim.centre, claim.frame, strict=True)
+    )
+    moved = replace(claim, centre=centre, parameters={**claim.parameters, "a": by[-1]})
+    seen = replace(known, derivatives=seen_from(known.derivatives, by))
+    found = _proved(moved, _of_map(seen, moved))
+    with guarded(BITS):
+        assert found.parameter.contains(0)
+        assert found.parameter.rad() < float(WIDTH / 2**20)
+        assert found.lyapunov.overlaps(enclose(known.lyapunov))
+        assert found.speed.overlaps(enclose(known.speed))
+        (other,) = found.multipliers.values
+        assert other.overlaps(acb(enclose(known.others[0])))
+        assert found.multipliers.trivial == 1
+        assert all(found.point[name].contains(value) for name, value in zip("xyuv", (1, 0, 0, 0), strict=True))
 
 
 @pytest.mark.parametrize(("other", "conditions"), [(-1, ("others",)), (1, ("bifurcation", "others"))])
