@@ -69,7 +69,13 @@ def about(found: verify.Certificate, given: BoxClaim) -> None:
     assert given_radii(found) == given.radii
     assert answers(found, given)
     assert not answers(found, replace(given, radii=tuple(2 * r for r in given.radii)))
+    elsewhere = (given.centre[0], given.centre[1] + F(1, 2**40), *given.centre[2:])
+    assert not answers(found, replace(given, centre=elsewhere))
+    axis, old, new = next(
+        (i, *two) for i, two in enumerate(zip(given.radii, stated.radii, strict=True)) if two[0] != two[1]
+    )
     assert "another" in str(remark(found))
+    assert f"P_{axis} {float(old):.4g} -> {float(new):.4g}" in str(remark(found))
     (check,) = verify.recheck(found, quiet=True)
     assert check.stands
 
