@@ -312,6 +312,25 @@ def test_the_last_that_is_followed_is_the_whole_box(recorded: Any) -> None:
             assert period.contains(proof.period + reach)
 
 
+def test_the_point_is_known_as_well_as_the_newton_image(recorded: Any) -> None:
+    proofs = list[Any]()
+    found = concluded(recorded, after=proofs.append)
+    (proof,) = proofs
+    for name, c in zip(found.point, proof.centre, strict=False):
+        move = found.hypotheses[0].enclosures[name]
+        assert found.point[name].overlaps(c + move)
+        assert found.point[name].rad() >= move.rad() / 2 > 0
+
+
+def test_a_box_that_leaves_its_section_is_refused(recorded: Any) -> None:
+    stated = recorded[0]
+    stated.check()
+    out = tuple(tuple(value + a for value in row) for row, a in zip(stated.frame, stated.normal, strict=True))
+    for wrong in ({"frame": out}, {"offset": stated.offset + 1}, {"normal": (Fraction(0),) * 2, "offset": Fraction(0)}):
+        with pytest.raises(package.CannotFollow, match="section"):
+            replace(stated, **wrong).check()
+
+
 def test_each_condition_is_looked_at(recorded: Any) -> None:
     with pytest.raises(package.CannotFollow, match="crossings is not shown"):
         concluded(recorded, lambda found: found._replace(crossings=found.crossings + 1))
