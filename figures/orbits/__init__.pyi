@@ -1,8 +1,8 @@
+from .beside import NewOrbits as NewOrbits
+from .beside import new_orbits as new_orbits
 from .fixed_set import Array as Array
 from .fixed_set import parameter_values as parameter_values
 from .fixed_set import state_on_fixed_set as state_on_fixed_set
-from .new_orbits import NewOrbits as NewOrbits
-from .new_orbits import new_orbits as new_orbits
 from .orbit import OrbitNotClosed as OrbitNotClosed
 from .orbit import orbit_through as orbit_through
 from .orbit import symmetric_orbit as symmetric_orbit
@@ -11,5 +11,5 @@ from .return_map import ReturnMap as ReturnMap
 from .returning import ReturningOrbit as ReturningOrbit
 from .returning import orbit_over as orbit_over
 from .returning import returning_orbit as returning_orbit
-from .torus_points import TorusPoints as TorusPoints
-from .torus_points import torus_points as torus_points
+from .torus_iterates import TorusPoints as TorusPoints
+from .torus_iterates import torus_points as torus_points
