@@ -24,6 +24,7 @@ from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedPeriodic, second_proof
 
 periodic = import_module(f"{package.__name__}.periodic")
+isolation = import_module(f"{package.__name__}.multipliers")
 statement = import_module(f"{package.__name__}.statement")
 
 CASES: dict[str, PeriodicOrbit] = {
@@ -223,15 +224,15 @@ def test_the_gradient_is_that_of_the_program() -> None:
 
 def test_multipliers_are_isolated_or_refused() -> None:
     matrix = arb_mat([[1, 5, 0, 0], [0, "0.5", 0, 0], [0, 3, 0, -2], [0, 0, 2, 0]])
-    found = sorted(periodic.multipliers(matrix, 1), key=lambda z: float(z.imag.mid()))
+    found = sorted(isolation.multipliers(matrix, 1), key=lambda z: float(z.imag.mid()))
     for ball, exact in zip(found, (acb(0, -2), acb("0.5"), acb(0, 2)), strict=True):
         assert ball.contains(exact)
         assert float(ball.rad()) < 1e-10
     assert found[1].imag == 0
     with pytest.raises((ValueError, package.CannotFollow)):
-        periodic.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, 3]]), 1)
+        isolation.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, 3]]), 1)
     with pytest.raises((ValueError, package.CannotFollow)):
-        periodic.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, arb("3.001", "0.01")]]), 1)
+        isolation.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, arb("3.001", "0.01")]]), 1)
 
 
 def test_volume_is_kept_only_where_no_rate_depends_on_its_own_coordinate() -> None:
@@ -251,10 +252,10 @@ def recorded(certificates: dict[str, dict[str, Any]]) -> tuple[Any, tuple[Any, i
     """The statement of the first case, where it starts, with how many bits, and what was followed of it in turn."""
     stated = periodic.read_periodic(certificates["on a slanted section"])
     with package.jets.precision(160):
-        start = periodic._Proof(stated, 160).guess()
+        start = periodic.PeriodicProof(stated, 160).guess()
     bits, found = 2 * max(start[1], 0) + periodic.KNOWN, list[Any]()
 
-    class Recording(periodic._Proof):  # type: ignore[name-defined, misc]
+    class Recording(periodic.PeriodicProof):  # type: ignore[name-defined, misc]
         def followed(self, *arguments: Any) -> Any:
             found.append(super().followed(*arguments))
             return found[-1]
@@ -274,7 +275,7 @@ def concluded(
     stated, start, bits, found = recorded
     results = iter([*found[:-1], last(found[-1])])
 
-    class Replayed(periodic._Proof):  # type: ignore[name-defined, misc]
+    class Replayed(periodic.PeriodicProof):  # type: ignore[name-defined, misc]
         def followed(self, *arguments: Any) -> Any:
             return next(results)
 
@@ -295,7 +296,7 @@ def test_the_last_that_is_followed_is_the_whole_box(recorded: Any) -> None:
     stated, start, bits, found = recorded
     results, seen = iter(found), list[Any]()
 
-    class Watched(periodic._Proof):  # type: ignore[name-defined, misc]
+    class Watched(periodic.PeriodicProof):  # type: ignore[name-defined, misc]
         def followed(self, spread: Any, period: Any) -> Any:
             seen.append((self.around, spread, period))
             return next(results)
@@ -358,7 +359,7 @@ def test_the_equations_ask_for_the_section_and_the_level(certificates: dict[str,
     x, y, *_ = moved.centre
     with package.jets.precision(160):
         *_, section, level = [
-            row for (row,) in periodic._Proof(moved, 160).values(periodic._Return(jets, arb(1), 1, {})).tolist()
+            row for (row,) in periodic.PeriodicProof(moved, 160).values(periodic.Return(jets, arb(1), 1, {})).tolist()
         ]
     assert off != 0
     for found, wanted in ((section, off), (level, x * x + y * y - moved.level)):
@@ -390,10 +391,10 @@ def test_multipliers_are_counted_where_they_are_shown_to_be(
 def test_a_disc_that_may_have_two_multipliers_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     coefficients = [arb("9.0003", "1e-6"), arb("-6.0001"), arb(1)]
     with pytest.raises(package.CannotFollow, match="not isolated"):
-        periodic._only_root(coefficients, acb(3))
-    monkeypatch.setattr(periodic, "_nearer", lambda polynomial, guess: acb("0.5"))
+        isolation._only_root(coefficients, acb(3))
+    monkeypatch.setattr(isolation, "_nearer", lambda polynomial, guess: acb("0.5"))
     with pytest.raises(package.CannotFollow, match="not told apart"):
-        periodic.multipliers(arb_mat([[1, 0, 0], [0, "0.5", 0], [0, 0, 3]]), 1)
+        isolation.multipliers(arb_mat([[1, 0, 0], [0, "0.5", 0], [0, 0, 3]]), 1)
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from flint import acb, arb, arb_mat, fmpq
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.evidence import ball_from_json
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
-from orbitproof.verify.second_proof import ProvedPeriodic
+from orbitproof.verify.second_proof import ProvedPeriodic, ProvedPeriodicBifurcation
 
 _PARTS = ("real", "imaginary")
 
@@ -36,10 +36,10 @@ def compare_periodic(certificate: Mapping[str, Any], result: ProvedPeriodic) -> 
     if result.level is not None and not result.level.overlaps(ball_from_json(results["level"])):
         return Comparison("disagrees", "level: the enclosures have no common point")
     stored = results["multipliers"]
-    found = _multipliers(stored, result)
+    found = compare_multipliers(stored, result, on_level=result.level is not None)
     if isinstance(found, Comparison):
         return found
-    is_inside = _is_in_the_box(claim, list(result.point.values()))
+    is_inside = is_in_the_box(claim, list(result.point.values()))
     if is_inside is None:
         return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
     if not is_inside:
@@ -51,9 +51,11 @@ def compare_periodic(certificate: Mapping[str, Any], result: ProvedPeriodic) -> 
     return Comparison("agrees", f"{'; '.join(parts)}. Not confirmed: {', '.join(left)}")
 
 
-def _multipliers(stored: Mapping[str, Any], result: ProvedPeriodic) -> str | Comparison:
+def compare_multipliers(
+    stored: Mapping[str, Any], result: ProvedPeriodic | ProvedPeriodicBifurcation, *, on_level: bool
+) -> str | Comparison:
     """What is confirmed of the multipliers, or why they do not agree."""
-    if stored["trivial"] != (1 if result.level is None else 2):
+    if stored["trivial"] != (2 if on_level else 1):
         return Comparison("disagrees", "multipliers: another number of them is 1 for every orbit")
     mine = {"inside": result.inside, "on": result.on, "outside": result.outside}
     size = len(result.multipliers)
@@ -91,7 +93,7 @@ def _multipliers(stored: Mapping[str, Any], result: ProvedPeriodic) -> str | Com
     return "the multipliers in stored balls of their own, and how many are inside, on and outside the circle"
 
 
-def _is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
+def is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | None:
     """Whether a point of the section certainly lies in the box, certainly does not, or None: neither is certain."""
     rows = [[*map(_exact, row), _exact(a)] for row, a in zip(claim["frame"], claim["normal"], strict=True)]
     right = [[x - _exact(c)] for x, c in zip(point, claim["centre"], strict=True)]
@@ -100,6 +102,12 @@ def _is_in_the_box(claim: Mapping[str, Any], point: Sequence[arb]) -> bool | Non
     if any(size > radius for size, radius in sizes):
         return False
     return True if all(size <= radius for size, radius in sizes) else None
+
+
+def is_within(value: arb, middle: str, radius: str) -> bool | None:
+    """Whether a value certainly lies in an interval, certainly does not, or None: neither is certain."""
+    away, most = abs(value - _exact(middle)), _exact(radius)
+    return False if away > most else True if away <= most else None
 
 
 def _exact(number: str) -> arb:

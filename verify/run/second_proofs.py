@@ -36,6 +36,7 @@ from orbitproof.verify.run import (
     whole_number,
 )
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
+from orbitproof.verify.run.second_bifurcation import compare_bifurcation
 from orbitproof.verify.run.second_periodic import compare_periodic
 from orbitproof.verify.second_proof import (
     BadCertificate,
@@ -43,6 +44,7 @@ from orbitproof.verify.second_proof import (
     NotProved,
     Proved,
     ProvedPeriodic,
+    ProvedPeriodicBifurcation,
     read_claim,
     second_proof,
 )
@@ -51,8 +53,8 @@ FORMAT = "orbitproof-second-proofs"
 Row = dict[str, Any]
 
 _DESCRIPTION = """\
-Prove certified bifurcations, and periodic orbits without symmetry, once more, by code that shares nothing with the
-first proof, and compare the results.
+Prove certified bifurcations, and periodic orbits without symmetry with their folds and doublings, once more, by code
+that shares nothing with the first proof, and compare the results.
 """
 
 _EXAMPLES = """\
@@ -83,7 +85,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return refused(error)
 
 
-def compare(certificate: Mapping[str, Any], result: Proved | ProvedPeriodic | NotProved) -> Comparison:
+def compare(
+    certificate: Mapping[str, Any], result: Proved | ProvedPeriodic | ProvedPeriodicBifurcation | NotProved
+) -> Comparison:
     """Whether a second proof says the same as the certificate, value by value. Section 7 of its chapter.
 
     Of bifurcations kind, k, side; the point, the parameter and the normal form; the point in the box of the candidate.
@@ -96,6 +100,9 @@ def compare(certificate: Mapping[str, Any], result: Proved | ProvedPeriodic | No
     if isinstance(result, ProvedPeriodic):
         with guarded(4096):
             return compare_periodic(certificate, result)
+    if isinstance(result, ProvedPeriodicBifurcation):
+        with guarded(4096):
+            return compare_bifurcation(certificate, result)
     claim, results = certificate["statement"]["candidate"], certificate["results"]
     if (result.kind, result.k) != (claim["kind"], claim["k"]):
         return Comparison("disagrees", f"kind or k: {result.kind}, {result.k}")
@@ -164,7 +171,10 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
         row |= {name: getattr(result, name) for name in ("kind", "k", "side", "width", "bits", "steps")}
         row |= {"point": _texts(result.point), "parameter": _text(result.parameter)}
         row["normal_form"] = _texts(result.normal_form)
-    if isinstance(result, ProvedPeriodic):
+    if isinstance(result, ProvedPeriodicBifurcation):
+        row |= {"kind": result.kind, "side": result.side, "criticality": result.criticality}
+        row |= {name: _text(getattr(result, name)) for name in ("parameter", "opening")}
+    if isinstance(result, (ProvedPeriodic, ProvedPeriodicBifurcation)):
         row |= {name: getattr(result, name) for name in ("inside", "on", "outside", "width", "bits", "steps")}
         row |= {"point": _texts(result.point), "period": _text(result.period)}
         row["multipliers"] = [[_text(value.real), _text(value.imag)] for value in result.multipliers]

@@ -7,22 +7,35 @@ from typing import Any
 
 from . import proof
 from .periodic import PeriodicStatement, ProvedPeriodic, prove_periodic, read_periodic
+from .periodic_bifurcation import (
+    BifurcationStatement,
+    ProvedPeriodicBifurcation,
+    prove_bifurcation,
+    read_bifurcation,
+)
 from .proof import NotProved, Proved
 from .statement import Statement, read, read_statement
 
 
-def _is_periodic(certificate: Mapping[str, Any]) -> bool:
-    return bool(read(certificate, "statement.candidate.kind", str) == "periodic")
+def _kind(certificate: Mapping[str, Any]) -> str:
+    kind: str = read(certificate, "statement.candidate.kind", str)
+    return kind
 
 
-def read_claim(certificate: Mapping[str, Any]) -> Statement | PeriodicStatement:
+def read_claim(certificate: Mapping[str, Any]) -> Statement | PeriodicStatement | BifurcationStatement:
     """The statement of a certificate. Raises `BadCertificate`, and `CannotFollow` if no theorem is about it."""
-    return read_periodic(certificate) if _is_periodic(certificate) else read_statement(certificate)
+    kind = _kind(certificate)
+    if kind == "periodic":
+        return read_periodic(certificate)
+    return read_bifurcation(certificate) if kind.startswith("periodic-") else read_statement(certificate)
 
 
-def second_proof(certificate: Mapping[str, Any]) -> Proved | ProvedPeriodic | NotProved:
+def second_proof(certificate: Mapping[str, Any]) -> Proved | ProvedPeriodic | ProvedPeriodicBifurcation | NotProved:
     """Prove what a certificate claims, from its statement, centre and frames alone.
 
     Raises `BadCertificate` for a certificate that cannot be read; whatever else goes wrong is a `NotProved`.
     """
-    return prove_periodic(certificate) if _is_periodic(certificate) else proof.second_proof(certificate)
+    kind = _kind(certificate)
+    if kind == "periodic":
+        return prove_periodic(certificate)
+    return prove_bifurcation(certificate) if kind.startswith("periodic-") else proof.second_proof(certificate)

@@ -51,6 +51,18 @@ def first_crossing(step: Step, section: int, sign: int, begin: arb, end: arb) ->
     return None, sign
 
 
+def moving(field: Field, start: Sequence[Jet]) -> list[Jet]:
+    """Jets of the solution from a time on that are jets of it there, with `TIME` as one more variable."""
+    motion, degree = list(start), start[0].degree
+    for _ in range(degree):
+        paths = [
+            {joined(a, (TIME,)): c / (a.count(TIME) + 1) for a, c in f.items() if len(a) < degree}
+            for f in field.velocity(motion)
+        ]
+        motion = [jet + Jet(path, degree) for jet, path in zip(start, paths, strict=True)]
+    return motion
+
+
 def crossing_state(statement: Field, step: Step, piece: tuple[arb, arb]) -> tuple[list[Jet], arb]:
     """Jets of the state where the section is crossed in `piece`, and the crossing time within the step."""
     section, moment = statement.section, piece[0].union(piece[1])
@@ -61,14 +73,8 @@ def crossing_state(statement: Field, step: Step, piece: tuple[arb, arb]) -> tupl
         moment = moment.intersection(guess - height(guess) / step.section_slope(moment))
     if not (moment.is_finite() and moment > 0 and moment <= step.duration):
         raise CannotFollow("the crossing time is not enclosed in its step")
-    start = motion = step.at(moment)
-    degree = start[0].degree
-    for _ in range(degree):
-        paths = [
-            {joined(a, (TIME,)): c / (a.count(TIME) + 1) for a, c in f.items() if len(a) < degree}
-            for f in statement.velocity(motion)
-        ]
-        motion = [jet + Jet(path, degree) for jet, path in zip(start, paths, strict=True)]
+    start = step.at(moment)
+    degree, motion = start[0].degree, moving(statement, start)
     state = substitute(motion, implicit([motion[section]], [TIME]))
     state[section] = Jet({}, degree)
     return state, moment

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
-from flint import acb, acb_poly, arb, arb_mat, arb_poly
+from flint import acb, arb, arb_mat
 
-from .conditions import Hypothesis, Vector
+from .conditions import Hypothesis
 from .crossing import crossing_state, first_crossing, sign_of
 from .flow import take_step
 from .jets import CannotFollow, Jet, ball, combine, precision
+from .multipliers import multipliers
 from .proof import NEWTON_STEPS, NotProved, check_integral, dot
 from .statement import BadCertificate, Program, exact, read
 
+Result = TypeVar("Result")
 ROUGH, KNOWN = (160, 320, 640), 128
 """Bits of the first integration, tried one after the other; of the others beyond twice those that are lost."""
 MOST_STEPS = 10_000
@@ -66,6 +68,7 @@ class PeriodicStatement:
 
     Attributes:
         integral, slopes: the first integral and its gradient; `None` where no level is claimed, as `level`.
+        varying: a parameter that is followed as a coordinate with rate 0, before y; `parameters` has a value near it.
     """
 
     names: tuple[str, ...]
@@ -80,11 +83,12 @@ class PeriodicStatement:
     crossings: int
     centre: tuple[Fraction, ...]
     frame: tuple[tuple[Fraction, ...], ...]
+    varying: str | None = None
 
     @property
     def section(self) -> int:
         """The coordinate y."""
-        return len(self.names) + (self.slopes is not None)
+        return len(self.names) + (self.slopes is not None) + (self.varying is not None)
 
     def evaluate(self, program: Program, state: Sequence[Jet]) -> list[Jet]:
         """The outputs of a program at x."""
@@ -93,15 +97,18 @@ class PeriodicStatement:
             return Jet({(): ball(value)}, state[0].degree)
 
         known = {name: constant(value) for name, value in self.parameters.items()}
+        if self.varying is not None:
+            known[self.varying] = state[self.section - 1]
         return program.run(known | dict(zip(self.names, state, strict=False)), constant)
 
     def velocity(self, state: Sequence[Jet]) -> list[Jet]:
-        """f + mu grad H, mu' = 0, and y'."""
+        """f + mu grad H, mu' = 0, the rate 0 of what varies, and y'."""
         rows, still = self.evaluate(self.field, state), list[Jet]()
         if self.slopes is not None:
             mu = state[len(self.names)]
             rows = [f + mu * slope for f, slope in zip(rows, self.evaluate(self.slopes, state), strict=True)]
             still = [Jet({}, state[0].degree)]
+        still += [Jet({}, state[0].degree)] * (self.varying is not None)
         return [*rows, *still, combine(rows, [ball(a) for a in self.normal], state[0].degree)]
 
     def keeps_volume(self) -> bool:
@@ -173,7 +180,7 @@ class ProvedPeriodic:
     steps: int
 
 
-class _Return(NamedTuple):
+class Return(NamedTuple):
     """Jets of the coordinates at the end, the time there, the crossings in the direction till then, states between."""
 
     state: list[Jet]
@@ -182,7 +189,7 @@ class _Return(NamedTuple):
     between: dict[int, list[Jet]]
 
 
-class _Proof:
+class PeriodicProof:
     """One attempt: the centre in (x, mu, T), which Newton's method moves."""
 
     def __init__(self, statement: PeriodicStatement, bits: int, start: tuple[arb, int] | None = None) -> None:
@@ -194,15 +201,16 @@ class _Proof:
 
     def guess(self) -> tuple[arb, int]:
         """The time of the crossing that is claimed, and how many bits its enclosure has lost."""
-        time = self.followed([arb(0)] * len(self.centre), None).time
+        time = self.followed([arb(0)] * self.statement.section, None).time
         return time.mid(), self.bits + int(float(arb(time.rad()).log() / arb(2).log()))
 
-    def followed(self, spread: Sequence[arb], period: arb | None) -> _Return:
+    def followed(self, spread: Sequence[arb], period: arb | None, degree: int = 1) -> Return:
         """Integrate centre + spread to a time; without one, to the crossing that is claimed. README, section 9.3."""
         statement = self.statement
-        state = [Jet({(): c + s, (j,): arb(1)}, 1) for j, (c, s) in enumerate(zip(self.centre, spread, strict=True))]
+        values = [c + s for c, s in zip(self.centre[: statement.section], spread, strict=True)]
+        state = [Jet({(): value, (j,): arb(1)}, degree) for j, value in enumerate(values)]
         normal = [ball(a) for a in statement.normal]
-        state.append(combine(state[: len(normal)], normal, 1) - Jet({(): ball(statement.offset)}, 1))
+        state.append(combine(state[: len(normal)], normal, degree) - Jet({(): ball(statement.offset)}, degree))
         parts = {} if period is None else {q: period / q for q in _prime_divisors(statement.crossings)}
         between, now, guess, sign, count = dict[int, list[Jet]](), arb(0), arb(1) / 2, 0, 0
         with precision(self.bits):
@@ -225,22 +233,22 @@ class _Proof:
                 while piece is not None:
                     count += sign == statement.direction
                     if period is not None and now + piece[0] < period and period < now + piece[1]:
-                        return _Return(step.at(period - now), period, count, between)
+                        return Return(step.at(period - now), period, count, between)
                     if period is None and count >= statement.crossings and sign == statement.direction:
                         found, moment = crossing_state(statement, step, piece)
-                        return _Return(found, now + moment, count, between)
+                        return Return(found, now + moment, count, between)
                     piece, sign = first_crossing(step, statement.section, sign, piece[1], end)
                 state, now = step.at(end), now + end
         raise CannotFollow("the section is not crossed at the end of the period")
 
     def check_kept(self, before: Sequence[Jet], after: Sequence[Jet]) -> None:
         """The first integral has points in common with itself, in its derivatives by x too. README, section 9.1."""
-        statement, mu = self.statement, (len(self.statement.names),)
+        statement, mu = self.statement, len(self.statement.names)
         if statement.integral is not None:
             one, other = (statement.evaluate(statement.integral, jets)[0] for jets in (before, after))
-            check_integral(*(Jet({a: c for a, c in jet.items() if a != mu}, 1) for jet in (one, other)))
+            check_integral(*(Jet({a: c for a, c in jet.items() if mu not in a}, jet.degree) for jet in (one, other)))
 
-    def system(self, around: _Return) -> arb_mat:
+    def system(self, around: Return) -> arb_mat:
         """D G at the points of a set, by (x, mu, T), from what was followed of them."""
         statement, size = self.statement, len(self.centre)
         start = [Jet({(): c}, 0) for c in self.around]
@@ -255,7 +263,7 @@ class _Proof:
             matrix.append([*(slope[()] for slope in statement.evaluate(statement.slopes, start)), *unused])
         return arb_mat(matrix)
 
-    def values(self, found: _Return) -> arb_mat:
+    def values(self, found: Return) -> arb_mat:
         """G at the centre."""
         statement = self.statement
         x = self.centre[: len(statement.names)]
@@ -266,7 +274,7 @@ class _Proof:
             rows.append(height[()] - ball(statement.level))
         return arb_mat([[row] for row in rows])
 
-    def refine(self) -> _Return:
+    def refine(self) -> Return:
         """Move the centre to the orbit by Newton's method; what was followed from it in the end."""
         none = [arb(0)] * len(self.centre)
         for _ in range(NEWTON_STEPS):
@@ -292,15 +300,35 @@ class _Proof:
         found = self.followed([spread] * len(self.centre), self.period + spread)
         moves = [-move for (move,) in self.system(found).solve(self.values(exactly)).tolist()]
         names = [*statement.names, *(["mu"] if statement.slopes is not None else []), "T"]
-        inside = all(abs(move) < self.reach for move in moves)
-        checks = [Hypothesis("newton", inside, {"R": self.reach} | dict(zip(names, moves, strict=True)))]
-        point = [c + move for c, move in zip(self.centre, moves, strict=False)][:n]
-        period, state = self.period + moves[-1], [Jet({(): x}, 0) for x in point]
+        newton = self.check_newton(dict(zip(names, moves, strict=True)))
+        point, period = [c + move for c, move in zip(self.centre, moves, strict=False)], self.period + moves[-1]
+        checks, level = self.check_orbit(found, point, period)
+        hypotheses = checked([newton, *checks])
+        balls = multipliers(monodromy(found, n), 1 if level is None else 2)
+        pair = len(balls) == 2 and statement.keeps_volume() and not any(z.imag.contains(0) for z in balls)
+        counts = sum(abs(z) < 1 for z in balls), 0, sum(abs(z) > 1 for z in balls)
+        return ProvedPeriodic(
+            dict(zip(statement.names, point, strict=False)), level, period, tuple(balls),
+            *((0, 2, 0) if pair else counts), hypotheses, self.width, self.bits, self.steps,
+        )  # fmt: skip
+
+    def check_newton(self, moves: Mapping[str, arb]) -> Hypothesis:
+        """Lemma 5, from the moves of all unknowns."""
+        inside = all(abs(move) < self.reach for move in moves.values())
+        return Hypothesis("newton", inside, {"R": self.reach} | dict(moves))
+
+    @property
+    def width(self) -> int:
+        """The box has the radius 2^-width."""
+        return int(-float(self.reach.log() / arb(2).log()))
+
+    def check_orbit(self, found: Return, point: Sequence[arb], period: arb) -> tuple[list[Hypothesis], arb | None]:
+        """T is the least period of an orbit as claimed; and the value of the first integral on its level."""
+        statement, state, level = self.statement, [Jet({(): x}, 0) for x in point], None
         speed = [f[()] for f in statement.evaluate(statement.field, state)]
         rate = dot([ball(a) for a in statement.normal], speed)
-        checks.append(Hypothesis("direction", rate * statement.direction > 0, {"rate": rate}))
+        checks = [Hypothesis("direction", rate * statement.direction > 0, {"rate": rate})]
         checks.append(Hypothesis("crossings", found.crossings == statement.crossings, {"T": period}))
-        level = None
         if statement.slopes is not None and statement.integral is not None:
             level = statement.evaluate(statement.integral, state)[0][()]
             slopes = [slope[()] for slope in statement.evaluate(statement.slopes, state)]
@@ -308,65 +336,27 @@ class _Proof:
             checks.append(Hypothesis("gradient", kept, dict(zip(statement.names, slopes, strict=True))))
         for q in _prime_divisors(statement.crossings):
             apart = [jet[()] - x for jet, x in zip(found.between.get(q, []), point, strict=False)]
+            apart = apart[: len(statement.names)]
             away = any(not d.contains(0) for d in apart)
-            checks.append(Hypothesis(f"least period, T/{q}", away, dict(zip(names, apart, strict=False))))
-        for failed in (h for h in checks if not h.holds):
-            shown = ", ".join(f"{name} = {value.str(6)}" for name, value in failed.enclosures.items())
-            raise CannotFollow(f"{failed.name} is not shown: {shown}")
-        balls = multipliers(
-            arb_mat([[found.state[i][j,] for j in range(n)] for i in range(n)]), 1 if level is None else 2
-        )
-        pair = len(balls) == 2 and statement.keeps_volume() and not any(z.imag.contains(0) for z in balls)
-        counts = sum(abs(z) < 1 for z in balls), 0, sum(abs(z) > 1 for z in balls)
-        named, width = dict(zip(statement.names, point, strict=True)), int(-float(self.reach.log() / arb(2).log()))
-        return ProvedPeriodic(
-            named, level, period, tuple(balls), *((0, 2, 0) if pair else counts), tuple(checks), width, self.bits,
-            self.steps,
-        )  # fmt: skip
+            checks.append(Hypothesis(f"least period, T/{q}", away, dict(zip(statement.names, apart, strict=False))))
+        return checks, level
+
+
+def checked(hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """All of them, if all hold. Raises `CannotFollow`."""
+    for failed in (h for h in hypotheses if not h.holds):
+        shown = ", ".join(f"{name} = {value.str(6)}" for name, value in failed.enclosures.items())
+        raise CannotFollow(f"{failed.name} is not shown: {shown}")
+    return tuple(hypotheses)
+
+
+def monodromy(found: Return, size: int) -> arb_mat:
+    """The derivative of the state at the end by that at the start."""
+    return arb_mat([[found.state[i][j,] for j in range(size)] for i in range(size)])
 
 
 def _prime_divisors(number: int) -> list[int]:
     return [q for q in range(2, number + 1) if number % q == 0 and all(q % r for r in range(2, q))]
-
-
-def multipliers(monodromy: arb_mat, trivial: int) -> list[acb]:
-    """The eigenvalues of a matrix but for 1, which is one so many times, in disjoint balls. README, section 9.5."""
-    polynomial: arb_poly = monodromy.charpoly()
-    coefficients: Vector = [polynomial[i] for i in range(polynomial.degree() + 1)]
-    for _ in range(trivial):
-        quotient = [arb(0)]
-        for c in reversed(coefficients[1:]):
-            quotient.insert(0, c + quotient[0])
-        coefficients = quotient[:-1]
-    if len(coefficients) == 1:
-        return []
-    rounded = acb_poly([c.mid() for c in coefficients])
-    balls = [_only_root(coefficients, _nearer(rounded, guess)) for guess in rounded.roots()]
-    for i, one in enumerate(balls):
-        if any(one.overlaps(other) for other in balls[:i]):
-            raise CannotFollow("two multipliers are not told apart")
-    return balls
-
-
-def _nearer(polynomial: acb_poly, guess: acb) -> acb:
-    """A guess of a root improved by Newton's method; real if it may be."""
-    root, slope = acb(guess.real.mid(), 0 if guess.imag.contains(0) else guess.imag.mid()), polynomial.derivative()
-    for _ in range(NEWTON_STEPS):
-        root = (root - polynomial(root) / slope(root)).mid()
-    return root
-
-
-def _only_root(coefficients: Vector, centre: acb) -> acb:
-    """A ball around a disc with exactly one root of every polynomial. README, Lemma 7."""
-    shifted = acb_poly(coefficients)(acb_poly([centre, 1]))
-    sizes = [abs(shifted[k]) for k in range(len(coefficients))]
-    if sizes[1] > 0:
-        radius = arb((2 * sizes[0] / sizes[1]).abs_upper() + arb(2) ** -1000)
-        terms = [size * radius**k for k, size in enumerate(sizes)]
-        if sum(terms[2:], terms[0]) < terms[1]:
-            # About a real centre the root is real.
-            return acb(centre.real + arb(0, radius), arb(0) if centre.imag == 0 else centre.imag + arb(0, radius))
-    raise CannotFollow("a multiplier is not isolated")
 
 
 def prove_periodic(certificate: Mapping[str, Any]) -> ProvedPeriodic | NotProved:
@@ -375,20 +365,33 @@ def prove_periodic(certificate: Mapping[str, Any]) -> ProvedPeriodic | NotProved
     Raises `BadCertificate` for a certificate that cannot be read; whatever else goes wrong is a `NotProved`.
     """
     statement = read_periodic(certificate)
+
+    def prove(start: tuple[arb, int]) -> ProvedPeriodic:
+        # A box of the width that is lost on the way, and what is to be known of derivatives on it.
+        fine = 2 * start[1] + KNOWN
+        with precision(fine):
+            return PeriodicProof(statement, fine, start).conclusion()
+
+    return attempted(statement, lambda bits: PeriodicProof(statement, bits).guess(), prove)
+
+
+def attempted(
+    statement: PeriodicStatement,
+    guess: Callable[[int], tuple[arb, int]],
+    prove: Callable[[tuple[arb, int]], Result],
+) -> Result | NotProved:
+    """The proof from a guess of the period and the bits that are lost on the way. README, section 9.4."""
     reasons = []
     try:
         statement.check()
         for bits in ROUGH:
             with precision(bits):
                 try:
-                    start = _Proof(statement, bits).guess()
+                    period, lost = guess(bits)
                 except (CannotFollow, *ERRORS) as error:
                     reasons.append(f"{type(error).__name__}: {error} ({bits} bits)")
                     continue
-            # A box of the width that is lost on the way, and what is to be known of derivatives on it.
-            fine = 2 * max(start[1], 0) + KNOWN
-            with precision(fine):
-                return _Proof(statement, fine, start).conclusion()
+            return prove((period, max(lost, 0)))
     except (CannotFollow, *ERRORS) as error:
         reasons.append(f"{type(error).__name__}: {error}")
     return NotProved("; ".join(reasons))

@@ -1,0 +1,66 @@
+"""Whether the second proof of a bifurcation of periodic orbits says the same as its certificate. Its last section."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from orbitproof.verify.evidence import ball_from_json
+from orbitproof.verify.run.relation import Comparison, relation
+from orbitproof.verify.run.second_periodic import compare_multipliers, is_in_the_box, is_within
+from orbitproof.verify.second_proof import ProvedPeriodicBifurcation
+
+_NOT_CONFIRMED = "that the candidate's box holds no other bifurcations, the stability of new orbits"
+
+
+def compare_bifurcation(certificate: Mapping[str, Any], result: ProvedPeriodicBifurcation) -> Comparison:
+    """Point, value and period, ball by ball; multipliers, side, kappa and criticality; the point in the claim's box.
+
+    Raises `LookupError` or `ValueError` for a certificate that is not well formed.
+    """
+    claim, results = certificate["statement"]["candidate"], certificate["results"]
+    words: dict[str, tuple[Any, Any]] = {"kind": (claim["kind"], result.kind), "side": (results["side"], result.side)}
+    words["known multiplier"] = results["known"], result.known
+    if result.name is not None:
+        words["parameter_name"] = results["parameter_name"], result.name
+    for name, (theirs, ours) in words.items():
+        if theirs != ours:
+            return Comparison("disagrees", f"{name}: {theirs} in the certificate, {ours} here")
+    criticality = results.get("criticality")
+    if None not in (criticality, result.criticality) and criticality != result.criticality:
+        return Comparison("disagrees", f"criticality: {criticality} in the certificate, {result.criticality} here")
+    if criticality is not None and result.criticality is None:
+        return Comparison("cannot follow", f"criticality: that it is {criticality} is not shown here")
+    if set(results["point"]) != set(result.point):
+        return Comparison("disagrees", "point: other coordinates in the certificate")
+    if (result.level is None) != (results.get("level") is None):
+        return Comparison("disagrees", "level: is here or in the certificate, and not in both")
+    pairs = {f"point.{name}": (ball, results["point"][name]) for name, ball in result.point.items()}
+    pairs |= {name: (getattr(result, name), results[name]) for name in ("parameter", "period")}
+    pairs["normal_form.kappa"] = result.opening, results["opening"]
+    if result.level is not None:
+        pairs["level"] = result.level, results["level"]
+    inside, overlapping = list[str](), list[str]()
+    for name, (mine, entry) in pairs.items():
+        found = relation(name, mine, ball_from_json(entry))
+        if isinstance(found, Comparison):
+            return found
+        (inside if found == "" else overlapping).append(name.removeprefix("normal_form.") + found)
+    found = compare_multipliers(results["multipliers"], result, on_level=claim.get("level") is not None)
+    if isinstance(found, Comparison):
+        return found
+    middle = claim["level"] if result.name is None else claim["parameters"][result.name]
+    places = (
+        is_in_the_box(claim, list(result.point.values())),
+        is_within(result.parameter, middle, claim["parameter_radius"]),
+    )
+    if False in places:
+        return Comparison("disagrees", "the point or the value is not in the box of the candidate")
+    if None in places:
+        return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
+    parts = ["kind and side", *(["criticality"] if criticality is not None else [])]
+    parts += ["the least period, with the crossings that are claimed", "the point in the box of the candidate", found]
+    parts += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
+    parts += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
+    left = ["that the first integral is one"] if claim.get("level") is not None else []
+    return Comparison("agrees", f"{'; '.join(parts)}. Not confirmed: {', '.join([*left, _NOT_CONFIRMED])}")
