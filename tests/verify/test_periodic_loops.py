@@ -166,3 +166,10 @@ def test_coordinates_that_are_functions_of_others_are_refused() -> None:
     found = why(replace(atlas, system=system, claim=claim), proved("turning"))
     assert found.startswith("section: ")
     assert "functions of others" in found
+
+
+def test_parameters_are_those_of_their_names_in_any_order() -> None:
+    where = {"rate": "(a + 2*(x**2 + y**2) - (x**2 + y**2)**2)/10"}
+    field = {"x": "rate*x - b*y", "y": "rate*y + b*x"}
+    system = define_system({"name": "two", "state": "x y", "parameters": "b a", "where": where, "field": field})
+    assert attempt(replace(turning_atlas(), system=system, parameters={"b": Fraction(2)})).is_proved
