@@ -30,6 +30,7 @@ def documents() -> Iterator[Path]:
         yield from (path for path in (ROOT / folder).rglob("*.md") if "templates" not in path.parts)
     yield from (ROOT / "docs").rglob("*.ipynb")
     yield from (path for path in (ROOT / "docs" / "images").iterdir())
+    yield from (ROOT / "docs" / "examples").glob("*.py")
 
 
 def stage(folder: Path) -> None:
