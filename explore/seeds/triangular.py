@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+from math import pi, sqrt
 
 TRIANGULAR = ("L4-short", "L4-long", "L5-short", "L5-long")
 _AMPLITUDE = 0.02
@@ -28,17 +28,17 @@ def triangular_orbit(mass: float, name: str, amplitude: float = _AMPLITUDE) -> t
         raise ValueError("the triangular points have no such orbits above Routh's mass, 0.0385...; give a smaller one")
     point, kind = name.split("-")
     side = 1.0 if point == "L4" else -1.0
-    s = float(np.sqrt((1 + (np.sqrt(half) if kind == "short" else -np.sqrt(half))) / 2))
-    across, along = side * 3 * np.sqrt(3) / 4 * (1 - 2 * mass), 2.25
+    s = sqrt((1 + (sqrt(half) if kind == "short" else -sqrt(half))) / 2)
+    across, along = side * 3 * sqrt(3) / 4 * (1 - 2 * mass), 2.25
     # x'' - 2 y' = 3/4 x + across y and y'' + 2 x' = across x + 9/4 y: y for x = cos(s t), from the second equation.
     answer = (across - 2j * s) / (-(s**2) - along)
-    size = amplitude / np.sqrt(1 + abs(answer) ** 2)
+    size = amplitude / sqrt(1 + abs(answer) ** 2)
     start = {
         "x": 0.5 - mass + size,
-        "y": side * np.sqrt(3) / 2 + size * answer.real,
+        "y": side * sqrt(3) / 2 + size * answer.real,
         "z": 0.0,
         "vx": 0.0,
         "vy": -size * s * answer.imag,
         "vz": 0.0,
     }
-    return {key: float(value) for key, value in start.items()}, 2 * np.pi / s
+    return {key: float(value) for key, value in start.items()}, 2 * pi / s

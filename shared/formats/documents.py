@@ -78,10 +78,10 @@ def _any_of(checker: Any, alternatives: Any, instance: Any, schema: Any) -> Iter
         found.append(list(islice(checker.descend(instance, alternative, schema_path=index), _MOST_ERRORS)))
         if not found[-1]:
             return
-    depths = [min(len(error.relative_path) for error in errors) for errors in found]
-    if depths.count(max(depths)) == 1:
-        # It has the keys that it needs and no others: something inside is wrong.
-        yield from found[depths.index(max(depths))]
+    # First those with the keys that they need and no others, so that something inside is wrong; then the fewest errors.
+    fits = [(min(len(error.relative_path) for error in errors), -len(errors)) for errors in found]
+    if fits.count(max(fits)) == 1:
+        yield from found[fits.index(max(fits))]
     else:
         yield ValidationError("no alternative fits", context=[error for errors in found for error in errors])
 
