@@ -1,4 +1,4 @@
-"""Folds and doublings of periodic orbits proved once more: closed forms, certificates, what is not confirmed."""
+"""Bifurcations of periodic orbits proved once more: closed forms, certificates, what is not confirmed."""
 
 from __future__ import annotations
 
@@ -10,17 +10,26 @@ from importlib import import_module
 from typing import Any
 
 import pytest
-from flint import arb, ctx
+from flint import acb, arb, ctx
 from support import periodic_bifurcation_cases as cases
+from support import torus_cases
 
 from orbitproof.shared.numbers import format_exact, parse_exact
 from orbitproof.verify import second_proof as package
 from orbitproof.verify.certificate import Limits, certify
+from orbitproof.verify.evidence import ball_from_json
 from orbitproof.verify.run.second_proofs import compare
-from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedPeriodicBifurcation, second_proof
+from orbitproof.verify.second_proof import (
+    BadCertificate,
+    CannotFollow,
+    NotProved,
+    ProvedPeriodicBifurcation,
+    ProvedTorus,
+    read_claim,
+    second_proof,
+)
 
 bifurcation = import_module(f"{package.__name__}.periodic_bifurcation")
-jets = import_module(f"{package.__name__}.jets")
 
 
 @pytest.fixture(scope="module")
@@ -101,12 +110,11 @@ def test_what_is_not_enclosed_is_not_confirmed(certificate: dict[str, Any], proo
         assert compare(certificate, replace(proof, **nothing)).verdict == "cannot follow"
 
 
-@pytest.mark.parametrize("kind", ["periodic-pitchfork", "periodic-torus"])
-def test_kinds_without_a_second_proof_cannot_be_followed(kind: str, certificate: dict[str, Any]) -> None:
-    other = changed(certificate, lambda c: c["statement"]["candidate"].update(kind=kind))
+def test_kinds_without_a_second_proof_cannot_be_followed(certificate: dict[str, Any]) -> None:
+    other = changed(certificate, lambda c: c["statement"]["candidate"].update(kind="periodic-other"))
     found = second_proof(other)
     assert isinstance(found, NotProved)
-    assert kind in found.reason
+    assert "periodic-other" in found.reason
     assert compare(other, found).verdict == "cannot follow"
 
 
@@ -122,59 +130,136 @@ def test_bad_input_names_the_field(field: str, certificate: dict[str, Any]) -> N
         second_proof(changed(certificate, BAD[field]))
 
 
-def attempt(certificate: dict[str, Any], kind: str) -> Any:
-    """An attempt with the vector (1, 0, 0) in (x, y, T)."""
-    claim = replace(bifurcation.read_bifurcation(certificate), kind=kind)
-    found = bifurcation._Proof(claim, 128)
-    found.vector = found.weights = [arb(1), arb(0), arb(0)]
-    found.length = arb(1)
-    return found
+@pytest.fixture(scope="module")
+def torus() -> dict[str, Any]:
+    return certify(torus_cases.product_claim(), Limits(digits=8)).to_json()
 
 
-def rows(first: dict[tuple[int, ...], float]) -> list[Any]:
-    """E for x -> first and y -> y + t on the line y = 0; variables are x, y, a and -1 for t."""
-    terms = [first, {(1,): 1, (-1,): 1}, {(1,): 1}]
-    return [jets.Jet({a: arb(c) for a, c in row.items()}, 3) for row in terms]
+@pytest.fixture(scope="module")
+def torus_proof(torus: dict[str, Any]) -> ProvedTorus:
+    """What a second proof that agrees would say."""
+    results = torus["results"]
+    numbers = {name: ball_from_json(results[name]) for name in ("parameter", "period", "speed", "lyapunov")}
+    pair = acb(*(ball_from_json(results["multiplier"][part]) for part in ("real", "imaginary")))
+    others = tuple(acb(ball_from_json(value["real"])) for value in results["multipliers"]["values"])
+    point = {name: ball_from_json(entry) for name, entry in results["point"].items()}
+    return ProvedTorus(
+        "periodic-torus", point, "a", multiplier=pair, multipliers=others, inside=1, on=0, outside=0,
+        side=results["side"], criticality=results["criticality"], hypotheses=(), width=1, bits=1, steps=1, **numbers,
+    )  # fmt: skip
 
 
-FLIP = {(0,): -1.0, (0, 2): -1.0, (2,): 2.0, (0, 0): 3.0, (0, 0, 0): -4.0, (-1,): 5.0}
-"""-(1 + a) x + 2 a + 3 x^2 - 4 x^3, and 5 t."""
+def test_a_torus_that_is_the_same_agrees(torus: dict[str, Any], torus_proof: ProvedTorus) -> None:
+    found = compare(torus, torus_proof)
+    assert found.verdict == "agrees", found.reason
+    assert "holds no other bifurcations" in found.reason
 
 
-def test_coefficients_of_a_flip(certificate: dict[str, Any]) -> None:
-    """x = a along the fixed points, with the multiplier -1 + 5 a; 3^2 - 4 > 0 decides where period 2 is."""
-    found = attempt(certificate, "periodic-doubling")
-    hypothesis, kappa, outwards = found.coefficients(rows(FLIP), found.vector)
-    assert hypothesis.holds
-    assert outwards.overlaps(arb(5))
-    assert kappa.overlaps(arb(-1))
-    _, _, inwards = found.coefficients(rows(FLIP | {(0, 0, 0): -10.0}), found.vector)
-    assert inwards.overlaps(arb(-1))
+OF_TORI: dict[str, Callable[[dict[str, Any]], object]] = {
+    "parameter:": lambda c: move(c["results"]["parameter"], Fraction(1, 2**20)),
+    "period": lambda c: move(c["results"]["period"], Fraction(1, 2**20)),
+    "point.x": lambda c: move(c["results"]["point"]["x"], Fraction(1, 2**20)),
+    "speed": lambda c: move(c["results"]["speed"], Fraction(1)),
+    "lyapunov": lambda c: move(c["results"]["lyapunov"], Fraction(1)),
+    "multiplier, real": lambda c: move(c["results"]["multiplier"]["real"], Fraction(1, 2**20)),
+    "multiplier, imaginary": lambda c: move(c["results"]["multiplier"]["imaginary"], Fraction(1, 2**20)),
+    "side": lambda c: c["results"].update(side="below"),
+    "criticality": lambda c: c["results"].update(criticality="subcritical"),
+    "kind": lambda c: c["statement"]["candidate"].update(kind="periodic-fold"),
+    "parameter_name": lambda c: c["results"].update(parameter_name="b"),
+    "outside the circle": lambda c: c["results"]["multipliers"].update(outside=1, inside=0),
+    "not in the box": lambda c: c["statement"]["candidate"]["parameters"].update(a="0x1p-10"),
+}
 
 
-def test_coefficients_of_a_fold(certificate: dict[str, Any]) -> None:
-    found = attempt(certificate, "periodic-fold")
-    fold = {(0,): 1.0, (2,): 2.0, (0, 0): 3.0, (-1,): 5.0}
-    hypothesis, kappa, _ = found.coefficients(rows(fold), found.vector)
-    assert hypothesis.holds
-    assert kappa.overlaps(arb(-3) / 2)
-    for missing in ((2,), (0, 0)):
-        other = {a: c for a, c in fold.items() if a != missing}
-        assert not found.coefficients(rows(other), found.vector)[0].holds
+@pytest.mark.parametrize("what", OF_TORI)
+def test_each_difference_of_a_torus_is_reported(what: str, torus: dict[str, Any], torus_proof: ProvedTorus) -> None:
+    assert torus["results"]["side"] == "above"
+    assert torus["results"]["criticality"] == "supercritical"
+    found = compare(changed(torus, OF_TORI[what]), torus_proof)
+    assert found.verdict == "disagrees"
+    assert what.rstrip(":") in found.reason
 
 
-def test_the_derivative_of_the_extended_system(certificate: dict[str, Any]) -> None:
-    found = attempt(certificate, "periodic-doubling")
-    matrix = found.extended(rows(FLIP), found.vector).tolist()
-    assert [[float(entry) for entry in row] for row in matrix] == [
-        [-2, 0, 5, 2, 0, 0, 0],
-        [0, 0, 1, 0, 0, 0, 0],
-        [0, 1, 0, 0, 0, 0, 0],
-        [6, 0, 0, -1, 0, 0, 5],
-        [0, 0, 0, 0, 0, 2, 1],
-        [0, 0, 0, 0, 0, 1, 0],
-        [0, 0, 0, 0, 1, 0, 0],
-    ]
+def test_signs_of_a_torus_that_are_not_shown_are_not_confirmed(torus: dict[str, Any], torus_proof: ProvedTorus) -> None:
+    for name in ("speed", "lyapunov"):
+        wide = replace(torus_proof, **{name: arb(0, 1000)})
+        assert compare(torus, wide).verdict == "cannot follow"
+
+
+TORUS_BAD: dict[str, tuple[type[Exception], Callable[[dict[str, Any]], object]]] = {
+    "kernel": (BadCertificate, lambda c: c["kernel"].pop()),
+    "multiplier": (BadCertificate, lambda c: c["multiplier"].pop()),
+    "symmetry": (BadCertificate, lambda c: c.update(symmetry=[["0x1"]])),
+}
+
+
+@pytest.mark.parametrize("field", TORUS_BAD)
+def test_bad_claims_of_tori(field: str, torus: dict[str, Any]) -> None:
+    error, change = TORUS_BAD[field]
+    other = changed(torus, lambda c: change(c["statement"]["candidate"]))
+    with pytest.raises(error, match=field):
+        second_proof(other)
+
+
+def test_a_torus_on_a_level_is_not_followed(torus: dict[str, Any]) -> None:
+    def change(c: dict[str, Any]) -> None:
+        c["statement"]["first_integral"] = "v0 = x\nreturn v0"
+        c["statement"]["candidate"]["level"] = "0x1"
+
+    found = second_proof(changed(torus, change))
+    assert isinstance(found, NotProved)
+    assert "level" in found.reason
+
+
+@pytest.fixture(scope="module")
+def pitchfork() -> dict[str, Any]:
+    return certify(cases.breaking(2, 1, 1, 1), Limits(digits=8)).to_json()
+
+
+def test_the_symmetry_of_a_pitchfork_is_read(pitchfork: dict[str, Any]) -> None:
+    claim = read_claim(pitchfork)
+    assert isinstance(claim, bifurcation.BifurcationStatement)
+    assert claim.orbit.symmetry == (1, 1, -1, -1)
+    claim.orbit.check()
+    for wrong in ((-1, 1, -1, -1), (1, -1, -1, -1), (-1, -1, 1, 1)):
+        with pytest.raises(CannotFollow, match="respect"):
+            replace(claim.orbit, symmetry=wrong).check()
+    normal = tuple(map(Fraction, (0, 1, 1, 0)))
+    flat = tuple(map(Fraction, (0, 0, 0)))
+    slanted = replace(claim.orbit, normal=normal, frame=(*claim.orbit.frame[:1], flat, flat, *claim.orbit.frame[3:]))
+    with pytest.raises(CannotFollow, match="respect"):
+        slanted.check()
+
+
+def test_a_symmetry_that_moves_the_level_is_refused(pitchfork: dict[str, Any]) -> None:
+    claim = read_claim(pitchfork)
+    assert isinstance(claim, bifurcation.BifurcationStatement)
+    level = bifurcation.read_periodic(pitchfork).field.from_text("v0 = u\nreturn v0")
+    with pytest.raises(CannotFollow, match="respect"):
+        replace(claim.orbit, integral=level).check()
+
+
+SYMMETRIES: dict[str, tuple[type[Exception], Callable[[list[list[str]]], object]]] = {
+    "no matrix": (BadCertificate, lambda rows: rows.pop()),
+    "by signs": (CannotFollow, lambda rows: rows[2].__setitem__(3, "0x1")),
+    "the coordinates by signs": (CannotFollow, lambda rows: rows[2].__setitem__(2, "0x1p-1")),
+}
+
+
+@pytest.mark.parametrize("what", SYMMETRIES)
+def test_symmetries_that_are_not_followed(what: str, pitchfork: dict[str, Any]) -> None:
+    error, change = SYMMETRIES[what]
+    other = changed(pitchfork, lambda c: change(c["statement"]["candidate"]["symmetry"]))
+    with pytest.raises(error, match=what):
+        read_claim(other)
+
+
+def test_where_a_pitchfork_lies_is_compared(certificate: dict[str, Any], proof: ProvedPeriodicBifurcation) -> None:
+    """On a certificate and a proof that agree otherwise."""
+    for mine, theirs, verdict in ((True, True, "agrees"), (True, False, "disagrees"), (False, None, "disagrees")):
+        stated = changed(certificate, lambda c: c["results"].update(is_fixed=theirs))  # noqa: B023
+        assert compare(stated, replace(proof, is_fixed=mine)).verdict == verdict
 
 
 @pytest.mark.slow
@@ -196,6 +281,13 @@ CASES = {
     "a parameter on a level": lambda: cases.level_fold(parameter="a"),
     "a level": cases.levels,
     "Roessler": cases.roessler,
+    "a pitchfork in Fix(S)": lambda: cases.breaking(2, 1, 1, 1),
+    "a pitchfork of Lorenz": cases.lorenz_pitchfork,
+    "another one of Lorenz": cases.lorenz_second_pitchfork,
+    "a fold of Lorenz": cases.lorenz_fold,
+    "a torus": torus_cases.round_claim,
+    "a torus with two crossings": torus_cases.bent_claim,
+    "Langford": torus_cases.langford,
 }
 
 

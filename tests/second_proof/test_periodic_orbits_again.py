@@ -24,6 +24,8 @@ from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedPeriodic, second_proof
 
 periodic = import_module(f"{package.__name__}.periodic")
+stating = import_module(f"{package.__name__}.periodic_statement")
+legs = import_module(f"{package.__name__}.legs")
 isolation = import_module(f"{package.__name__}.multipliers")
 statement = import_module(f"{package.__name__}.statement")
 
@@ -215,7 +217,7 @@ def test_the_gradient_is_that_of_the_program() -> None:
         "v0 = x\nv1 = y\nv2 = z\nv3 = v0 * v1\nv4 = v3 / v2\nv5 = v0 ** (1/2)\nv6 = v4 - v5\nv7 = v2 ** (-3)\n"
         "v8 = v6 + v7\nv9 = 2\nv10 = v8 - v9\nreturn v10"
     )
-    slopes = periodic.gradient(statement.Program.from_text(text), ("x", "y", "z", "w"))
+    slopes = stating.gradient(statement.Program.from_text(text), ("x", "y", "z", "w"))
     x, y, z = 4.0, 3.0, 2.0
     operations = {**statement.ARITHMETIC, "**": lambda base, exponent: base ** float(exponent)}
     found = slopes.run({"x": x, "y": y, "z": z}, float, operations)
@@ -224,15 +226,15 @@ def test_the_gradient_is_that_of_the_program() -> None:
 
 def test_multipliers_are_isolated_or_refused() -> None:
     matrix = arb_mat([[1, 5, 0, 0], [0, "0.5", 0, 0], [0, 3, 0, -2], [0, 0, 2, 0]])
-    found = sorted(isolation.multipliers(matrix, 1), key=lambda z: float(z.imag.mid()))
+    found = sorted(isolation.multipliers(matrix, [isolation.linear(1)]), key=lambda z: float(z.imag.mid()))
     for ball, exact in zip(found, (acb(0, -2), acb("0.5"), acb(0, 2)), strict=True):
         assert ball.contains(exact)
         assert float(ball.rad()) < 1e-10
     assert found[1].imag == 0
     with pytest.raises((ValueError, package.CannotFollow)):
-        isolation.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, 3]]), 1)
+        isolation.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, 3]]), [isolation.linear(1)])
     with pytest.raises((ValueError, package.CannotFollow)):
-        isolation.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, arb("3.001", "0.01")]]), 1)
+        isolation.multipliers(arb_mat([[1, 0, 0], [0, 3, 0], [0, 0, arb("3.001", "0.01")]]), [isolation.linear(1)])
 
 
 def test_volume_is_kept_only_where_no_rate_depends_on_its_own_coordinate() -> None:
@@ -243,17 +245,19 @@ def test_volume_is_kept_only_where_no_rate_depends_on_its_own_coordinate() -> No
         system = define_system({"name": f"s{number}", "state": "x y z", "parameters": "a", "field": each})
         claim = hopf()
         claim = replace(claim, system=system, parameters={"a": Fraction(1)})
-        kept.append(periodic.read_periodic(certify(claim, Limits(max_precision=64)).to_json()).keeps_volume())
+        kept.append(stating.read_periodic(certify(claim, Limits(max_precision=64)).to_json()).keeps_volume())
     assert kept == [True, False]
 
 
 @pytest.fixture(scope="module")
-def recorded(certificates: dict[str, dict[str, Any]]) -> tuple[Any, tuple[Any, int], int, list[Any]]:
-    """The statement of the first case, where it starts, with how many bits, and what was followed of it in turn."""
-    stated = periodic.read_periodic(certificates["on a slanted section"])
-    with package.jets.precision(160):
+def recorded(certificates: dict[str, dict[str, Any]]) -> tuple[Any, Any, int, list[Any]]:
+    """The statement of the first case, some legs, with how many bits, and what was followed of it in turn."""
+    stated = stating.read_periodic(certificates["on a slanted section"])
+    with package.jets.precision(160), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(legs, "LEG", 6)
         start = periodic.PeriodicProof(stated, 160).guess()
-    bits, found = 2 * max(start[1], 0) + periodic.KNOWN, list[Any]()
+    assert len(start.shares) > 2
+    bits, found = 2 * start.lost + legs.KNOWN, list[Any]()
 
     class Recording(periodic.PeriodicProof):  # type: ignore[name-defined, misc]
         def followed(self, *arguments: Any) -> Any:
@@ -266,7 +270,7 @@ def recorded(certificates: dict[str, dict[str, Any]]) -> tuple[Any, tuple[Any, i
 
 
 def concluded(
-    recorded: tuple[Any, tuple[Any, int], int, list[Any]],
+    recorded: tuple[Any, Any, int, list[Any]],
     last: Callable[[Any], Any] = lambda found: found,
     after: Callable[[Any], object] = lambda proof: None,
     **claimed: Any,
@@ -279,8 +283,8 @@ def concluded(
         def followed(self, *arguments: Any) -> Any:
             return next(results)
 
-        def refine(self) -> Any:
-            exactly = super().refine()
+        def converge(self) -> Any:
+            exactly = super().converge()
             after(self)
             return exactly
 
@@ -297,20 +301,20 @@ def test_the_last_that_is_followed_is_the_whole_box(recorded: Any) -> None:
     results, seen = iter(found), list[Any]()
 
     class Watched(periodic.PeriodicProof):  # type: ignore[name-defined, misc]
-        def followed(self, spread: Any, period: Any) -> Any:
-            seen.append((self.around, spread, period))
+        def followed(self, around: Any, degree: Any) -> Any:
+            seen.append(around)
             return next(results)
+
+        def returned(self, found: Any, around: Any, degree: int) -> Any:
+            assert around is seen[-1]
+            return super().returned(found, around, degree)
 
     with package.jets.precision(bits):
         proof = Watched(stated, bits, start)
         proof.conclusion()
-    around, spread, period = seen[-1]
     with package.jets.precision(4 * bits):
         for side in (-1, 1):
-            reach = side * proof.reach
-            assert all(ball.contains(c + reach) for ball, c in zip(around, proof.centre, strict=True))
-            assert all(ball.contains(reach) for ball in spread)
-            assert period.contains(proof.period + reach)
+            assert all(b.contains(c + side * proof.reach) for b, c in zip(seen[-1], proof.centre, strict=True))
 
 
 def test_the_point_is_known_as_well_as_the_newton_image(recorded: Any) -> None:
@@ -345,22 +349,26 @@ def test_a_time_of_return_that_is_a_multiple_of_the_period_is_refused(recorded: 
     """With two crossings claimed and found: half the time on, the orbit may be at its point."""
 
     with pytest.raises(package.CannotFollow, match="least period, T/2 is not shown"):
-        concluded(recorded, lambda found: found._replace(crossings=2, between={2: found.state}), crossings=2)
+        concluded(recorded, lambda found: found._replace(crossings=2, between={2: found.ends[-1]}), crossings=2)
     with pytest.raises(package.CannotFollow, match="least period, T/2 is not shown"):
         concluded(recorded, lambda found: found._replace(crossings=2), crossings=2)
 
 
 def test_the_equations_ask_for_the_section_and_the_level(certificates: dict[str, dict[str, Any]]) -> None:
     """Also where the centre is on neither: what is left of the last rows is by how much."""
-    stated = periodic.read_periodic(certificates["on a level"])
+    stated = stating.read_periodic(certificates["on a level"])
     moved = replace(stated, centre=tuple(c + Fraction(1, 8) for c in stated.centre))
-    jets = [package.jets.Jet({(): package.jets.ball(c)}, 0) for c in moved.centre]
     off = sum((a * c for a, c in zip(moved.normal, moved.centre, strict=True)), -moved.offset)
     x, y, *_ = moved.centre
     with package.jets.precision(160):
-        *_, section, level = [
-            row for (row,) in periodic.PeriodicProof(moved, 160).values(periodic.Return(jets, arb(1), 1, {})).tolist()
-        ]
+        proof = periodic.PeriodicProof(moved, 160)
+        state = proof.begin(proof.centre[: moved.section], 1)
+        rows = proof.returned(legs.Return([state], 1, {}), proof.centre, 1)
+        *_, section, level = proof.zeros(rows)
+        *_, by_section, by_level = proof.slopes(rows)
+    assert by_section == [*map(package.jets.ball, moved.normal), 0, 0]
+    assert [by_level[i].overlaps(2 * proof.centre[i]) for i in (0, 1)] == [True, True]
+    assert by_level[4:] == [0, 0]
     assert off != 0
     for found, wanted in ((section, off), (level, x * x + y * y - moved.level)):
         assert found.contains(arb(wanted.numerator) / wanted.denominator)
@@ -382,8 +390,8 @@ def test_multipliers_are_counted_where_they_are_shown_to_be(
     name: str, recorded: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     balls, volume, counts = COUNTED[name]
-    monkeypatch.setattr(periodic, "multipliers", lambda monodromy, trivial: balls)
-    monkeypatch.setattr(periodic.PeriodicStatement, "keeps_volume", lambda statement: volume)
+    monkeypatch.setattr(periodic, "multipliers", lambda monodromy, known: balls)
+    monkeypatch.setattr(stating.PeriodicStatement, "keeps_volume", lambda statement: volume)
     found = concluded(recorded)
     assert (found.inside, found.on, found.outside) == counts
 
@@ -394,7 +402,7 @@ def test_a_disc_that_may_have_two_multipliers_is_refused(monkeypatch: pytest.Mon
         isolation._only_root(coefficients, acb(3))
     monkeypatch.setattr(isolation, "_nearer", lambda polynomial, guess: acb("0.5"))
     with pytest.raises(package.CannotFollow, match="not told apart"):
-        isolation.multipliers(arb_mat([[1, 0, 0], [0, "0.5", 0], [0, 0, 3]]), 1)
+        isolation.multipliers(arb_mat([[1, 0, 0], [0, "0.5", 0], [0, 0, 3]]), [isolation.linear(1)])
 
 
 @pytest.mark.slow
@@ -416,3 +424,45 @@ def test_the_command_proves_and_compares(
     (row,) = json.loads(output.read_text())["rows"]
     assert (row["verdict"], row["inside"], row["on"], row["outside"]) == ("agrees", 1, 0, 0)
     assert "agrees" in capsys.readouterr().out
+
+
+def test_legs_that_begin_or_end_on_the_section_are_refused(recorded: Any) -> None:
+    stated, start, bits, _ = recorded
+    with package.jets.precision(bits):
+        same = periodic.PeriodicProof(stated, bits, start._replace(points=[start.points[0]] * len(start.points)))
+        with pytest.raises(package.CannotFollow, match="a leg begins on the section"):
+            same.followed(same.centre, 1)
+        state = same.begin(start.points[0], 1)
+        with pytest.raises(package.CannotFollow, match="a leg ends on the section"):
+            same.leg(state, 0, start.period + arb(0, 2.0**-20), False, {}, {})
+
+
+def test_a_guess_that_is_no_orbit_is_not_proved(recorded: Any) -> None:
+    """Points of the legs of another orbit, or in another order."""
+    stated, start, bits, _ = recorded
+    wrong = start._replace(points=[start.points[0], *start.points[:0:-1]])
+    with package.jets.precision(bits), pytest.raises((package.CannotFollow, ArithmeticError, ValueError)):
+        periodic.PeriodicProof(stated, bits, wrong).conclusion()
+
+
+def test_each_leg_has_its_own_variables_and_its_share_of_the_period(recorded: Any) -> None:
+    stated, start, bits, found = recorded
+    with package.jets.precision(bits):
+        proof = periodic.PeriodicProof(stated, bits, start)
+        rows, legs_there = proof.returned(found[0], proof.centre, 1), len(start.shares)
+        for i, end in enumerate(found[0].ends):
+            share = start.shares[i] - (start.shares[i - 1] if i else 0)
+            for j, speed in enumerate(stated.velocity(end)[:2]):
+                row = rows[(i + 1) % legs_there * 2 + j]
+                assert all(row[2 * i + v,].overlaps(end[j][v,]) for v in range(2))
+                assert set(row) <= {(), (-1,), (2 * i,), (2 * i + 1,)}
+                assert row[-1,].overlaps(speed[()] * share)
+                assert not row[-1,].overlaps(speed[()])
+
+
+def test_crossings_of_all_legs_are_counted(recorded: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    stated, start, bits, _ = recorded
+    with package.jets.precision(bits):
+        proof = periodic.PeriodicProof(stated, bits, start)
+        monkeypatch.setattr(proof, "leg", lambda state, *more: (state, 2))
+        assert proof.followed(proof.centre, 1).crossings == 2 * len(start.shares)

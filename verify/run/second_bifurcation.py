@@ -1,16 +1,18 @@
-"""Whether the second proof of a bifurcation of periodic orbits says the same as its certificate. Its last section."""
+"""Whether the second proof of a bifurcation of periodic orbits says the same as its certificate: its 10.8 and 11.5."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
+
+from flint import arb
 
 from orbitproof.verify.evidence import ball_from_json
 from orbitproof.verify.run.relation import Comparison, relation
 from orbitproof.verify.run.second_periodic import compare_multipliers, is_in_the_box, is_within
-from orbitproof.verify.second_proof import ProvedPeriodicBifurcation
+from orbitproof.verify.second_proof import ProvedPeriodicBifurcation, ProvedTorus
 
-_NOT_CONFIRMED = "that the candidate's box holds no other bifurcations, the stability of new orbits"
+_NOT_CONFIRMED = "that the candidate's box holds no other bifurcations"
 
 
 def compare_bifurcation(certificate: Mapping[str, Any], result: ProvedPeriodicBifurcation) -> Comparison:
@@ -21,25 +23,69 @@ def compare_bifurcation(certificate: Mapping[str, Any], result: ProvedPeriodicBi
     claim, results = certificate["statement"]["candidate"], certificate["results"]
     words: dict[str, tuple[Any, Any]] = {"kind": (claim["kind"], result.kind), "side": (results["side"], result.side)}
     words["known multiplier"] = results["known"], result.known
+    words["is_fixed"] = results.get("is_fixed"), result.is_fixed
     if result.name is not None:
         words["parameter_name"] = results["parameter_name"], result.name
-    for name, (theirs, ours) in words.items():
-        if theirs != ours:
-            return Comparison("disagrees", f"{name}: {theirs} in the certificate, {ours} here")
     criticality = results.get("criticality")
-    if None not in (criticality, result.criticality) and criticality != result.criticality:
-        return Comparison("disagrees", f"criticality: {criticality} in the certificate, {result.criticality} here")
+    if None not in (criticality, result.criticality):
+        words["criticality"] = criticality, result.criticality
+    found = _words(words)
+    if found is not None:
+        return found
     if criticality is not None and result.criticality is None:
         return Comparison("cannot follow", f"criticality: that it is {criticality} is not shown here")
-    if set(results["point"]) != set(result.point):
-        return Comparison("disagrees", "point: other coordinates in the certificate")
     if (result.level is None) != (results.get("level") is None):
         return Comparison("disagrees", "level: is here or in the certificate, and not in both")
-    pairs = {f"point.{name}": (ball, results["point"][name]) for name, ball in result.point.items()}
-    pairs |= {name: (getattr(result, name), results[name]) for name in ("parameter", "period")}
+    pairs = {name: (getattr(result, name), results[name]) for name in ("parameter", "period")}
     pairs["normal_form.kappa"] = result.opening, results["opening"]
     if result.level is not None:
         pairs["level"] = result.level, results["level"]
+    parts = ["kind and side", *(["criticality"] if criticality is not None else [])]
+    parts += ["where S takes the orbit"] if result.is_fixed is not None else []
+    left = ["that the first integral is one"] if claim.get("level") is not None else []
+    return _numbers(certificate, result, pairs, parts, [*left, _NOT_CONFIRMED, "the stability of new orbits"])
+
+
+def compare_torus(certificate: Mapping[str, Any], result: ProvedTorus) -> Comparison:
+    """Point, value, period, the pair and both coefficients, ball by ball; multipliers, side, criticality; the box.
+
+    Raises `LookupError` or `ValueError` for a certificate that is not well formed.
+    """
+    claim, results = certificate["statement"]["candidate"], certificate["results"]
+    words: dict[str, tuple[Any, Any]] = {"kind": (claim["kind"], result.kind)}
+    words |= {name: (results[name], getattr(result, name)) for name in ("side", "criticality")}
+    words["parameter_name"] = results["parameter_name"], result.name
+    found = _words(words)
+    if found is not None:
+        return found
+    pairs = {name: (getattr(result, name), results[name]) for name in ("parameter", "period")}
+    pairs |= {f"normal_form.{name}": (getattr(result, name), results[name]) for name in ("speed", "lyapunov")}
+    pairs["multiplier, real part"] = result.multiplier.real, results["multiplier"]["real"]
+    pairs["multiplier, imaginary part"] = result.multiplier.imag, results["multiplier"]["imaginary"]
+    return _numbers(
+        certificate, result, pairs, ["kind, side and criticality"], [_NOT_CONFIRMED, "the stability of the torus"]
+    )
+
+
+def _words(words: Mapping[str, tuple[Any, Any]]) -> Comparison | None:
+    for name, (theirs, ours) in words.items():
+        if theirs != ours:
+            return Comparison("disagrees", f"{name}: {theirs} in the certificate, {ours} here")
+    return None
+
+
+def _numbers(
+    certificate: Mapping[str, Any],
+    result: ProvedPeriodicBifurcation | ProvedTorus,
+    more: Mapping[str, tuple[arb, Any]],
+    parts: Sequence[str],
+    left: Sequence[str],
+) -> Comparison:
+    """Every ball with the stored one, the multipliers, and the point in the box of the candidate."""
+    claim, results = certificate["statement"]["candidate"], certificate["results"]
+    if set(results["point"]) != set(result.point):
+        return Comparison("disagrees", "point: other coordinates in the certificate")
+    pairs = {f"point.{name}": (ball, results["point"][name]) for name, ball in result.point.items()} | dict(more)
     inside, overlapping = list[str](), list[str]()
     for name, (mine, entry) in pairs.items():
         found = relation(name, mine, ball_from_json(entry))
@@ -58,9 +104,7 @@ def compare_bifurcation(certificate: Mapping[str, Any], result: ProvedPeriodicBi
         return Comparison("disagrees", "the point or the value is not in the box of the candidate")
     if None in places:
         return Comparison("cannot follow", "the enclosure of the point is too wide to tell whether it is in the box")
-    parts = ["kind and side", *(["criticality"] if criticality is not None else [])]
-    parts += ["the least period, with the crossings that are claimed", "the point in the box of the candidate", found]
-    parts += [f"inside the stored balls: {', '.join(inside)}"] if inside else []
-    parts += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
-    left = ["that the first integral is one"] if claim.get("level") is not None else []
-    return Comparison("agrees", f"{'; '.join(parts)}. Not confirmed: {', '.join([*left, _NOT_CONFIRMED])}")
+    told = [*parts, "the least period, with the crossings that are claimed", "the point in the box of the candidate"]
+    told += [found, *([f"inside the stored balls: {', '.join(inside)}"] if inside else [])]
+    told += [f"overlapping: {', '.join(overlapping)}"] if overlapping else []
+    return Comparison("agrees", f"{'; '.join(told)}. Not confirmed: {', '.join(left)}")

@@ -10,7 +10,7 @@ from flint import acb, arb, arb_mat, fmpq
 from orbitproof.shared.numbers import parse_exact
 from orbitproof.verify.evidence import ball_from_json
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
-from orbitproof.verify.second_proof import ProvedPeriodic, ProvedPeriodicBifurcation
+from orbitproof.verify.second_proof import ProvedPeriodic, ProvedPeriodicBifurcation, ProvedTorus
 
 _PARTS = ("real", "imaginary")
 
@@ -52,7 +52,7 @@ def compare_periodic(certificate: Mapping[str, Any], result: ProvedPeriodic) -> 
 
 
 def compare_multipliers(
-    stored: Mapping[str, Any], result: ProvedPeriodic | ProvedPeriodicBifurcation, *, on_level: bool
+    stored: Mapping[str, Any], result: ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus, *, on_level: bool
 ) -> str | Comparison:
     """What is confirmed of the multipliers, or why they do not agree."""
     if stored["trivial"] != (2 if on_level else 1):

@@ -36,7 +36,7 @@ from orbitproof.verify.run import (
     whole_number,
 )
 from orbitproof.verify.run.relation import NOT_CONFIRMED, Comparison, relation
-from orbitproof.verify.run.second_bifurcation import compare_bifurcation
+from orbitproof.verify.run.second_bifurcation import compare_bifurcation, compare_torus
 from orbitproof.verify.run.second_periodic import compare_periodic
 from orbitproof.verify.second_proof import (
     BadCertificate,
@@ -45,6 +45,7 @@ from orbitproof.verify.second_proof import (
     Proved,
     ProvedPeriodic,
     ProvedPeriodicBifurcation,
+    ProvedTorus,
     read_claim,
     second_proof,
 )
@@ -53,8 +54,8 @@ FORMAT = "orbitproof-second-proofs"
 Row = dict[str, Any]
 
 _DESCRIPTION = """\
-Prove certified bifurcations, and periodic orbits without symmetry with their folds and doublings, once more, by code
-that shares nothing with the first proof, and compare the results.
+Prove certified bifurcations, and periodic orbits without symmetry with their bifurcations, once more, by code that
+shares nothing with the first proof, and compare the results.
 """
 
 _EXAMPLES = """\
@@ -86,7 +87,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def compare(
-    certificate: Mapping[str, Any], result: Proved | ProvedPeriodic | ProvedPeriodicBifurcation | NotProved
+    certificate: Mapping[str, Any],
+    result: Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | NotProved,
 ) -> Comparison:
     """Whether a second proof says the same as the certificate, value by value. Section 7 of its chapter.
 
@@ -103,6 +105,9 @@ def compare(
     if isinstance(result, ProvedPeriodicBifurcation):
         with guarded(4096):
             return compare_bifurcation(certificate, result)
+    if isinstance(result, ProvedTorus):
+        with guarded(4096):
+            return compare_torus(certificate, result)
     claim, results = certificate["statement"]["candidate"], certificate["results"]
     if (result.kind, result.k) != (claim["kind"], claim["k"]):
         return Comparison("disagrees", f"kind or k: {result.kind}, {result.k}")
@@ -174,7 +179,11 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
     if isinstance(result, ProvedPeriodicBifurcation):
         row |= {"kind": result.kind, "side": result.side, "criticality": result.criticality}
         row |= {name: _text(getattr(result, name)) for name in ("parameter", "opening")}
-    if isinstance(result, (ProvedPeriodic, ProvedPeriodicBifurcation)):
+    if isinstance(result, ProvedTorus):
+        row |= {"kind": result.kind, "side": result.side, "criticality": result.criticality}
+        row |= {name: _text(getattr(result, name)) for name in ("parameter", "speed", "lyapunov")}
+        row["multiplier"] = [_text(result.multiplier.real), _text(result.multiplier.imag)]
+    if isinstance(result, (ProvedPeriodic, ProvedPeriodicBifurcation, ProvedTorus)):
         row |= {name: getattr(result, name) for name in ("inside", "on", "outside", "width", "bits", "steps")}
         row |= {"point": _texts(result.point), "period": _text(result.period)}
         row["multipliers"] = [[_text(value.real), _text(value.imag)] for value in result.multipliers]

@@ -4,10 +4,11 @@ from .claims import read_claim, second_proof
 from .jets import CannotFollow
 from .periodic import ProvedPeriodic
 from .periodic_bifurcation import ProvedPeriodicBifurcation
+from .periodic_torus import ProvedTorus
 from .proof import NotProved, Proved
 from .statement import BadCertificate, read_statement
 
 __all__ = [
     "BadCertificate", "CannotFollow", "NotProved", "Proved", "ProvedPeriodic",
-    "ProvedPeriodicBifurcation", "read_claim", "read_statement", "second_proof",
+    "ProvedPeriodicBifurcation", "ProvedTorus", "read_claim", "read_statement", "second_proof",
 ]  # fmt: skip

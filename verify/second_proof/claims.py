@@ -6,15 +6,19 @@ from collections.abc import Mapping
 from typing import Any
 
 from . import proof
-from .periodic import PeriodicStatement, ProvedPeriodic, prove_periodic, read_periodic
+from .periodic import ProvedPeriodic, prove_periodic
 from .periodic_bifurcation import (
     BifurcationStatement,
     ProvedPeriodicBifurcation,
     prove_bifurcation,
     read_bifurcation,
 )
+from .periodic_statement import PeriodicStatement, read_periodic
+from .periodic_torus import ProvedTorus, prove_torus
 from .proof import NotProved, Proved
 from .statement import Statement, read, read_statement
+
+TORUS = "periodic-torus"
 
 
 def _kind(certificate: Mapping[str, Any]) -> str:
@@ -27,10 +31,14 @@ def read_claim(certificate: Mapping[str, Any]) -> Statement | PeriodicStatement 
     kind = _kind(certificate)
     if kind == "periodic":
         return read_periodic(certificate)
-    return read_bifurcation(certificate) if kind.startswith("periodic-") else read_statement(certificate)
+    if kind.startswith("periodic-"):
+        return read_bifurcation(certificate, torus=kind == TORUS)
+    return read_statement(certificate)
 
 
-def second_proof(certificate: Mapping[str, Any]) -> Proved | ProvedPeriodic | ProvedPeriodicBifurcation | NotProved:
+def second_proof(
+    certificate: Mapping[str, Any],
+) -> Proved | ProvedPeriodic | ProvedPeriodicBifurcation | ProvedTorus | NotProved:
     """Prove what a certificate claims, from its statement, centre and frames alone.
 
     Raises `BadCertificate` for a certificate that cannot be read; whatever else goes wrong is a `NotProved`.
@@ -38,4 +46,6 @@ def second_proof(certificate: Mapping[str, Any]) -> Proved | ProvedPeriodic | Pr
     kind = _kind(certificate)
     if kind == "periodic":
         return prove_periodic(certificate)
+    if kind == TORUS:
+        return prove_torus(certificate)
     return prove_bifurcation(certificate) if kind.startswith("periodic-") else proof.second_proof(certificate)

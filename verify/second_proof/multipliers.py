@@ -11,19 +11,29 @@ from .jets import CannotFollow
 from .proof import NEWTON_STEPS
 
 
-def multipliers(matrix: arb_mat, trivial: int, known: Sequence[int] = ()) -> list[acb]:
-    """The eigenvalues but for some 1 and others that are known, in disjoint balls. README, section 9.5."""
+def linear(root: int) -> arb_poly:
+    """t - root."""
+    return arb_poly([-root, 1])
+
+
+def multipliers(matrix: arb_mat, known: Sequence[arb_poly]) -> list[acb]:
+    """The zeros of the characteristic polynomial but for those of its known factors, in disjoint balls.
+
+    README, section 9.5.
+    """
     polynomial: arb_poly = matrix.charpoly()
+    for factor in known:
+        polynomial = polynomial // factor
     coefficients: Vector = [polynomial[i] for i in range(polynomial.degree() + 1)]
-    for root in [*[1] * trivial, *known]:
-        quotient = [arb(0)]
-        for c in reversed(coefficients[1:]):
-            quotient.insert(0, c + root * quotient[0])
-        coefficients = quotient[:-1]
     if len(coefficients) == 1:
         return []
     rounded = acb_poly([c.mid() for c in coefficients])
     balls = [_only_root(coefficients, _nearer(rounded, guess)) for guess in rounded.roots()]
+    return apart(balls)
+
+
+def apart(balls: list[acb]) -> list[acb]:
+    """The balls, if no two have a point in common. Raises `CannotFollow`."""
     for i, one in enumerate(balls):
         if any(one.overlaps(other) for other in balls[:i]):
             raise CannotFollow("two multipliers are not told apart")

@@ -183,6 +183,8 @@ def read_statement(certificate: Mapping[str, Any]) -> Statement:
         raise BadCertificate(f"{claim}: k and crossings are numbers from 1 to 100")
     if read(certificate, claim, dict).get("parameter"):
         raise CannotFollow("a centre that is given by a level of the first integral is not followed")
+    if words.get("functions"):
+        raise CannotFollow("coordinates that are functions of others are not followed")
     field = read(certificate, "statement.vector_field", Program.from_text)
     m = len(field.outputs)
 
