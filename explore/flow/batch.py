@@ -24,7 +24,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from orbitproof.explore.flow.compilation import compiling, configure_jax
-from orbitproof.explore.flow.fields import extended_field, identity
+from orbitproof.explore.flow.fields import beginning, extended_field
 from orbitproof.explore.flow.flow import Matrix, Vector
 from orbitproof.explore.flow.runge_kutta import MAX_STEPS, attempt, extended_error, first_step, growth
 from orbitproof.shared.systems import ReversibleSystem
@@ -103,7 +103,7 @@ def flow_batch(
     """
     configure_jax()
     advance = _compiled(system)
-    lanes, width = _start(system, initial), _width(len(times))
+    lanes, width = _start(system, initial, parameters), _width(len(times))
     pending = np.flatnonzero(times > 0)
     while len(pending):
         _round(advance, lanes, times, parameters, pending, width)
@@ -124,10 +124,9 @@ def _width(count: int) -> int:
     return next((width for width in GPU_BLOCKS if count <= width), GPU_BLOCKS[-1])
 
 
-def _start(system: ReversibleSystem, initial: Matrix) -> _Lanes:
+def _start(system: ReversibleSystem, initial: Matrix, parameters: Matrix) -> _Lanes:
     count, m = initial.shape
-    start = np.repeat(identity(system)[:, :, None], count, axis=2)
-    extended = np.concatenate([initial.T[None], start])
+    extended = np.array(beginning(system, jnp.asarray(initial.T), jnp.asarray(parameters.T)))
     none = np.zeros(count, dtype=np.int64)
     return _Lanes(
         time=np.zeros(count),

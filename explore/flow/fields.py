@@ -16,9 +16,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, with_functions
 
 LARGEST_HALF_INTEGER = 8
+
+_FUNCTIONS = {"sin": jnp.sin, "cos": jnp.cos, "exp": jnp.exp, "log": jnp.log}
 
 Slopes = Callable[[jax.Array], jax.Array]
 """From an extended state, the orbit first and its tangents after it, to its derivative in time."""
@@ -65,6 +67,30 @@ def identity(system: ReversibleSystem) -> np.ndarray:
     """The derivatives of the state at time 0 in the initial state and the family parameter, shape (d, m)."""
     m = len(system.state)
     return np.eye(m + (system.family_parameter is not None), m)
+
+
+def beginning(system: ReversibleSystem, initial: jax.Array, parameters: jax.Array) -> jax.Array:
+    """Initial states of shape (m, ...) with their derivatives after them, shape (1 + d, m, ...).
+
+    Coordinates that are functions of others have their values, whatever is given for them, and move with the others.
+    """
+    tangents = identity(system)
+    tangents = np.broadcast_to(
+        tangents.reshape(*tangents.shape, *[1] * (initial.ndim - 1)), (*tangents.shape, *initial.shape[1:])
+    )
+    if not system.defined:
+        return jnp.concatenate([initial[None], tangents])
+    index = family_parameter_index(system)
+    shifts = jnp.zeros((len(tangents), *parameters.shape))
+    if index is not None:
+        shifts = shifts.at[-1, index].set(1.0)
+
+    def complete(state: jax.Array, values: jax.Array) -> jax.Array:
+        found = with_functions(system, [*state], [*values], _FUNCTIONS, power=power)
+        return jnp.stack(jnp.broadcast_arrays(*map(jnp.asarray, found)))
+
+    value, push = jax.linearize(complete, initial, parameters)
+    return jnp.concatenate([value[None], jax.vmap(push)(jnp.asarray(tangents), shifts)])
 
 
 def extended_field(system: ReversibleSystem, parameters: jax.Array) -> Slopes:

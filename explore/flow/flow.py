@@ -13,12 +13,11 @@ from typing import Any
 
 import diffrax
 import jax
-import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.explore.flow.compilation import compiled, configure_jax
-from orbitproof.explore.flow.fields import extended_field, identity
+from orbitproof.explore.flow.fields import beginning, extended_field
 from orbitproof.explore.flow.integration import integrate
 from orbitproof.shared.systems import ReversibleSystem
 
@@ -110,7 +109,7 @@ def _compile(system: ReversibleSystem) -> Flow:
         slopes = extended_field(system, parameters)
         end, solution, reached = integrate(
             lambda _time, extended, _arguments: slopes(extended),
-            jnp.concatenate([initial[None], identity(system)]),
+            beginning(system, initial, parameters),
             time,
             extended=True,
             save=steps,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
@@ -9,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orbitproof.explore.seeds.first_orbit import FirstOrbit
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, with_functions
 
 Array = NDArray[np.float64]
 
 AMPLITUDE = 1e-3
 """Of the first orbit of a family that is born at an equilibrium."""
 
+_FUNCTIONS = {"sin": cmath.sin, "cos": cmath.cos, "exp": cmath.exp, "log": cmath.log}
 _STEPS = 50
 _ACCURACY = 1e-12
 _ELLIPTIC = 1e-7
@@ -48,10 +50,10 @@ def small_orbits(
     point = np.array([guess.get(name, 0.0) for name in system.centre_coordinates])
     fixed = list(system.fixed_coordinates)
     # On Fix(R) the others vanish.
-    equations = [i for i, sign in enumerate(system.reversing_symmetry) if sign == -1]
+    equations = [i for i, sign in enumerate(system.reversing_symmetry) if sign == -1 and system.is_given(i)]
     values = [parameters[name] for name in system.parameters]
     for _ in range(_STEPS):
-        state = np.zeros(len(system.state), dtype=complex)
+        state = np.zeros(len(system.given_state), dtype=complex)
         state[fixed] = point
         value, matrix = _derivatives(system, state, values)
         step = np.linalg.lstsq(matrix[np.ix_(equations, fixed)], value[equations], rcond=None)[0]
@@ -64,12 +66,14 @@ def small_orbits(
 
 
 def _derivatives(system: ReversibleSystem, state: np.ndarray, values: Sequence[float]) -> tuple[Array, Array]:
-    """By complex steps, which lose no digits."""
+    """The field and its derivatives, of the coordinates that are given, by complex steps, which lose no digits."""
     step = 1e-30
-    columns = []
+    columns: list[np.ndarray] = []
+    given, further = len(state), [0j] * len(system.defined)
     for shift in np.eye(len(state)) * 1j * step:
         try:
-            columns.append(np.array(system.vector_field((state + shift).tolist(), values), dtype=complex))
+            whole = with_functions(system, [*(state + shift).tolist(), *further], values, _FUNCTIONS)
+            columns.append(np.array(system.vector_field(whole, values)[:given], dtype=complex))
         except (ArithmeticError, ValueError):
             raise EquilibriumFailure("the field is not defined there; give coordinates closer to one") from None
     return columns[0].real.copy(), np.array([column.imag / step for column in columns]).T
@@ -78,7 +82,7 @@ def _derivatives(system: ReversibleSystem, state: np.ndarray, values: Sequence[f
 def _pairs(system: ReversibleSystem, point: Array, matrix: Array) -> list[FirstOrbit]:
     values, vectors = np.linalg.eig(matrix)
     size = max(1.0, float(np.max(np.abs(values))))
-    signs = np.array(system.reversing_symmetry, dtype=float)
+    signs = np.array(system.reversing_symmetry[: len(values)], dtype=float)
     chosen = [i for i in range(len(values)) if abs(values[i].real) < _ELLIPTIC * size < values[i].imag]
     frequencies = sorted((float(values[i].imag) for i in chosen), reverse=True)
     if not chosen:

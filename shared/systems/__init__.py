@@ -1,17 +1,25 @@
 """Systems: vector field, symmetries, section, parameters, as values and as straight-line programs."""
 
+from orbitproof.shared.systems.completion import completed, functions_in_floats, with_functions
 from orbitproof.shared.systems.described_functions import DescriptionError, program_function
 from orbitproof.shared.systems.description import KEYS, describe, described, described_plainly
 from orbitproof.shared.systems.examination import fault
 from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.hill import HILL
 from orbitproof.shared.systems.known import FALKNER_SKAN, MASS_PARAMETERS, SYSTEMS
-from orbitproof.shared.systems.level_in_floats import on_level
 from orbitproof.shared.systems.libration import AROUND, BRANCH_SYSTEMS, OVER_MASSES, SIDES, mass_of_distance
 from orbitproof.shared.systems.names import ID, ID_IN_WORDS, IDENTIFIER, LINE, PIECE, PIECE_IN_WORDS, fits
+from orbitproof.shared.systems.parity import parities, signs_with_functions
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
-from orbitproof.shared.systems.system import DerivedParameter, FixedLevel, ParameterRange, ReversibleSystem, System
-from orbitproof.shared.systems.three_body import CR3BP, CR3BP_AXIAL, THREE_BODY
+from orbitproof.shared.systems.system import (
+    Defined,
+    DerivedParameter,
+    FixedLevel,
+    ParameterRange,
+    ReversibleSystem,
+    System,
+)
+from orbitproof.shared.systems.three_body import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, THREE_BODY
 from orbitproof.shared.systems.titles import SYSTEM, TITLE, is_title, shown

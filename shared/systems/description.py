@@ -10,10 +10,12 @@ from __future__ import annotations
 import copyreg
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from orbitproof.shared.systems.described_functions import (
+    Arithmetic,
     DescribedFunctions,
     DescriptionError,
     formula_value,
@@ -24,13 +26,15 @@ from orbitproof.shared.systems.formulas import FormulaError, evaluate_formula
 from orbitproof.shared.systems.functions import FUNCTIONS, Call, FunctionsOf, argument_of, rates_of
 from orbitproof.shared.systems.libration import BRANCH_SYSTEMS
 from orbitproof.shared.systems.names import fits
+from orbitproof.shared.systems.parity import signs_with_functions
+from orbitproof.shared.systems.program import record
 from orbitproof.shared.systems.system import Defined, FixedLevel, ParameterRange, ReversibleSystem, Reversor, System
 from orbitproof.shared.systems.titles import LONGEST_TITLE, SYSTEM, is_title
 
 _OPTIONAL = (
     "title", "parameters", "symmetries", "where", "family_parameter", "first_integral", "first_integral_name",
     "level_coordinate", "reversors", "reversor",
-    "fixed_level", "squared_distance", "distance_name",
+    "fixed_level", "squared_distance", "distance_name", "defined",
 )  # fmt: skip
 KEYS = ("name", "state", "field", "R", "section", *_OPTIONAL)
 """What a description has; those after the section may be missing."""
@@ -156,34 +160,62 @@ def _read_plain(entry: Mapping[str, Any]) -> System:
     for key in PLAIN_KEYS[:3]:
         if key not in entry:
             raise DescriptionError(f"{key}: missing; give name, state and field at least")
-    name, title, state, ranges = _names_of(entry)
-    parameters, where, field, integral = (
-        tuple(ranges), entry.get("where", {}), entry["field"], entry.get("first_integral"),
-    )  # fmt: skip
+    name, title, given, ranges = _names_of(entry)
+    formulas = _formulas_of(entry, given, tuple(ranges))
+    integral = formulas.function("first_integral")
+    return System(
+        name,
+        title,
+        formulas.state,
+        ranges,
+        formulas.field,
+        first_integral=integral,
+        first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
+        defined=formulas.defined,
+    )
+
+
+@dataclass(frozen=True)
+class _Formulas:
+    """The field of a description and what else it gives as formulas of the state.
+
+    Attributes:
+        state: the given coordinates, then those that are functions of others.
+        texts: of single functions, by their keys; `None` for one that is not there.
+    """
+
+    state: tuple[str, ...]
+    field: Arithmetic
+    defined: tuple[Defined, ...]
+    texts: Mapping[str, Any]
+    functions: DescribedFunctions
+
+    def function(self, key: str) -> Arithmetic | None:
+        text = self.texts[key]
+        return None if text is None else self.functions.function(key, text, None)
+
+
+def _formulas_of(
+    entry: Mapping[str, Any], state: tuple[str, ...], parameters: tuple[str, ...], taken: Sequence[str] = ()
+) -> _Formulas:
+    """What a description gives as formulas, with coordinates in place of sin, cos, exp and log; `taken` as names."""
+    where, field = entry.get("where", {}), entry["field"]
+    texts = {key: entry.get(key) for key in ("first_integral", "squared_distance")}
     defined: tuple[Defined, ...] = ()
     if "defined" in entry:
         defined = _read_defined(entry["defined"], state, parameters)
     elif isinstance(field, Mapping) and isinstance(where, Mapping):
-        found = FunctionsOf((*state, *parameters, *where))
+        found = FunctionsOf((*state, *parameters, *where, *taken))
         try:
             where = {key: _without(found, text) for key, text in where.items()}
             field = {key: _without(found, text) for key, text in field.items()}
-            integral = _without(found, integral)
+            texts = {key: _without(found, text) for key, text in texts.items()}
         except FormulaError as error:
             raise DescriptionError(f"field: {error}") from None
         if found.calls:
             state, field, defined = _extended(found.calls, state, parameters, where, field)
     functions = DescribedFunctions(state, parameters, where)
-    return System(
-        name,
-        title,
-        state,
-        ranges,
-        functions.function("field", field, state),
-        first_integral=None if integral is None else functions.function("first_integral", integral, None),
-        first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
-        defined=defined,
-    )
+    return _Formulas(state, functions.function("field", field, state), defined, texts, functions)
 
 
 def _without(found: FunctionsOf, text: Any) -> Any:
@@ -262,34 +294,38 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
     for key in KEYS:
         if key not in _OPTIONAL and key not in entry:
             raise DescriptionError(f"{key}: missing; give name, state, field, R and section at least")
-    name, title, state, ranges = _names_of(entry)
-    variables = (*state, *ranges)
+    name, title, given, ranges = _names_of(entry)
     named = mapping_of("symmetries", entry.get("symmetries", {}))
-    _distinct("symmetries", (*variables, *named))
-    functions = DescribedFunctions(state, tuple(ranges), entry.get("where", {}))
-    integral, distance = entry.get("first_integral"), entry.get("squared_distance")
+    _distinct("symmetries", (*given, *ranges, *named))
+    formulas = _formulas_of(entry, given, tuple(ranges), tuple(named))
+    integral, distance = formulas.function("first_integral"), formulas.function("squared_distance")
+
+    def signs(key: str, value: Any) -> tuple[int, ...]:
+        found = _signs(key, value, given)
+        # A description that names such coordinates has their signs with the others.
+        return found if "defined" in entry else _signs_with_functions(key, formulas, tuple(ranges), found)
+
     try:
         system = ReversibleSystem(
             name=name,
             title=title,
-            state=state,
+            state=formulas.state,
             parameters=ranges,
-            vector_field=functions.function("field", entry["field"], state),
-            reversing_symmetry=_signs("R", entry["R"], state),
-            symmetries={
-                name_of("symmetries", key): _signs(f"symmetries.{key}", signs, state) for key, signs in named.items()
-            },
+            vector_field=formulas.field,
+            defined=formulas.defined,
+            reversing_symmetry=signs("R", entry["R"]),
+            symmetries={name_of("symmetries", key): signs(f"symmetries.{key}", each) for key, each in named.items()},
             section=entry["section"],
             family_parameter=entry.get("family_parameter"),
-            first_integral=None if integral is None else functions.function("first_integral", integral, None),
+            first_integral=integral,
             first_integral_name=None if integral is None else entry.get("first_integral_name") or "first integral",
             level_coordinate=entry.get("level_coordinate"),
             fixed_level=_level(entry.get("fixed_level")),
-            squared_distance=None if distance is None else functions.function("squared_distance", distance, None),
+            squared_distance=distance,
             distance_name=None if distance is None else entry.get("distance_name") or "the body",
             reversors={
-                name_of("reversors", key): Reversor(_signs(f"reversors.{key}", signs, state), f"{key}")
-                for key, signs in mapping_of("reversors", entry.get("reversors", {})).items()
+                name_of("reversors", key): Reversor(signs(f"reversors.{key}", each), f"{key}")
+                for key, each in mapping_of("reversors", entry.get("reversors", {})).items()
             },
         )
         chosen = entry.get("reversor")
@@ -298,6 +334,23 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
         raise
     except (TypeError, ValueError) as error:
         raise DescriptionError(str(error).removeprefix(f"{name}: ")) from None
+
+
+def _signs_with_functions(
+    key: str, formulas: _Formulas, parameters: tuple[str, ...], given: tuple[int, ...]
+) -> tuple[int, ...]:
+    """Signs of all coordinates: those that are functions of others change with these."""
+    programs = [record(each.argument, formulas.state, parameters) for each in formulas.defined]
+    found = signs_with_functions([each.function for each in formulas.defined], programs, given)
+    for each, sign in zip(formulas.defined, found[len(given) :], strict=True):
+        if not sign:
+            remedy = (
+                "write sin(a + b) as sin(a)*cos(b) + cos(a)*sin(b), cos(a + b) likewise"
+                if each.function in ("sin", "cos")
+                else "its argument has to be one that these signs leave alone"
+            )
+            raise DescriptionError(f"{key}: {each.name} in the formulas neither stays nor changes its sign; {remedy}")
+    return found
 
 
 def _distinct(key: str, names: Sequence[str]) -> None:

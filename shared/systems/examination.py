@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import isfinite
 
+from orbitproof.shared.systems.completion import functions_in_floats
 from orbitproof.shared.systems.program import Program
 from orbitproof.shared.systems.system import ReversibleSystem
 
@@ -106,6 +107,7 @@ def _points(system: ReversibleSystem) -> Iterator[tuple[Numbers, Numbers]]:
         size = 2.0 if attempt % 2 else 0.5
         x = [source.uniform(-size, size) for _ in system.state]
         parameters = [_sample(source, interval.lower, interval.upper) for interval in system.parameters.values()]
+        x = functions_in_floats(system, x, parameters)
         states = [x, *([sign * value for sign, value in zip(signs, x, strict=True)] for signs in images)]
         try:
             values = [_values(program, [*state, *parameters]) for program in programs for state in states]

@@ -24,18 +24,12 @@ _MOST_BITS = 20_000
 _NUMBER = re.compile(r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,4})?", re.ASCII)
 _ALLOWED = "write it with names, numbers, + - * / **, sqrt(..) and brackets"
 
-_CIRCLE = (
-    "where a coordinate u stands in sines and cosines alone, t = tan(u/2) in its place has t' = (1 + t**2)*u'/2, "
-    "sin(u) = 2*t/(1 + t**2), cos(u) = (1 - t**2)/(1 + t**2)"
-)
 _HYPERBOLA = (
-    "where a coordinate u stands in exponentials alone, t = tanh(u/2) in its place has t' = (1 - t**2)*u'/2, "
-    "exp(u) = (1 + t)/(1 - t)"
+    "write it with exp(u), where R and S leave u alone; or, where a coordinate u stands in exponentials alone, "
+    "t = tanh(u/2) in its place, which has t' = (1 - t**2)*u'/2, exp(u) = (1 + t)/(1 - t)"
 )
-_IN_PLACE = {"sin": _CIRCLE, "cos": _CIRCLE, "tan": _CIRCLE} | dict.fromkeys(
-    ("exp", "sinh", "cosh", "tanh"), _HYPERBOLA
-)
-"""What leads to a field in plain arithmetic, of as many coordinates."""
+_IN_PLACE = {"tan": "write sin(u)/cos(u)"} | dict.fromkeys(("sinh", "cosh", "tanh"), _HYPERBOLA)
+"""What to write for functions that formulas do not have."""
 
 _OPERATIONS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,

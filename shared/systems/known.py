@@ -8,7 +8,7 @@ from typing import Any
 
 from orbitproof.shared.systems.hill import HILL
 from orbitproof.shared.systems.system import ParameterRange, ReversibleSystem
-from orbitproof.shared.systems.three_body import CR3BP, CR3BP_AXIAL
+from orbitproof.shared.systems.three_body import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR
 
 
 def _falkner_skan(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
@@ -28,7 +28,9 @@ FALKNER_SKAN = ReversibleSystem(
     family_parameter="beta",
 )
 
-SYSTEMS: Mapping[str, ReversibleSystem] = {system.name: system for system in (CR3BP, CR3BP_AXIAL, HILL, FALKNER_SKAN)}
+SYSTEMS: Mapping[str, ReversibleSystem] = {
+    system.name: system for system in (CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, HILL, FALKNER_SKAN)
+}
 
 MASS_PARAMETERS: Mapping[str, Fraction] = {
     "earth-moon": Fraction(float.fromhex("0x1.8e267d713713fp-7")),

@@ -76,6 +76,16 @@ class Program:
                 values.append(to_power(operands[0], step.value) if operands else to_value(step.value))
         return [values[index] for index in self.outputs]
 
+    @property
+    def used_inputs(self) -> set[str]:
+        """The names of the inputs on which an output depends."""
+        pending, found = list(self.outputs), set[int]()
+        while pending:
+            if (index := pending.pop()) not in found:
+                found.add(index)
+                pending += self.instructions[index].operands
+        return {str(self.instructions[index].name) for index in found if self.instructions[index].name is not None}
+
     def text(self) -> str:
         """The program in words, one instruction a line: the statement that a certificate carries."""
         lines = []

@@ -125,6 +125,10 @@ class System:
         """The state coordinates that are not functions of others."""
         return self.state[: len(self.state) - len(self.defined)]
 
+    def is_given(self, index: int) -> bool:
+        """Whether the state coordinate of this index is no function of others."""
+        return index < len(self.given_state)
+
     @cached_property
     def argument_programs(self) -> tuple[Program, ...]:
         """The arguments of `defined`; inputs: state, then parameters."""
@@ -139,7 +143,8 @@ class ReversibleSystem(System):
     """A system that is reversible under the involution R = diag(reversing_symmetry): a `System` with more attributes.
 
     Attributes:
-        reversing_symmetry: m signs; f(R x) = -R f(x).
+        reversing_symmetry: m signs; f(R x) = -R f(x). Of coordinates that are functions of others: how they change
+            with these.
         symmetries: further symmetries, by name, m signs each; f(S x) = S f(x), S commutes with R.
         section: the state coordinate whose vanishing defines the Poincare section; R negates it.
         family_parameter: the parameter of the vector field in which the maps form a family (C1-C4),
@@ -185,6 +190,9 @@ class ReversibleSystem(System):
             raise ValueError(
                 f"{self.name}: section: {self.section!r} is no state coordinate; there are {', '.join(self.state)}"
             )
+        if not self.is_given(self.section_index):
+            given = ", ".join(self.given_state)
+            raise ValueError(f"{self.name}: section: {self.section!r} is a function of others; there are {given}")
         if self.reversing_symmetry[self.section_index] != -1:
             negated = ", ".join(self.state[i] for i in range(m) if self.reversing_symmetry[i] == -1)
             raise ValueError(f"{self.name}: section: R must negate the section coordinate; it negates {negated}")
@@ -199,12 +207,12 @@ class ReversibleSystem(System):
             raise ValueError(f"{self.name}: unknown family parameter {self.family_parameter!r}; parameters: {known}")
         if self.level_coordinate is not None and (
             self.first_integral is None
-            or self.level_coordinate not in self.state
+            or self.level_coordinate not in self.given_state
             or self.reversing_symmetry[self.state.index(self.level_coordinate)] != 1
         ):
             raise ValueError(f"{self.name}: level_coordinate: needs a first integral and a coordinate that R fixes")
         for name in self.normalised:
-            if name not in self.state or self.reversing_symmetry[self.state.index(name)] != 1:
+            if name not in self.given_state or self.reversing_symmetry[self.state.index(name)] != 1:
                 raise ValueError(f"{self.name}: the normalised {name!r} is no state coordinate that R fixes")
         for name in self.derived_parameters:
             if name not in self.parameters or name == self.family_parameter:
@@ -256,13 +264,15 @@ class ReversibleSystem(System):
     @cached_property
     def fixed_coordinates(self) -> tuple[int, ...]:
         """Indices of the state coordinates that parametrise Fix(R), without those that follow from the others."""
-        given = [*self.normalised, *([] if self.fixed_level is None else [self.level_coordinate])]
-        return tuple(i for i, sign in enumerate(self.reversing_symmetry) if sign == 1 and self.state[i] not in given)
+        known = [*self.normalised, *([] if self.fixed_level is None else [self.level_coordinate])]
+        names = enumerate(self.given_state)
+        return tuple(i for i, name in names if self.reversing_symmetry[i] == 1 and name not in known)
 
     @cached_property
     def kernel_coordinates(self) -> tuple[int, ...]:
         """Indices of the section's coordinates that vanish on Fix(R) (the q of the paper), n of them."""
-        return tuple(i for i, sign in enumerate(self.reversing_symmetry) if sign == -1 and i != self.section_index)
+        places = range(len(self.given_state))
+        return tuple(i for i in places if self.reversing_symmetry[i] == -1 and i != self.section_index)
 
     @cached_property
     def fixed_parameters(self) -> tuple[str, ...]:

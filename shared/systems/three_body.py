@@ -57,5 +57,61 @@ CR3BP = ReversibleSystem(
 
 CR3BP_AXIAL = CR3BP.under("axial")
 
+
+def _pulls_in_plane(state: Sequence[Any], parameters: Sequence[Any]) -> tuple[Any, Any]:
+    """Of the larger and the smaller primary, (1 - mu)/r_1^3 and mu/r_2^3."""
+    x, y, *_ = state
+    (mu,) = parameters
+    larger, square = x + mu, y * y
+    smaller = larger - 1
+    return (1 - mu) * (larger * larger + square) ** -1.5, mu * (smaller * smaller + square) ** -1.5
+
+
+def _planar_three_body(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    x, y, vx, vy = state
+    (mu,) = parameters
+    first, second = _pulls_in_plane(state, parameters)
+    larger = x + mu
+    return (vx, vy, x - first * larger - second * (larger - 1) + 2 * vy, y - (first + second) * y - 2 * vx)
+
+
+def _stiffness_across(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    """z'' = -z times it, to first order in z (21.1)."""
+    first, second = _pulls_in_plane(state, parameters)
+    return (first + second,)
+
+
+def _jacobi_constant_in_plane(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    x, y, vx, vy = state
+    (mu,) = parameters
+    larger, square = x + mu, y * y
+    smaller = larger - 1
+    potential = (1 - mu) * (larger * larger + square) ** -0.5 + mu * (smaller * smaller + square) ** -0.5
+    return (x * x + square + 2 * potential - (vx * vx + vy * vy),)
+
+
+def _from_smaller_primary_in_plane(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+    x, y, *_ = state
+    (mu,) = parameters
+    away = x - 1 + mu
+    return (away * away + y * y,)
+
+
+CR3BP_PLANAR = ReversibleSystem(
+    name="cr3bp-planar",
+    title="planar circular restricted three-body problem",
+    state=("x", "y", "vx", "vy"),
+    parameters={"mu": ParameterRange(Fraction(0), Fraction(1))},
+    vector_field=_planar_three_body,
+    reversing_symmetry=(1, -1, -1, 1),
+    section="y",
+    first_integral=_jacobi_constant_in_plane,
+    first_integral_name="Jacobi constant",
+    level_coordinate="vy",
+    squared_distance=_from_smaller_primary_in_plane,
+    distance_name="the smaller primary",
+    stiffness_across=_stiffness_across,
+)
+
 THREE_BODY = (CR3BP, CR3BP_AXIAL)
 """The same equations with their two reversing symmetries: R, and R S, the half turn about the x axis."""

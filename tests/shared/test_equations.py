@@ -15,6 +15,7 @@ from orbitproof.shared.systems import (
     AROUND,
     CR3BP,
     CR3BP_AXIAL,
+    CR3BP_PLANAR,
     FALKNER_SKAN,
     HILL,
     OVER_MASSES,
@@ -72,6 +73,20 @@ def test_the_three_body_problem(seed: int) -> None:
         assert_close(values(system.first_integral_program, *state, mu), [jacobi(state, mu)])
         x, y, z, *_ = state
         assert_close(values(system.squared_distance_program, *state, mu), [(x - (1 - mu)) ** 2 + y * y + z * z])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_three_body_problem_in_the_plane(seed: int) -> None:
+    source = random.Random(seed)
+    (x, y, vx, vy), mu = random_state(source, 4), mpmath.mpf(source.uniform(0.01, 0.9))
+    plane, space = (x, y, vx, vy, mu), [x, y, mpmath.mpf(0), vx, vy, mpmath.mpf(0)]
+    rates = newton(space, mu)
+    assert_close(values(CR3BP_PLANAR.program, *plane), [rates[i] for i in (0, 1, 3, 4)])
+    assert_close(values(CR3BP_PLANAR.first_integral_program, *plane), [jacobi(space, mu)])
+    assert_close(values(CR3BP_PLANAR.squared_distance_program, *plane), [(x - (1 - mu)) ** 2 + y * y])
+    small = mpmath.mpf(10) ** -30
+    (pull,) = [newton([x, y, small, vx, vy, 0], mu)[5]]
+    assert_close(values(CR3BP_PLANAR.stiffness_across_program, *plane), [-pull / small])
 
 
 def test_the_two_reversors_of_the_three_body_problem() -> None:

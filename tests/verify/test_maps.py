@@ -24,9 +24,9 @@ from orbitproof.verify.maps import (
     flow_map,
     image_of,
 )
-from orbitproof.verify.maps.functions import function_of
 from orbitproof.verify.maps.poincare_map import number_of
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.poincare.functions import function_of
 
 SYSTEM = define_system(
     {"name": "any", "state": "x y z", "parameters": "a", "field": {"x": "y/z", "y": "a*x - z", "z": "x*y**2 + 1"}}

@@ -14,19 +14,31 @@ from typing import Any
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.shared.systems import Program, ReversibleSystem, record
+from orbitproof.shared.systems import Program, ReversibleSystem, record, with_functions
 from orbitproof.verify.claim.first_integral import derivative_terms
-from orbitproof.verify.evidence import Checklist, enclose, power
+from orbitproof.verify.evidence import FUNCTIONS, Checklist, enclose, power
 
 
 def quadratic_coefficient(system: ReversibleSystem) -> Fraction | None:
     """The constant b if the program of H shows H = A + b w^2, w the level coordinate; else `None`."""
     program, name = system.first_integral_program, system.level_coordinate
-    if program is None or name is None:
+    if program is None or name is None or name in _behind_functions(system, program):
         return None
     terms = derivative_terms(program, name)
     linear = tuple(int(argument == name) for argument in program.inputs)
     return terms.get(linear, Fraction(0)) / 2 if terms is not None and set(terms) <= {linear} else None
+
+
+def _behind_functions(system: ReversibleSystem, program: Program) -> set[str]:
+    """The inputs in the arguments of the functions that occur in a program, and in the arguments of those in them."""
+    arguments = dict(zip((each.name for each in system.defined), system.argument_programs, strict=True))
+    pending, found = list(program.used_inputs), set[str]()
+    while pending:
+        if (name := pending.pop()) in arguments:
+            new = arguments[name].used_inputs - found
+            found |= new
+            pending += new
+    return found
 
 
 def level_program(system: ReversibleSystem, sign: int) -> Program:
@@ -65,8 +77,9 @@ def point_on_fixed_set(candidate: Candidate, where: Mapping[str, arb]) -> dict[s
     if sign is None:
         raise ValueError("the candidate is given in the coordinates of Fix(R)")
     program = level_program(system, sign)
-    arguments = [where.get(name, arb(0)) for name in system.state]
-    arguments += [enclose(candidate.parameters[name]) for name in system.parameters]
+    state = [where.get(name, arb(0)) for name in system.state]
+    parameters = [enclose(candidate.parameters[name]) for name in system.parameters]
+    arguments = [*with_functions(system, state, parameters, FUNCTIONS, enclose, power), *parameters]
     (value,) = program.evaluate([*arguments, where[candidate.coordinates[0]]], enclose, power)
     named = {**where, str(system.level_coordinate): value}
     return {name: named[name] for name in system.centre_coordinates}

@@ -9,51 +9,23 @@ exponent. That proves f(R x) = -R f(x), f(S x) = S f(x) and the invariance of a 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 
-from orbitproof.shared.systems import Program, ReversibleSystem
+from orbitproof.shared.systems import Program, ReversibleSystem, parities, signs_with_functions
 from orbitproof.verify.claim.first_integral import is_first_integral
+from orbitproof.verify.claim.functions import keeps_its_functions
 from orbitproof.verify.evidence import Checklist
-
-
-@dataclass(frozen=True)
-class _Parity:
-    """1 for even, -1 for odd, 0 for neither."""
-
-    sign: int
-
-    def __add__(self, other: _Parity) -> _Parity:
-        return self if self == other else _Parity(0)
-
-    __sub__ = __add__
-
-    def __mul__(self, other: _Parity) -> _Parity:
-        return _Parity(self.sign * other.sign)
-
-    __truediv__ = __mul__
-
-    def power(self, exponent: Fraction) -> _Parity:
-        if self.sign != -1:
-            return self
-        return _Parity(0 if exponent.denominator > 1 else -1 if exponent.numerator % 2 else 1)
-
-
-def parities(program: Program, signs: Sequence[int]) -> list[int]:
-    """For each output 1 (even), -1 (odd) or 0 (not decided) under the signs of the inputs.
-
-    `signs` covers the first inputs; the further inputs (parameters) are unchanged. A constant zero is
-    not treated as odd.
-    """
-    even = _Parity(1)
-    arguments = [_Parity(sign) for sign in signs] + [even] * (len(program.inputs) - len(signs))
-    return [value.sign for value in program.evaluate(arguments, lambda _: even, _Parity.power)]
 
 
 def is_left_alone(program: Program | None, system: ReversibleSystem, symmetry: str | None) -> bool:
     """Whether a program has one output, which R and the symmetry, if one is named, leave alone, by its parities."""
     involutions = [system.reversing_symmetry, *([] if symmetry is None else [system.symmetries[symmetry]])]
     return program is not None and all(parities(program, signs) == [1] for signs in involutions)
+
+
+def keeps_functions(system: ReversibleSystem, signs: Sequence[int]) -> bool:
+    """Whether the signs map the states whose last coordinates have their values as functions to such states."""
+    functions = [each.function for each in system.defined]
+    return tuple(signs) == signs_with_functions(functions, system.argument_programs, signs[: len(system.given_state)])
 
 
 def signs_on(system: ReversibleSystem, symmetry: str, coordinates: Sequence[str]) -> tuple[int, ...]:
@@ -84,8 +56,14 @@ def check_symmetries(checklist: Checklist, system: ReversibleSystem, symmetry: s
         for name, signs, orientation in involutions:
             shown = parities(system.program, signs) == [orientation * sign for sign in signs]
             message = f"of {system.name} was not shown to have the symmetry {name}"
+            evidence.require(
+                keeps_functions(system, signs), f"what coordinates are functions of others in the field {message}"
+            )
             evidence.require(shown, f"the vector field {message}")
             evidence.require(integral is None or parities(integral, signs) == [1], f"the first integral {message}")
+        evidence.require(
+            keeps_its_functions(system), f"coordinates of {system.name} were not shown to stay functions of the others"
+        )
         evidence.require(
             distance is None or parities(distance, system.reversing_symmetry) == [1],
             f"the distance of {system.name} from {system.distance_name} was not shown to have the symmetry R",

@@ -55,6 +55,7 @@ def system_in_words(system: ReversibleSystem) -> ReversibleSystem:
     return replace(
         system,
         state=tuple(names.get(name, name) for name in system.state),
+        defined=tuple(replace(each, name=names.get(each.name, each.name)) for each in system.defined),
         parameters=keyed_in_words(system, system.parameters),
         symmetries=keyed_in_words(system, system.symmetries),
         section=names.get(system.section, system.section),

@@ -10,8 +10,7 @@ from orbitproof.shared.systems import Program
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
 from orbitproof.verify.evidence import IntegrationFailure
 from orbitproof.verify.flow import LEAST_ERROR
-from orbitproof.verify.maps.functions import defined_values
-from orbitproof.verify.poincare import BOX_RATIO, default_order, grade_bits
+from orbitproof.verify.poincare import BOX_RATIO, default_order, defined_values, grade_bits
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,10 @@ from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, coordi
 from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, InTime, range_of, stays_positive
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.early_end import EarlyEnd, HalfReturns
+from orbitproof.verify.poincare.functions import at_start, defined_values
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
 from orbitproof.verify.poincare.half_orbits import WIDE_PARTS, HalfOrbits, WideOracle, WideOrbits, wide_parts
+from orbitproof.verify.poincare.half_return import Derivatives, HalfReturn, enclose_half_return, named
 from orbitproof.verify.poincare.iterates import (
     BOX_RATIO,
     Box,
@@ -26,7 +28,6 @@ from orbitproof.verify.poincare.returns import (
     REGULARISED,
     Orbits,
     Returns,
-    at_start,
     first_integral,
     initial_values,
     kernel_components,

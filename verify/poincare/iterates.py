@@ -14,20 +14,20 @@ from typing import Protocol
 
 from flint import arb
 
-from orbitproof.shared.formats import ORBIT, Candidate
+from orbitproof.shared.formats import ORBIT_KINDS, Candidate
 from orbitproof.shared.stored import stored
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
-from orbitproof.verify.claim import level_program, quadratic_coefficient
+from orbitproof.verify.claim import inverse, level_program, quadratic_coefficient
 from orbitproof.verify.evidence import Briefs, DerivativeTable, IntegrationFailure, guarded
 from orbitproof.verify.flow import LEAST_ERROR
 from orbitproof.verify.poincare.coordinates import PHYSICAL
 from orbitproof.verify.poincare.derivatives import derivative_table
+from orbitproof.verify.poincare.functions import at_start
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import (
     AUTO,
     REGULARISED,
     Returns,
-    at_start,
     first_integral,
     initial_values,
     kernel_components,
@@ -105,7 +105,7 @@ def grading_for(kind: str, k: int, dimension: int) -> Grading:
     For a touch-and-go bifurcation the branch has a slope in p_0, and grade 2 is enough. For an orbit all
     coordinates count alike, and their first derivatives are enough.
     """
-    if kind == ORBIT:
+    if kind in ORBIT_KINDS:
         return Grading((1,) * dimension, 1)
     across = (2,) * (dimension - 2)
     if kind == "touch_and_go":
@@ -138,7 +138,10 @@ def enclose_first_integral(candidate: Candidate, precision: int) -> DerivativeTa
 
 @dataclass(frozen=True)
 class Box:
-    """The points centre + frame * diag(scales) * xi of Fix(R), and the parameters, by name, and the level of H."""
+    """The points centre + frame * diag(scales) * xi of Fix(R), and the parameters, by name, and the level of H.
+
+    About Fix(R) the last variables are the coordinates that R negates, divided by their scales.
+    """
 
     arithmetic: Arithmetic
     scales: tuple[Fraction, ...]
@@ -146,18 +149,33 @@ class Box:
     level: Series | None
 
 
-def box_of(candidate: Candidate, bits: int, order: int) -> Box:
-    """The points of a candidate's box as elements of the algebra. Raises `IntegrationFailure`."""
-    system, variables = candidate.system, len(candidate.radii)
-    scales = tuple(radius / BOX_RATIO for radius in candidate.radii)
-    grading = grading_for(candidate.kind, candidate.k, variables)
+def box_of(candidate: Candidate, bits: int, order: int, across: bool = False, width: Fraction | None = None) -> Box:
+    """The points of a candidate's box as elements of the algebra. Raises `IntegrationFailure`.
+
+    Args:
+        across: points of the section about the box: its coordinates that vanish on Fix(R) are further variables, with
+            half-widths as large as the largest of the box, and all variables have weight 1.
+        width: the half-width of these variables if it is another one: they are coordinates in the frame of the
+            candidate then, of weight 1, and the others have weight 2 (section 27.4).
+    """
+    system, size = candidate.system, len(candidate.radii)
+    kernel = [system.state[index] for index in system.kernel_coordinates] if across else []
+    radii = (*candidate.radii, *[width or max(candidate.radii)] * len(kernel))
+    variables = len(radii)
+    scales = tuple(radius / BOX_RATIO for radius in radii)
+    along = 1 if width is None else 2
+    weights = (*(along,) * size, *(1,) * len(kernel))
+    grading = Grading(weights, 3) if across else grading_for(candidate.kind, candidate.k, variables)
     further, loss = grade_bits(grading, scales, bits)
     arithmetic = Arithmetic(grading, bits, further, order, loss)
     point = {name: arithmetic.constant(value) for name, value in candidate.parameters.items()}
-    for name, middle, row in zip(candidate.coordinates, candidate.centre, candidate.frame, strict=True):
+    rows = dict(zip(candidate.coordinates, zip(candidate.centre, candidate.frame, strict=True), strict=True))
+    directions = unit_rows(len(kernel)) if width is None else inverse(candidate.kernel_frame) or ()
+    rows |= {name: (Fraction(0), (*(Fraction(0),) * size, *row)) for name, row in zip(kernel, directions, strict=True)}
+    for name, (middle, row) in rows.items():
         terms = {(0,) * variables: middle}
-        for j, (direction, scale) in enumerate(zip(row, scales, strict=True)):
-            terms[tuple(int(i == j) for i in range(variables))] = direction * scale
+        for j, direction in enumerate(row):
+            terms[tuple(int(i == j) for i in range(variables))] = direction * scales[j]
         point[name] = arithmetic.polynomial(terms)
     if candidate.level_sign is None:
         return Box(arithmetic, scales, point, first_integral(system, arithmetic, point))
@@ -169,6 +187,11 @@ def box_of(candidate: Candidate, bits: int, order: int) -> Box:
     program = level_program(system, candidate.level_sign)
     point[coordinate] = at_start(program, (*initial_values(system, arithmetic, point), level))[0]
     return Box(arithmetic, scales, point, level)
+
+
+def unit_rows(size: int) -> list[list[Fraction]]:
+    """The unit matrix."""
+    return [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
 
 
 class Integration:

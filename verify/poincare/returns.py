@@ -15,13 +15,14 @@ from typing import Final
 
 from flint import arb
 
-from orbitproof.shared.systems import Program, Regularisation, ReversibleSystem
-from orbitproof.verify.algebra import Arithmetic, Series, evaluate, prepare
+from orbitproof.shared.systems import Regularisation, ReversibleSystem
+from orbitproof.verify.algebra import Arithmetic, Series
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
 from orbitproof.verify.flow import FlowStep, advance, planned_step, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, range_of, stays_positive
+from orbitproof.verify.poincare.functions import at_start, defined_values
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
 
@@ -247,11 +248,16 @@ def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapp
     names = (*system.state, *system.parameters)
     rest = {name: system.normalised.get(name, Fraction(0)) for name in system.state}
     values = [point[name] if name in point else arithmetic.constant(rest[name]) for name in names]
+    given, size = len(system.given_state), len(system.state)
+    functions = tuple((e.function, p) for e, p in zip(system.defined, system.argument_programs, strict=True))
+    values[given:size] = defined_values(functions, values[:given], values[size:])
     if system.fixed_level is not None:
         if not quadratic_coefficient(system):
             raise IntegrationFailure("level", f"no coordinate of {system.name} follows from the level", "leave it out")
         program, level = level_program(system, system.fixed_level.sign), arithmetic.constant(system.fixed_level.value)
         values[system.state.index(str(system.level_coordinate))] = at_start(program, (*values, level))[0]
+        # H depends on no function of the level coordinate (12.1); the field may.
+        values[given:size] = defined_values(functions, values[:given], values[size:])
     return values
 
 
@@ -272,16 +278,3 @@ def kernel_components(
         )
         for row in kernel_frame
     ]
-
-
-def at_start(program: Program, arguments: Sequence[Series]) -> list[Series]:
-    """Values of a program at elements that do not depend on time, so that degree 0 does.
-
-    Raises `ValueError` if one does.
-    """
-    arithmetic = arguments[0].arithmetic
-    if any(p.length() > arithmetic.stride for x in arguments for p in x.coefs):
-        raise ValueError("an element depends on time")
-    flat = replace(arithmetic, degree=0)
-    values = evaluate(prepare(program), [Series(flat, x.coefs, x.errors) for x in arguments])
-    return [Series(arithmetic, x.coefs, x.errors) for x in values]

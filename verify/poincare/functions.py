@@ -1,17 +1,19 @@
-"""sin, cos, exp and log of elements of the algebra (section 23.5)."""
+"""sin, cos, exp and log of elements of the algebra, and coordinates that are such functions (section 5.5)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
-from math import factorial
+from math import factorial, log2
 
 from flint import arb, fmpz_poly
 
 from orbitproof.shared.systems import Program
-from orbitproof.verify.algebra import Series, convolve, geometric, inflate
+from orbitproof.verify.algebra import Series, convolve, evaluate, geometric, inflate, prepare
 from orbitproof.verify.evidence import IntegrationFailure, enclose, exact_value
-from orbitproof.verify.poincare import at_start
+
+_MOST_TERMS = 120
 
 
 def function_of(name: str, argument: Series) -> Series:
@@ -21,14 +23,16 @@ def function_of(name: str, argument: Series) -> Series:
     """
     arithmetic = argument.arithmetic
     middle = Fraction(int(argument.coefs[0][0]), int(arithmetic.one))
-    rest = Series(arithmetic, [fmpz_poly([]), *argument.coefs[1:]], argument.errors)
+    # Of the constant coefficient only what does not depend on the wide variable is the middle.
+    rest = Series(arithmetic, [_without_constant(argument.coefs[0]), *argument.coefs[1:]], argument.errors)
     if name == "log":
         if middle <= 0:
             raise _too_far(name)
         rest = rest.scaled(1 / middle)
-    last = max(2, arithmetic.grading.top + 1)
+    norm = rest.norm()
+    last = _last_power(arithmetic.grading.top, norm[0], arithmetic.bits)
     coefficients, bound = _taylor(name, middle, last)
-    tail = geometric(rest.norm())
+    tail = geometric(norm)
     if tail is None:
         raise _too_far(name)
     result, power = _constant(argument, coefficients[0]), rest
@@ -54,6 +58,18 @@ def defined_values(
         later = [missing] * (len(defined) - place)
         values.append(function_of(function, at_start(argument, (*values, *later, *parameters))[0]))
     return values[len(state) :]
+
+
+def _last_power(top: int, size: float, bits: int) -> int:
+    """Beyond this power the rest of the series is small where the argument depends on the wide variable."""
+    last, left = max(2, top + 1), float(bits)
+    while 0 < size < 1 and last < _MOST_TERMS and -(last - top) * log2(size) < left:
+        last += 1
+    return last
+
+
+def _without_constant(polynomial: fmpz_poly) -> fmpz_poly:
+    return fmpz_poly([0, *polynomial.coeffs()[1:]])
 
 
 def _taylor(name: str, middle: Fraction, last: int) -> tuple[list[arb], float]:
@@ -82,3 +98,16 @@ def _constant(like: Series, value: arb) -> Series:
 
 def _too_far(name: str) -> IntegrationFailure:
     return IntegrationFailure("start", f"{name} of the initial values is not enclosed on the set", "give smaller radii")
+
+
+def at_start(program: Program, arguments: Sequence[Series]) -> list[Series]:
+    """Values of a program at elements that do not depend on time, so that degree 0 does.
+
+    Raises `ValueError` if one does.
+    """
+    arithmetic = arguments[0].arithmetic
+    if any(p.length() > arithmetic.stride for x in arguments for p in x.coefs):
+        raise ValueError("an element depends on time")
+    flat = replace(arithmetic, degree=0)
+    values = evaluate(prepare(program), [Series(flat, x.coefs, x.errors) for x in arguments])
+    return [Series(arithmetic, x.coefs, x.errors) for x in values]

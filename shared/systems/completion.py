@@ -1,0 +1,70 @@
+"""States whose last coordinates follow from the others: functions of these, and the coordinate of a fixed level.
+
+`completed` is in floating point; not for proofs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from math import nan, sqrt
+from typing import Any
+
+from orbitproof.shared.systems.system import ReversibleSystem, System
+
+_FLOATS: Mapping[str, Callable[[float], float]] = {
+    "sin": math.sin, "cos": math.cos, "exp": math.exp, "log": math.log,
+}  # fmt: skip
+
+
+def with_functions(
+    system: System,
+    state: Sequence[Any],
+    parameters: Sequence[Any],
+    functions: Mapping[str, Callable[[Any], Any]],
+    constant: Callable[[Fraction], Any] | None = None,
+    power: Callable[[Any, Fraction], Any] | None = None,
+) -> list[Any]:
+    """The state with the coordinates that are functions of others, in any arithmetic; their own entries are not used.
+
+    Args:
+        state: all coordinates.
+        functions: "sin", "cos", "exp" and "log" in this arithmetic.
+        constant, power: as for `Program.evaluate`.
+    """
+    values = list(state)
+    first = len(system.given_state)
+    for place, (each, argument) in enumerate(zip(system.defined, system.argument_programs, strict=True), first):
+        (value,) = argument.evaluate([*values, *parameters], constant, power)
+        values[place] = functions[each.function](value)
+    return values
+
+
+def completed(system: ReversibleSystem, state: Sequence[float], parameters: Sequence[float]) -> list[float]:
+    """The state with the coordinates that follow from the others: the level coordinate, then functions.
+
+    The level coordinate w belongs to the fixed level, if there is one, from H = A + b w^2. NaN where no point of the
+    level lies over the other coordinates, or where a function is not defined.
+    """
+    if system.fixed_level is None:
+        return functions_in_floats(system, state, parameters)
+    assert system.first_integral is not None
+    place = system.state.index(str(system.level_coordinate))
+    before, after = state[:place], state[place + 1 :]
+    rest, one = (
+        float(system.first_integral(functions_in_floats(system, [*before, w, *after], parameters), parameters)[0])
+        for w in (0.0, 1.0)
+    )
+    square = (float(system.fixed_level.value) - rest) / (one - rest)
+    w = system.fixed_level.sign * sqrt(square) if square >= 0 else nan
+    return functions_in_floats(system, [*before, w, *after], parameters)
+
+
+def functions_in_floats(system: System, state: Sequence[float], parameters: Sequence[float]) -> list[float]:
+    """The state with the coordinates that are functions of others; NaN where one is not defined."""
+    try:
+        return with_functions(system, state, parameters, _FLOATS)
+    except (ArithmeticError, ValueError):
+        given = len(system.given_state)
+        return [*state[:given], *([nan] * len(system.defined))]

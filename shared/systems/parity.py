@@ -1,0 +1,71 @@
+"""Parities of straight-line programs under sign changes of the state (sections 1.3 and 5.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from orbitproof.shared.systems.program import Program
+
+
+@dataclass(frozen=True)
+class _Parity:
+    """1 for even, -1 for odd, 0 for neither."""
+
+    sign: int
+
+    def __add__(self, other: _Parity) -> _Parity:
+        return self if self == other else _Parity(0)
+
+    __sub__ = __add__
+
+    def __mul__(self, other: _Parity) -> _Parity:
+        return _Parity(self.sign * other.sign)
+
+    __truediv__ = __mul__
+
+    def power(self, exponent: Fraction) -> _Parity:
+        if self.sign != -1:
+            return self
+        return _Parity(0 if exponent.denominator > 1 else -1 if exponent.numerator % 2 else 1)
+
+
+def parities(program: Program, signs: Sequence[int]) -> list[int]:
+    """For each output 1 (even), -1 (odd) or 0 (not decided) under the signs of the inputs.
+
+    `signs` covers the first inputs; the further inputs (parameters) are unchanged. A constant zero is
+    not treated as odd.
+    """
+    even = _Parity(1)
+    arguments = [_Parity(sign) for sign in signs] + [even] * (len(program.inputs) - len(signs))
+    return [value.sign for value in program.evaluate(arguments, lambda _: even, _Parity.power)]
+
+
+def function_parity(function: str, argument: int) -> int:
+    """The parity of sin, cos, exp or log of something of parity `argument`; 0 if it is not decided."""
+    match function:
+        case "sin":
+            return argument
+        case "cos":
+            return argument * argument
+        case _:
+            # exp(-e) and log(-e) are no multiples of exp(e) and log(e).
+            return 1 if argument == 1 else 0
+
+
+def signs_with_functions(
+    functions: Sequence[str], arguments: Sequence[Program], signs: Sequence[int]
+) -> tuple[int, ...]:
+    """The signs of given coordinates, then those of coordinates that are functions of earlier ones; 0 if not decided.
+
+    Args:
+        functions: of each further coordinate its function.
+        arguments: of each its argument; inputs are the state and the parameters.
+    """
+    result = list(signs)
+    for function, argument in zip(functions, arguments, strict=True):
+        # Later coordinates are not in the argument.
+        later = [0] * (len(signs) + len(functions) - len(result))
+        result.append(function_parity(function, parities(argument, [*result, *later])[0]))
+    return tuple(result)
