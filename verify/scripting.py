@@ -91,6 +91,8 @@ def certify_atlas(
     claim: AnyAtlas,
     *,
     complete: int | None = None,
+    combinations: bool = False,
+    lasting: bool = False,
     bifurcations: Iterable[Certificate] = (),
     jobs: int = 1,
     timeout: float | None = None,
@@ -111,6 +113,8 @@ def certify_atlas(
     Arguments:
         claim: an atlas, from `shared.read_atlas`.
         complete: with it, all resonances 1:1 to 1:`complete` on a curve, and where its orbits are linearly stable.
+        combinations: with it and `complete`, combination resonances up to order 4 of linearly stable orbits, for n = 2.
+        lasting: which of them are stable for ever, with all exceptions; n = 1, and `complete` at least 4.
         bifurcations: certificates that are looked for on a curve, each with an id of its own.
         jobs: processes side by side.
         timeout: seconds for an interval of a piece, or `None`.
@@ -128,7 +132,9 @@ def certify_atlas(
     _ids(given, "bifurcations")
     if given and not kind_of(claim).holds_points:
         raise InputError("bifurcations: are looked for on curves of symmetric orbits only; leave them out")
-    limits = limits_of(claim, complete, max_splits, timeout, precision=precision, order=order, width=width)
+    limits = limits_of(
+        claim, complete, max_splits, timeout, combinations, lasting, precision=precision, order=order, width=width
+    )
     run = started(claim, limits, None if output is None else Path(output), fresh)
     workplace = Workplace(_jobs(jobs), scheduler, timeout, quiet=quiet)
     prove_pieces(run, workplace)

@@ -2,15 +2,20 @@
 
 from orbitproof.shared.claims.atlas import CLAIMS, SURFACE, Atlas, Claim, Covers
 from orbitproof.shared.claims.candidate import (
+    BOX_KINDS,
     COORDINATE,
     FOLD,
     HALF_PERIOD,
+    INVARIANT_TORI,
     KINDS,
     LEADING_POWERS,
     LEVEL,
     ONCE,
     ORBIT,
+    ORBIT_KINDS,
     QUANTITIES,
+    REVERSOR_BREAKING,
+    STABLE_ORBIT,
     Candidate,
     Equation,
 )

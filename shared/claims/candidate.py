@@ -24,6 +24,16 @@ LEADING_POWERS = {kind: 1 if kind == "touch_and_go" else 2 for kind in KINDS}
 
 ORBIT = "orbit"
 """What a claim about one orbit says in place of the kind of a bifurcation; k = 1."""
+STABLE_ORBIT = "stable_orbit"
+"""The same of an orbit that is stable for ever."""
+INVARIANT_TORI = "invariant_tori"
+"""The same of an orbit at which invariant tori accumulate."""
+ORBIT_KINDS = (ORBIT, STABLE_ORBIT, INVARIANT_TORI)
+"""Claims about one orbit that an equation singles out."""
+REVERSOR_BREAKING = "reversor_breaking"
+"""What a claim says about an orbit at which two are born that R does not map to themselves; k = 1."""
+BOX_KINDS = (*KINDS, *ORBIT_KINDS, REVERSOR_BREAKING)
+"""All that a candidate may claim."""
 HALF_PERIOD, LEVEL, COORDINATE = "half period", "level", "coordinate"
 QUANTITIES = (HALF_PERIOD, LEVEL, COORDINATE)
 """What one orbit of a family can be given by."""
@@ -52,8 +62,8 @@ class Candidate:
         id: unique name within a file.
         system: the reversible system.
         parameters: exact values of the system's fixed parameters, by name.
-        kind: one of `KINDS`, or `ORBIT`.
-        k: multiplicity; 1 exactly for symmetry breaking, folds and orbits.
+        kind: one of `KINDS`, of `ORBIT_KINDS`, or `REVERSOR_BREAKING`.
+        k: multiplicity; 1 exactly for symmetry breaking, folds, orbits, and where R is lost.
         symmetry: name of the symmetry that breaks, for symmetry breaking.
         centre: shape (1 + n,), in the order of `coordinates`.
         frame: shape (1 + n, 1 + n), rows; column j is the direction of p_j.
@@ -65,12 +75,16 @@ class Candidate:
         crossings: m, how often a half orbit, from Fix(R) to Fix(R), meets the section after its start; P^m then
             stands for P.
         equation: what singles out the orbit, if the claim is about one.
+        twist: the sign of the twist of a stable orbit, if it is claimed.
     """
 
     id: Id
     system: ReversibleSystem
     parameters: Mapping[Identifier, Rational]
-    kind: Literal["symmetry_breaking", "fold", "period_tupling", "touch_and_go", "orbit"]
+    kind: Literal[
+        "symmetry_breaking", "fold", "period_tupling", "touch_and_go",
+        "orbit", "stable_orbit", "invariant_tori", "reversor_breaking",
+    ]  # fmt: skip
     k: Annotated[int, rules(minimum=1, maximum=1000)]
     centre: Numbers
     frame: Rows
@@ -81,6 +95,7 @@ class Candidate:
     level_sign: Literal[1, -1] | None = stored(beside=("parameter", "first integral"), default=None)
     crossings: Crossings = 1
     equation: Equation | None = None
+    twist: Literal[1, -1] | None = None
 
     def __post_init__(self) -> None:
         """Raises `InputError`, one line that begins with the field, for what could not be written as a claim."""
@@ -90,8 +105,8 @@ class Candidate:
 
         if not fits(ID, self.id):
             refuse("id", f"{self.id!r} is no id", ID_IN_WORDS)
-        if self.kind not in (*KINDS, ORBIT):
-            refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join((*KINDS, ORBIT))}")
+        if self.kind not in BOX_KINDS:
+            refuse("kind", f"{self.kind!r} is unknown", f"give one of {', '.join(BOX_KINDS)}")
         if not isinstance(self.k, int) or self.k < 1:
             refuse("k", f"{self.k!r} is no multiplicity", "give an integer, at least 1")
         if not isinstance(self.crossings, int) or self.crossings < 1:
@@ -99,8 +114,12 @@ class Candidate:
         if self.symmetry is not None and self.symmetry not in self.system.symmetries:
             known = ", ".join(self.system.symmetries) or "none"
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
-        if (self.kind == ORBIT) != (self.equation is not None):
+        if self.loses_reversor and (self.k != 1 or self.symmetry is not None):
+            refuse("kind", f"{self.kind} with k = {self.k} and {self.symmetry}", "give k = 1, and no symmetry")
+        if self.is_of_orbit != (self.equation is not None):
             refuse("equation", "a claim about an orbit has one, others have none", "give both or none")
+        if self.twist is not None and (self.kind != STABLE_ORBIT or self.twist not in (1, -1)):
+            refuse("twist", f"{self.kind} with {self.twist!r}", "a stable orbit may have 1 or -1, others have none")
         if self.equation is not None:
             _check_equation(self, self.equation, refuse)
         names, kernel = self.coordinates, len(self.system.kernel_coordinates)
@@ -146,7 +165,7 @@ class Candidate:
     @property
     def is_of_orbit(self) -> bool:
         """Whether it is about one orbit, and no bifurcation."""
-        return self.kind == ORBIT
+        return self.kind in ORBIT_KINDS
 
     @property
     def is_fold(self) -> bool:
@@ -155,8 +174,13 @@ class Candidate:
 
     @property
     def has_branch(self) -> bool:
-        """Whether other orbits branch off there."""
-        return not (self.is_of_orbit or self.is_fold)
+        """Whether other symmetric orbits branch off there."""
+        return not (self.is_of_orbit or self.is_fold or self.loses_reversor)
+
+    @property
+    def loses_reversor(self) -> bool:
+        """Whether orbits that R does not map to themselves branch off there."""
+        return self.kind == REVERSOR_BREAKING
 
     @property
     def breaks_symmetry(self) -> bool:

@@ -10,8 +10,9 @@ from typing import Annotated, Any, NoReturn
 from orbitproof.shared.claims import (
     KINDS_IN_SECTION,
     ONCE,
-    ORBIT,
+    ORBIT_KINDS,
     PERIODIC,
+    REVERSOR_BREAKING,
     BoxClaim,
     Candidate,
     InSection,
@@ -141,8 +142,9 @@ def candidate_from_json(
         refuse("kind", f"{_WITHOUT_SYMMETRY}, which is not available here", "leave it out")
     system, _ = read_system(entry, source, systems)
     kind, k = entry["kind"], entry["k"]
-    if (kind in (*ONCE, ORBIT)) != (k == 1):
-        refuse("k", f"{kind} with k = {k}", f"{', '.join((*ONCE, ORBIT))} have k = 1, the other kinds have k > 1")
+    once = (*ONCE, *ORBIT_KINDS, REVERSOR_BREAKING)
+    if (kind in once) != (k == 1):
+        refuse("k", f"{kind} with k = {k}", f"{', '.join(once)} have k = 1, the other kinds have k > 1")
     if ("parameter" in entry) != ("level_sign" in entry):
         refuse("parameter", "parameter and level_sign belong together", "give both or none")
     if "level_sign" in entry and (system.level_coordinate is None or system.family_parameter is not None):

@@ -14,6 +14,7 @@ from orbitproof.verify.atlas.conclusion import told
 from orbitproof.verify.certificate import Certificate, recheck
 from orbitproof.verify.curve import Conclusion, Partner, ProvedCurve
 from orbitproof.verify.curve import conclude as conclude_of_points
+from orbitproof.verify.lasting import conclude_lasting
 from orbitproof.verify.stability import conclude_list
 
 
@@ -30,7 +31,17 @@ def conclude(
 
 
 def with_complete_list(
-    atlas: Atlas, results: Sequence[Mapping[str, Any]], curve: Conclusion[ProvedCurve], order: int
+    atlas: Atlas,
+    results: Sequence[Mapping[str, Any]],
+    curve: Conclusion[ProvedCurve],
+    order: int,
+    combinations: bool = False,
 ) -> dict[str, Any]:
     """The conclusion with the list of an order, as JSON."""
-    return told(conclude_list(atlas, values(results), curve, order))
+    return told(conclude_list(atlas, values(results), curve, order, combinations))
+
+
+def with_lasting(atlas: Atlas, results: Sequence[Mapping[str, Any]], order: int = 4) -> dict[str, Any]:
+    """The conclusion with the list, and which orbits are stable for ever, as JSON."""
+    found: Any = values(results)
+    return told(conclude_lasting(atlas, found, conclude_list(atlas, found, conclude(atlas, results), order)))

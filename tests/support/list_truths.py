@@ -344,7 +344,7 @@ def _wrong_ranges(curve: KnownCurve, entry: Mapping[str, Any], begin: Interval, 
             if not all(encloses(ball, float(value)) for value in values):
                 yield f"false: {what}, {name} {begin} to {end}"
             # A little more than what is true, for all of a part.
-            if 2 * float(ball_from_json(ball).rad()) > 1.5 * np.ptp(values) + 0.02 * np.abs(values).max():
+            if 2 * float(ball_from_json(ball).rad()) > 1.5 * np.ptp(values) + 0.03 * np.abs(values).max():
                 yield f"wide: {what}, {name} {begin} to {end}"
             where = entry[name].get(f"{what}_at")
             if where in _WHERE and np.abs(values - ends[_WHERE.index(where)]).max() > SAME:

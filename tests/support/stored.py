@@ -11,8 +11,9 @@ from orbitproof.verify.curve import IntervalResult, PieceResult
 from orbitproof.verify.distances import DistanceFunctions, KnownDistances, known_distances
 from orbitproof.verify.evidence import NotKnown
 from orbitproof.verify.functions import BoundedFunction, StoredFunction
+from orbitproof.verify.lasting import LastingResult
 from orbitproof.verify.out_of_plane import KnownVariations, VariationFunctions
-from orbitproof.verify.stability import StabilityFunctions, StabilityResult, unconfirmed
+from orbitproof.verify.stability import StabilityFunctions, unconfirmed
 from orbitproof.verify.surface import ProvedPart, SurfaceResult
 
 
@@ -20,7 +21,7 @@ def value_of(entry: Mapping[str, Any] | Result) -> Result:
     """The result that a JSON object says, of a piece of the kind that it looks like."""
     if isinstance(entry, IntervalResult):
         return entry
-    kind: type[Result] = StabilityResult if "parts" not in entry else SurfaceResult
+    kind: type[Result] = LastingResult if "parts" not in entry else SurfaceResult
     whole = {key: value for key, value in entry.items() if value is not None}
     whole["computation"] = {"seconds": 0.0, **entry.get("computation", {})}
     return from_json(kind, whole, "the result")

@@ -174,12 +174,13 @@ class Problem:
 
     Attributes:
         mass: mu.
-        libration_point: its distance from the smaller primary, for planar orbits in units of their size; `None` for
-            orbits in space.
+        libration_point: its distance from the smaller primary, for planar orbits in units of their size; else `None`.
+        is_planar: whether orbits are in the plane.
     """
 
     mass: Fraction
     libration_point: float | None = None
+    is_planar: bool = False
 
     @property
     def mu(self) -> float:
@@ -189,25 +190,26 @@ class Problem:
     @property
     def origin(self) -> tuple[Fraction, ...]:
         """Coordinates of a piece that are 0 here: digits of the distance from the smaller primary are not lost."""
-        return (1 - self.mass, Fraction(0), Fraction(0)) if self.libration_point is None else (Fraction(0),) * 2
+        others = (Fraction(0),) * (len(self.coordinates) - 1)
+        return (1 - self.mass if self.libration_point is None else Fraction(0), *others)
 
     @property
     def coordinates(self) -> tuple[int, ...]:
         """Of the state."""
-        return SPATIAL if self.libration_point is None else PLANAR
+        return PLANAR if self.is_planar else SPATIAL
 
     @property
     def kernel(self) -> tuple[int, ...]:
         """Coordinates that R negates, but y."""
-        return (_VX, _VZ) if self.libration_point is None else (_VX,)
+        return (_VX,) if self.is_planar else (_VX, _VZ)
 
     def start(self, points: Any) -> tuple[Any, Any]:
         """States, shape (7, N), and their derivatives by the coordinates, shape (6, 1 + n, N)."""
         number = points.shape[1]
         state, columns = np.zeros((7, number)), np.zeros((6, len(points), number))
         if self.libration_point is None:
-            state[list(SPATIAL)] = points
-            columns[SPATIAL, range(3)] = 1
+            state[list(self.coordinates)] = points
+            columns[self.coordinates, range(len(points))] = 1
             return state, columns
         size, speed = points
         state[_X], state[_VY] = self.libration_point + size, size * speed
@@ -261,17 +263,17 @@ class Problem:
 
 
 def problem_of(atlas: Atlas) -> Problem:
-    """That of an atlas of orbits in space, or of planar ones around L1."""
+    """That of an atlas of orbits in space, or of planar ones, around L1 in units of their size."""
     mass = atlas.parameters["mu"]
     mu = float(mass)
-    if atlas.system.name == "cr3bp":
-        return Problem(mass)
+    if atlas.system.name in ("cr3bp", "cr3bp-planar"):
+        return Problem(mass, is_planar=atlas.system.name == "cr3bp-planar")
     assert atlas.system.name == "cr3bp-l1"
 
     def force(x: float) -> float:
         return x + 1 - mu - (1 - mu) / (x + 1) ** 2 + mu / x**2
 
-    return Problem(mass, brentq(force, -0.5, -1e-6, xtol=1e-16, rtol=1e-15))
+    return Problem(mass, brentq(force, -0.5, -1e-6, xtol=1e-16, rtol=1e-15), is_planar=True)
 
 
 @dataclass(frozen=True)
@@ -307,9 +309,8 @@ class Numbers:
 
     def functions(self, orbits: Orbits) -> Any:
         """Coordinates, a_1, .., a_n, first factor, level, half period, Jacobi constant, V; shape (.., N)."""
-        is_planar = self.problem.libration_point is not None
         constant = jacobi_constant(orbits.start, self.problem.mu)
-        level = orbits.points[0] if is_planar else constant
+        level = constant if self.problem.libration_point is None else orbits.points[0]
         chosen = self.problem.coordinates
         single = [orbits.first_factor(chosen), level, orbits.half_period, constant]
         origin = np.array(self.problem.origin, dtype=float)[:, None]
@@ -364,7 +365,7 @@ class Numbers:
             *(lambda places, row=row: self.values(places)[ends[1] + row] for row in range(3)),
             tuple(symmetric),
             jacobi_constant=lambda places: self.values(places)[ends[1] + 3],
-            across=None if self.problem.libration_point is None else lambda places: self.values(places)[ends[1] + 4 :],
+            across=(lambda places: self.values(places)[ends[1] + 4 :]) if self.problem.is_planar else None,
             distances=self.distances if self.problem.libration_point is None else None,
             grid_size=_GRID * len(self.stretches),
         )

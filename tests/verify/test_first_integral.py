@@ -43,7 +43,7 @@ def test_the_first_integrals_of_the_systems_are_conserved(name: str) -> None:
     [
         lambda h, x, p: h + x[2] * x[2],
         lambda h, x, p: h + Fraction(1, 10**300) * x[0],
-        lambda h, x, p: h - p[0] * x[4] * x[4],
+        lambda h, x, p: h - p[0] * x[-1] * x[-1],
         lambda h, x, p: x[0],
     ],
 )

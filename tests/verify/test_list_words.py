@@ -158,7 +158,10 @@ def the_point(text: str) -> str:
     return line
 
 
-@pytest.mark.parametrize("kind", [kind for kind in Kind if kind not in ACROSS])
+COMBINED = (Kind.TWO_TO_ONE, Kind.THREE_TO_ONE, Kind.OPPOSITE)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in Kind if kind not in (*ACROSS, *COMBINED, Kind.TWISTLESS)])
 def test_a_point_is_said_to_be_what_is_proved(kind: Kind) -> None:
     """A value of a stability parameter, no orbits."""
     line = the_point(words(points=(Point(1, "p015", 3, 1, kind, arb(0), arb(450), arb(1), {}),), order=3))

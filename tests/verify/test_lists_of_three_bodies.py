@@ -38,8 +38,9 @@ from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stab
 DATA = Path(__file__).parents[1] / "data"
 ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())
 LOOP, NEAR, CLOSE = "fold-and-doublings", "near-the-moon", "close-to-the-moon"
-PLANAR, AXIAL = "lyapunov", "births-of-axial-orbits"
-FLAT = (PLANAR, AXIAL)
+PLANAR, AXIAL, RETROGRADE = "lyapunov", "births-of-axial-orbits", "distant-retrograde"
+IN_UNITS = (PLANAR, AXIAL)
+FLAT = (*IN_UNITS, RETROGRADE)
 ORDERS = {AXIAL: 40}
 """Of lists; else 12."""
 _RANDOM = 160
@@ -113,7 +114,7 @@ def check_functions(name: str, result: dict[str, Any], number: int = _RANDOM) ->
     if name in FLAT:
         stored += [known["out_of_plane"][entry] for entry in ENTRIES]
         values += list(across)
-    else:
+    if name not in IN_UNITS:
         # det (dy/dsigma, A b_1, A b_2) = det A det (dx/dsigma, b_1, b_2), and ds/dsigma = 17/16 (high - low)/2.
         frame = np.linalg.det(np.array(piece.frame, dtype=float))
         stored.append(known["first_factor"])
@@ -145,13 +146,18 @@ def check_distances(known: dict[str, Any], taus: Any, values: Any) -> None:
                 assert all(np.abs(row[here] / end[here] - 1).max(initial=0) > 1e-9 for end in ends.values())
 
 
-NAMES = [NEAR, PLANAR, AXIAL, *slow(LOOP, CLOSE)]
+NAMES = [NEAR, PLANAR, AXIAL, RETROGRADE, *slow(LOOP, CLOSE)]
 FEATURES = {
     LOOP: {"resonance": 28, "singular at this point": 1, "singular at the other point": 2, "fold": 1},
     NEAR: {"resonance": 22, "loss of R": 1, "singular at the other point": 1, "Krein collision": 1},
     CLOSE: {"resonance": 3},
+    RETROGRADE: {"resonance": 3},
 }
-ACROSS = {PLANAR: {"birth out of the plane": 1}, AXIAL: {"resonance": 29, "axial birth out of the plane": 1}}
+ACROSS = {
+    PLANAR: {"birth out of the plane": 1},
+    AXIAL: {"resonance": 29, "axial birth out of the plane": 1},
+    RETROGRADE: {"birth out of the plane": 1},
+}
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -23,12 +23,13 @@ from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.claims import Atlas
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import read_atlas
-from orbitproof.shared.systems import AROUND, CR3BP
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_PLANAR
 from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.curve import Bifurcation, PieceLimits, Place, conclude, derived_parameter
 from orbitproof.verify.evidence import EmptyIntersectionError, Proved
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.out_of_plane.out_of_plane import with_variations
 from orbitproof.verify.stability import TubeOfOrbits, list_across, orbit_functions
 from orbitproof.verify.stability.complete_list import complete_list
 
@@ -135,6 +136,23 @@ def test_the_stiffness_is_that_of_the_three_body_problem() -> None:
             (found,) = system.stiffness_across([x, y, 0.3, 0.4], [mu, x_l, eps])
             force = CR3BP.vector_field([x_l + eps * x, eps * y, 1e-30j, 0, 0, 0], [mu])[5]
             assert abs(found + force.imag / 1e-30) < 1e-12 * abs(found)
+
+
+def test_variations_are_followed_with_the_motion_and_its_integral() -> None:
+    """Those of the planar problem, which has a first integral."""
+    size = len(CR3BP_PLANAR.state)
+    extended = with_variations(CR3BP_PLANAR)
+    state, mu = [0.9, 0.2, 0.3, -0.7, 1.1, 1.2, 1.3, 1.4], [0.1]
+    assert CR3BP_PLANAR.first_integral is not None
+    assert extended.first_integral is not None
+    assert CR3BP_PLANAR.stiffness_across is not None
+    rates = extended.vector_field(state, mu)
+    (g,) = CR3BP_PLANAR.stiffness_across(state, mu)
+    assert list(rates[:size]) == list(CR3BP_PLANAR.vector_field(state[:size], mu))
+    assert list(rates[size:]) == [1.2, -g * 1.1, 1.4, -g * 1.3]
+    assert extended.first_integral(state, mu) == CR3BP_PLANAR.first_integral(state[:size], mu)
+    assert extended.first_integral_program is not None
+    assert extended.squared_distance_program is None
 
 
 def listed(found: Results, order: int = 12) -> dict[str, Any]:

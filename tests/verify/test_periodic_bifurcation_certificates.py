@@ -294,11 +294,6 @@ def test_claims_are_proved_by_the_command_and_from_python(tmp_path: Path, capsys
     assert main([str(path), "-o", str(output), "--quiet"]) == 0
     assert "periodic-fold  proved   above  a = " in capsys.readouterr().out
     assert main(["--recheck", str(output), "--quiet"]) == 0
-    write_candidates(path, [CLAIMS["pitchfork"]])
-    assert main([str(path), "-o", str(output), "--quiet", "--fresh"]) == 0
-    capsys.readouterr()
-    assert main(["--second-proof", str(output)]) == 1
-    assert "cannot follow" in capsys.readouterr().out
     write_candidates(path, [cases.shifted(CLAIMS["fold"], 1, Fraction(1, 10**10))])
     assert main([str(path), "--quiet"]) == 1
     assert "not proved" in capsys.readouterr().out

@@ -178,7 +178,9 @@ class AtlasCertificate:
         conclusion = self.document["conclusion"] or {}
         listed = conclusion.get("complete", {})
         on_curve = all(entry["on_curve"] for entry in conclusion.get("bifurcations", ()))
-        return on_curve and not (listed.get("gaps") or listed.get("undecided"))
+        lasting = listed.get("lasting", {})
+        is_open = any(entry.get(name) for entry in (listed, lasting) for name in ("gaps", "undecided"))
+        return on_curve and not is_open
 
     @property
     def points(self) -> tuple[ListedPoint, ...]:

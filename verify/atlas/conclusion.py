@@ -14,8 +14,9 @@ from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
 from orbitproof.verify.curve import conclude, enclose_other_point
+from orbitproof.verify.lasting import LastingResult, conclude_lasting
 from orbitproof.verify.oracle import ORACLE
-from orbitproof.verify.stability import StabilityResult, conclude_list
+from orbitproof.verify.stability import conclude_list
 from orbitproof.verify.words import BranchConclusion, conclusion_in_words
 
 partner = partial(enclose_other_point, ORACLE)
@@ -32,14 +33,17 @@ def conclusion_of(
     check: Callable[[Sequence[Certificate]], Sequence[Recheck]],
     order: int | None,
     placing: Placing = lambda names: nullcontext(lambda name: None),
+    combinations: bool = False,
 ) -> dict[str, Any]:
     """The conclusion as JSON.
 
     Args:
         bifurcations: certificates that are looked for on a curve.
         check: checks such certificates again, in their order.
-        order: with one, all resonances on a curve up to it as well.
+        order: with one, all resonances on a curve up to it as well; and which orbits are stable for ever, if results
+            know the twist.
         placing: shows which of them is looked for.
+        combinations: whether combination resonances are listed with the others.
 
     Raises `ValueError` if an id appears twice: the theorem speaks of certificates by their ids.
     """
@@ -60,11 +64,12 @@ def conclusion_of(
 
         points = [certified_point(atlas, entry, examine) for entry in bifurcations]
         conclusion = conclude(atlas, results, points, partner)
-    return told(conclusion if order is None else conclude_list(atlas, _of_curve(results), conclusion, order))
-
-
-def _of_curve(results: Sequence[Result]) -> list[StabilityResult]:
-    return [result for result in results if isinstance(result, StabilityResult)]
+    if order is None:
+        return told(conclusion)
+    of_curve = [result for result in results if isinstance(result, LastingResult)]
+    listed = conclude_list(atlas, of_curve, conclusion, order, combinations)
+    is_asked = any(result.twist is not None for result in of_curve)
+    return told(conclude_lasting(atlas, of_curve, listed) if is_asked else listed)
 
 
 def told(conclusion: BranchConclusion) -> dict[str, Any]:

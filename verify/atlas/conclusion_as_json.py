@@ -13,6 +13,7 @@ from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import Bifurcation, Conclusion, ProvedCurve, Stretch
 from orbitproof.verify.distances import Ranges
 from orbitproof.verify.evidence import Proved, balls_to_json, hypothesis_to_json, outcome_to_json
+from orbitproof.verify.lasting import ExceptionalOrbit, LastingInterval, LastingList, ProvedLasting
 from orbitproof.verify.periodic_curve import ProvedPeriodicCurve
 from orbitproof.verify.stability import (
     Bound,
@@ -103,8 +104,35 @@ def _list(known: ProvedList) -> Json:
         **_entries(found, known.stable, known.unknown),
         "extrema": [_extremum(entry) for entry in found.extrema],
         "open_extrema": [_gap(gap) for gap in found.open_extrema],
+        **_combinations(found),
         **({} if known.across is None else {"out_of_plane": _across(known.across)}),
+        **({"lasting": _lasting(known.lasting)} if isinstance(known, ProvedLasting) else {}),
     }
+
+
+def _combinations(found: CompleteList) -> Json:
+    """Absent if they were not asked for."""
+    if found.combinations is None:
+        return {}
+    points, gaps = found.combinations.points, found.combinations.open
+    return {"combinations": [_point(point) for point in points], "open_combinations": [_gap(gap) for gap in gaps]}
+
+
+def _lasting(lasting: LastingList) -> Json:
+    return {
+        "exceptions": [_exception(entry) for entry in lasting.exceptions],
+        "stable": [_lasting_interval(entry) for entry in lasting.stable],
+        "undecided": [_stable(entry) for entry in lasting.undecided],
+        "gaps": [_gap(gap) for gap in lasting.gaps],
+    }
+
+
+def _exception(entry: ExceptionalOrbit) -> Json:
+    return {**_point(entry.point), "fate": entry.fate.value}
+
+
+def _lasting_interval(entry: LastingInterval) -> Json:
+    return {**_stable(entry.between), "twist": "positive" if entry.sign > 0 else "negative"}
 
 
 def _across(across: ListAcross) -> Json:

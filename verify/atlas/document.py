@@ -19,8 +19,8 @@ from orbitproof.verify.certificate.document import (
     by_verdict,
 )
 from orbitproof.verify.evidence import Hypothesis, Reason
+from orbitproof.verify.lasting import LastingResult
 from orbitproof.verify.periodic_curve import Turn
-from orbitproof.verify.stability import StabilityResult
 from orbitproof.verify.surface import SurfaceResult
 
 
@@ -46,7 +46,7 @@ class PeriodicCurveStatement(Stated):
 
 
 @dataclass(frozen=True)
-class AnyResult(StabilityResult, SurfaceResult):
+class AnyResult(LastingResult, SurfaceResult):
     """What was found on an interval of a piece, of a curve or of a surface, for the schema."""
 
 

@@ -31,9 +31,10 @@ from orbitproof.verify.certificate import systems_with
 from orbitproof.verify.certificate.stored_balls import to_json
 from orbitproof.verify.curve import NOT_PROVED, Computation, Interval, PieceLimits, prove_piece
 from orbitproof.verify.evidence import Proved, Reason
+from orbitproof.verify.lasting import LastingResult, twist_of_piece
 from orbitproof.verify.oracle import ORACLE, counsel
 from orbitproof.verify.periodic_curve import PeriodicLimits, prove_periodic_piece
-from orbitproof.verify.stability import STABILITY_SLOPE_BITS, StabilityResult, TubeOfOrbits, stability_of_piece
+from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits, stability_of_piece
 from orbitproof.verify.surface import SurfaceLimits, prove_libration_piece, prove_surface_piece
 
 _MOST_SHOWN = 0.95
@@ -48,11 +49,12 @@ def question(
     stability: bool,
     timeout: float | None,
     steps: int,
+    lasting: bool = False,
 ) -> dict[str, Any]:
     """What `prove_task` is asked: a piece of an atlas on an interval of s, with settings of the integrator.
 
-    `stability`: whether that of its orbits is enclosed as well; `timeout` in seconds; the expected number of `steps` is
-    for progress only.
+    `stability`: whether that of its orbits is enclosed as well; `lasting`: their twist too; `timeout` in seconds;
+    the expected number of `steps` is for progress only.
     """
     return {
         "system": describe(atlas.system),
@@ -63,6 +65,7 @@ def question(
         "interval": [format_exact(end) for end in interval],
         "integrator": dict(settings),
         "stability": stability,
+        **({"lasting": True} if lasting else {}),
         "timeout": timeout,
         "expected_steps": steps,
         **({"claim": to_json(atlas.claim)} if isinstance(atlas, PeriodicAtlas) else {}),
@@ -126,8 +129,9 @@ def _proved(
         ORACLE, argument["symmetry"], crossings,
     )  # fmt: skip
     stability = stability_of_piece(tube, stepped, known.half_return)
+    twist = twist_of_piece(tube, stepped, known.half_return) if argument.get("lasting") else None
     computation = replace(found.computation, seconds=round(time.monotonic() - began, 3))
-    return StabilityResult(**{**vars(found.stored), "computation": computation, "stability": stability})
+    return LastingResult(**{**vars(found.stored), "computation": computation, "stability": stability, "twist": twist})
 
 
 def _periodic(argument: Mapping[str, Any], stepped: Callable[[float], None]) -> Result:

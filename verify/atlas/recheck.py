@@ -57,7 +57,8 @@ from orbitproof.verify.certificate import (
 )
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import NotKnown, quoted_name
-from orbitproof.verify.stability import StabilityResult, unconfirmed
+from orbitproof.verify.lasting import LastingResult, unconfirmed_twist
+from orbitproof.verify.stability import unconfirmed
 from orbitproof.verify.surface import ProvedPart, SurfaceResult, unshown
 
 _MORE = {"precision": 32, "order": 4, "width": 8}
@@ -87,6 +88,7 @@ class ProvedBefore:
         piece, interval: what is to be proved.
         settings: of the integrator, others than before.
         stability: whether the stability of its orbits is enclosed as well.
+        lasting: whether their twist is.
         parts: of a surface, the parts of the interval that were proved one by one.
         steps: how many the integration took.
         stated: what the certificate states of a system that is not known here; `None` if it is known.
@@ -97,6 +99,7 @@ class ProvedBefore:
     interval: Interval
     settings: Settings
     stability: bool
+    lasting: bool
     parts: tuple[Interval, ...]
     steps: int
     stated: Mapping[str, Any] | None
@@ -118,10 +121,19 @@ class Means:
     placing: Placing = lambda names: nullcontext(lambda name: None)
 
     def conclude(
-        self, atlas: AnyAtlas, results: Sequence[Result], rests_on: Sequence[Certificate], order: int | None
+        self,
+        atlas: AnyAtlas,
+        results: Sequence[Result],
+        rests_on: Sequence[Certificate],
+        order: int | None,
+        combinations: bool = False,
     ) -> Document:
         """What results and certificates of bifurcations give together."""
-        return conclusion_of(atlas, results, rests_on, lambda entries: self.check(entries, False), order, self.placing)
+
+        def checked(entries: Sequence[Certificate]) -> Sequence[Recheck]:
+            return self.check(entries, False)
+
+        return conclusion_of(atlas, results, rests_on, checked, order, self.placing, combinations)
 
 
 def recheck_atlas(document: Document, given: Sequence[Certificate], integrate: bool, means: Means) -> Recheck:
@@ -144,6 +156,11 @@ def order_of(document: Document) -> int | None:
     if type(order) is not int or not 1 <= order <= _LARGEST_ORDER:
         raise ValueError("the order of the complete list is no number from 1 to 99")
     return order
+
+
+def lists_combinations(document: Document) -> bool:
+    """Whether the certificate lists combination resonances."""
+    return "combinations" in ((document["conclusion"] or {}).get("complete") or {})
 
 
 def atlas_of(document: Document) -> AnyAtlas:
@@ -210,7 +227,7 @@ def _conclusion(
         for number, part in enumerate(result.parts if isinstance(result, SurfaceResult) else ()):
             place = f"results[{index}].parts[{number}]"
             yield from (Finding(place, text) for text in unshown(pieces[result.piece], part))
-    conclusion = means.conclude(atlas, results, bifurcations, order_of(document))
+    conclusion = means.conclude(atlas, results, bifurcations, order_of(document), lists_combinations(document))
     examination.hypotheses = len(conclusion["hypotheses"])
     # What is stored is what was read: its order is compared, and not how its numbers are written.
     stored = dict(zip(map(id, results), document["results"], strict=True))
@@ -278,7 +295,7 @@ def _integration(document: Document, means: Means, examination: Examination) -> 
         raise CannotBeCheckedError(f"{name}: {reason.message}; {reason.remedy}" if reason else name)
     if document["verdict"] != "proved":
         return
-    conclusion = means.conclude(atlas, list(results.values()), [], order_of(document))
+    conclusion = means.conclude(atlas, list(results.values()), [], order_of(document), lists_combinations(document))
     if conclusion["verdict"] != "proved":
         yield Finding("integration", f"the theorem is not proved again: {conclusion['reason']['message']}")
     on_curve = {entry["id"] for entry in document["conclusion"]["bifurcations"] if entry["on_curve"]}
@@ -310,7 +327,8 @@ def _intervals(
                 pieces[result.piece],
                 result.interval,
                 settings,
-                isinstance(result, StabilityResult) and result.stability is not None,
+                isinstance(result, LastingResult) and result.stability is not None,
+                isinstance(result, LastingResult) and result.twist is not None,
                 tuple(part.interval for part in _parts(result)),
                 max(1, int(made.get("steps", 1))),
                 _stated(document) if is_stated else None,
@@ -361,13 +379,17 @@ def _interval_findings(stored: Result, fresh: Result, time: str = _HALF_PERIOD) 
             if new > old:
                 sizes = f"stored is {float(old):.6g}, the new integration finds {float(new):.6g}"
                 yield Finding(f"{place}, {name} {j}", sizes)
-    known = stored.stability if isinstance(stored, StabilityResult) else None
+    old, new = (result if isinstance(result, LastingResult) else None for result in (stored, fresh))
+    known = old.stability if old else None
     if known is not None:
         # Functions of s are written in a variable that runs over the interval: on another one they are others.
         if not isinstance(known, NotKnown) and fresh.interval != stored.interval:
             words = f"its functions are of another interval: that is proved on {_ends(fresh.interval)}"
             yield Finding(f"{place}, stability", words)
-        found = unconfirmed(known, fresh.stability if isinstance(fresh, StabilityResult) else None)
+        found = [
+            *unconfirmed(known, new.stability if new else None),
+            *unconfirmed_twist(old.twist if old else None, new.twist if new else None),
+        ]
         yield from (Finding(f"{place}, stability", text) for text in found)
     for part in _parts(stored):
         inside = [entry for entry in _parts(fresh) if covers([part.interval], entry.interval)]

@@ -9,11 +9,11 @@ from typing import Any
 from orbitproof.shared.formats import AnyAtlas, AnyPiece, InputError, PeriodicAtlas, Piece, SurfacePiece
 from orbitproof.verify.certificate.stored_balls import from_json
 from orbitproof.verify.curve import Interval, IntervalResult
-from orbitproof.verify.stability import StabilityResult
+from orbitproof.verify.lasting import LastingResult
 from orbitproof.verify.surface import SurfaceResult
 
 Result = IntervalResult
-"""Of a piece of a curve it is a `StabilityResult`, of one of a surface a `SurfaceResult`."""
+"""Of a piece of a curve it is a `LastingResult`, of one of a surface a `SurfaceResult`."""
 
 Settings = Mapping[str, int]
 """Of the integrator, by name, as they stand in a result's `Computation`."""
@@ -34,7 +34,7 @@ def results_from_json(atlas: AnyAtlas, entries: Sequence[Mapping[str, Any]]) -> 
 
 def result_from_json(piece: AnyPiece, entry: Mapping[str, Any], place: str) -> Result:
     """What was found for a piece. Raises `InputError` that begins with `place`."""
-    kind: type[Result] = StabilityResult
+    kind: type[Result] = LastingResult
     if not isinstance(piece, Piece):
         kind = SurfaceResult if isinstance(piece, SurfacePiece) else IntervalResult
     for name in sorted(set(entry) - {each.name for each in fields(kind)}):

@@ -58,7 +58,7 @@ class Certificate:
 
     Attributes:
         id: the candidate's.
-        kind, k: what was claimed: one of `shared.formats.KINDS` or `ORBIT`, and the multiplicity.
+        kind, k: what was claimed: one of `shared.formats.KINDS` or `ORBIT_KINDS`, and the multiplicity.
         verdict: "proved" or "not proved", which never means "shown to be false".
         theorem: what its maker says is proved, in the maker's words; `None` if nothing is. Nothing checks them: of a
             certificate from elsewhere only the words of the `Recheck` may be believed, which is in `rendered` the

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from flint import arb
 
-from orbitproof.shared.claims import KINDS, KINDS_IN_SECTION, ORBIT
+from orbitproof.shared.claims import BOX_KINDS, KINDS_IN_SECTION
 from orbitproof.shared.claims.fields import Id, Identifier, Line, Numbers, PieceId, Title
 from orbitproof.shared.stored import rules, stored
 
@@ -68,11 +68,21 @@ class Stated:
     in_full: str | None = None
 
 
+@dataclass(frozen=True)
+class StatedFunction:
+    """A state coordinate that is a function of others: of its argument, a straight-line program."""
+
+    coordinate: Identifier
+    function: Annotated[str, rules(enum=("sin", "cos", "exp", "log"))]
+    argument: str
+
+
 @dataclass(frozen=True, kw_only=True)
 class StatedWithSymmetry(Stated):
     """The same of symmetric orbits.
 
     Attributes:
+        functions: the last state coordinates, if these are functions of the others at all states that are meant.
         reversing_symmetry, symmetry: the signs of R and S.
         section: the coordinate that vanishes on it.
         squared_distance: the square of the distance, as a straight-line program, if the results are about it.
@@ -81,6 +91,7 @@ class StatedWithSymmetry(Stated):
     reversing_symmetry: Signs
     symmetry: Signs | None
     section: Identifier
+    functions: Annotated[tuple[StatedFunction, ...], rules(minItems=1, maxItems=20)] | None = None
     squared_distance: str | None = None
 
 
@@ -96,7 +107,7 @@ class Statement(StatedWithSymmetry):
 
     claim: Annotated[
         Mapping[str, Any],
-        rules(required=("kind", "k"), properties={"kind": {"enum": (*KINDS, ORBIT)}, "k": {"type": "integer"}}),
+        rules(required=("kind", "k"), properties={"kind": {"enum": BOX_KINDS}, "k": {"type": "integer"}}),
     ] = stored("candidate")
     level_form: Mapping[str, Any] | None = None
     level_coordinate: str | None = None

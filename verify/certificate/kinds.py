@@ -13,6 +13,7 @@ from orbitproof.shared.claims import BoxClaim, Candidate
 from orbitproof.shared.errors import InputError
 from orbitproof.verify.bifurcation import BifurcationResults
 from orbitproof.verify.certificate.bifurcation_rows import BIFURCATIONS
+from orbitproof.verify.certificate.breaking_rows import BREAKINGS
 from orbitproof.verify.certificate.document import Computation
 from orbitproof.verify.certificate.levels import Finding, confirmed, overlap
 from orbitproof.verify.certificate.orbit_rows import ORBITS
@@ -22,18 +23,41 @@ from orbitproof.verify.certificate.periodic_bifurcation_rows import (
 )
 from orbitproof.verify.certificate.periodic_rows import PERIODIC_ORBITS
 from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.certificate.stable_orbit_rows import STABLE_ORBITS
 from orbitproof.verify.certificate.stored_balls import from_json, to_json
+from orbitproof.verify.certificate.tori_rows import TORI_AT_ORBITS
 from orbitproof.verify.evidence import Checklist, Outcome, Proved, Reason, Theorem, ball_from_json
 from orbitproof.verify.orbit import OrbitEnclosures, OrbitResults
 from orbitproof.verify.periodic import PeriodicEnclosures, PeriodicResults
 from orbitproof.verify.periodic_bifurcation import BifurcationEnclosures, PeriodicBifurcationResults, TorusResults
 from orbitproof.verify.poincare import Enclosures, IntegratorSettings
+from orbitproof.verify.reversor_breaking import BreakingEnclosures, BreakingResults
+from orbitproof.verify.tori import ToriEnclosures, ToriResults
+from orbitproof.verify.twist import StableOrbitEnclosures, StableOrbitResults
 
 _ALL: tuple[RowKind[Any, Any, Any], ...] = (
-    BIFURCATIONS, ORBITS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS, TORI_AT_PERIODIC_ORBITS
+    BIFURCATIONS, ORBITS, STABLE_ORBITS, TORI_AT_ORBITS, BREAKINGS, PERIODIC_ORBITS, BIFURCATIONS_OF_PERIODIC_ORBITS,
+    TORI_AT_PERIODIC_ORBITS,
 )  # fmt: skip
-Found = Enclosures | OrbitEnclosures | PeriodicEnclosures | BifurcationEnclosures
-Results = BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults | TorusResults
+Found = (
+    Enclosures
+    | OrbitEnclosures
+    | StableOrbitEnclosures
+    | ToriEnclosures
+    | BreakingEnclosures
+    | PeriodicEnclosures
+    | BifurcationEnclosures
+)
+Results = (
+    BifurcationResults
+    | OrbitResults
+    | StableOrbitResults
+    | ToriResults
+    | BreakingResults
+    | PeriodicResults
+    | PeriodicBifurcationResults
+    | TorusResults
+)
 
 KINDS: Mapping[str, RowKind[Any, Any, Any]] = {name: kind for kind in _ALL for name in kind.names}
 """By the kinds of claims as candidates say them."""

@@ -12,8 +12,15 @@ from dataclasses import replace
 from typing import Any
 
 from orbitproof.shared.formats import Candidate, InSection, candidate_to_json
-from orbitproof.shared.systems import ParameterRange, ReversibleSystem, is_title, program_from_text, program_function
-from orbitproof.verify.certificate.document import Names, Statement, StatementWithoutSymmetry
+from orbitproof.shared.systems import (
+    Defined,
+    ParameterRange,
+    ReversibleSystem,
+    is_title,
+    program_from_text,
+    program_function,
+)
+from orbitproof.verify.certificate.document import Names, StatedFunction, Statement, StatementWithoutSymmetry
 from orbitproof.verify.certificate.levels import CannotBeCheckedError
 from orbitproof.verify.claim import level_program, quadratic_coefficient
 
@@ -29,6 +36,11 @@ def stated(system: ReversibleSystem, symmetry: str | None, with_distance: bool =
         "reversing_symmetry": system.reversing_symmetry,
         "symmetry": None if symmetry is None else system.symmetries[symmetry],
         "section": system.section,
+        "functions": tuple(
+            StatedFunction(each.name, each.function, argument.text())
+            for each, argument in zip(system.defined, system.argument_programs, strict=True)
+        )
+        or None,
         "names": Names(
             system=system.title,
             first_integral=system.first_integral_name,
@@ -119,6 +131,14 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
     distance = None if text is None else program_from_text(text)
     if distance is not None and (distance.inputs != field.inputs or len(distance.outputs) != 1):
         raise ValueError("statement.squared_distance: is not a function of state and parameters of the vector field")
+    defined = []
+    for each, called in zip(
+        statement.get("functions", ()), state[size - len(statement.get("functions", ())) :], strict=True
+    ):
+        argument = program_from_text(each["argument"])
+        if each["coordinate"] != called or argument.inputs != field.inputs or len(argument.outputs) != 1:
+            raise ValueError("statement.functions: are not the last state coordinates as functions of the others")
+        defined.append(Defined(called, each["function"], program_function(argument, size)))
     symmetry, signs = _symmetry_of(claim), statement.get("symmetry")
     if (symmetry is None) != (signs is None):
         raise ValueError("statement.symmetry: the claim names a symmetry and its signs are missing, or the other way")
@@ -136,6 +156,7 @@ def _stated(statement: Mapping[str, Any], claim: Mapping[str, Any], name: str) -
         state=state,
         parameters=dict.fromkeys(parameters, _ANY),
         vector_field=program_function(field, size),
+        defined=tuple(defined),
         reversing_symmetry=tuple(statement["reversing_symmetry"]),
         section=str(statement["section"]),
         symmetries={} if symmetry is None else {symmetry: tuple(signs or ())},

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import acb, arb
 
-from orbitproof.shared.formats import ORBIT, Atlas
+from orbitproof.shared.formats import ORBIT_KINDS, Atlas
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.claim import signs_on
 from orbitproof.verify.curve.gluing import Chain, Stretch
@@ -121,7 +121,7 @@ def place_bifurcation(
         return replace(entry, reason="the certificate does not have all coordinates of the point")
     point = {name: certified.point[name] for name in names}
     breaks = entry.kind == "symmetry_breaking"
-    if point_name(atlas.system) is not None and entry.kind == ORBIT:
+    if point_name(atlas.system) is not None and entry.kind in ORBIT_KINDS:
         return replace(entry, reason="the curve is one of orbits in units of their size")
     if point_name(atlas.system) is not None:
         planar = breaks and certified.symmetry == PLANAR

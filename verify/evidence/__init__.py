@@ -11,6 +11,7 @@ from orbitproof.verify.evidence.balls_as_text import (
     range_text,
 )
 from orbitproof.verify.evidence.comparisons import (
+    FUNCTIONS,
     EmptyIntersectionError,
     all_finite,
     bounds,

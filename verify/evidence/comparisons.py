@@ -8,7 +8,7 @@ or asks whether two enclosures of one number overlap.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 
 from flint import arb, arb_poly, fmpq
@@ -57,6 +57,10 @@ def power(base: arb, exponent: Fraction) -> arb:
     if base.mid() == 0 and exponent.denominator == 1 and exponent > 0:
         return (arb_poly([base]) ** exponent.numerator)[0]
     return base ** enclose(exponent)
+
+
+FUNCTIONS: Mapping[str, Callable[[arb], arb]] = {"sin": arb.sin, "cos": arb.cos, "exp": arb.exp, "log": arb.log}
+"""Functions of balls: what contains their values at the points of a ball."""
 
 
 def is_below(left: arb, right: arb) -> bool:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 STOPS = frozenset((
     "bifurcations", "collision", "complete", "crossing count", "derivatives", "derived parameter", "distance",
-    "evaluation", "exact checks", "half-orbit", "integration", "level", "level-box", "memory", "multiplicity",
-    "newton", "piece", "precision", "process", "radii", "results", "section", "sheet", "singularity", "size",
+    "evaluation", "exact checks", "half-orbit", "integration", "lasting", "level", "level-box", "memory",
+    "multiplicity",
+    "newton", "piece", "plane", "precision", "process", "radii", "results", "section", "sheet", "singularity", "size",
     "stability", "start", "steps", "system", "theorem", "time", "tube", "unfinished", "verification",
 ))  # fmt: skip
 """A certificate gives one of these, or a hypothesis, where something is not proved (section 13.1)."""

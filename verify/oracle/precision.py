@@ -31,8 +31,11 @@ from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
 from orbitproof.verify.poincare import Returns, box_of, default_order
+from orbitproof.verify.reversor_breaking import BreakingResults
 
-Found = BifurcationResults | OrbitResults | PeriodicResults | PeriodicBifurcationResults | TorusResults
+Found = (
+    BifurcationResults | OrbitResults | BreakingResults | PeriodicResults | PeriodicBifurcationResults | TorusResults
+)
 Verdict = Outcome[Found]
 
 LEAST_PRECISION = 64
@@ -116,6 +119,14 @@ def periodic_precision(claim: InSection, digits: int) -> int:
     return max(LEAST_PRECISION, -(-wanted // 8) * 8)
 
 
+def breaking_precision(candidate: Candidate, digits: int) -> int:
+    """Bits to begin with where R is lost: g is a derivative in q, over intervals of half as many bits as those of p."""
+    widths = max(_bits_below_one(radius.numerator, radius.denominator) for radius in candidate.radii)
+    a_return = _RESERVE_PER_RETURN * candidate.crossings
+    wanted = widths // 2 + max(widths, ceil(digits * _BITS_PER_DIGIT)) + _RESERVE + 2 * a_return
+    return max(LEAST_PRECISION, -(-wanted // 8) * 8)
+
+
 def steps_of_centre(candidate: Candidate, precision: int) -> int:
     """About as many steps as the centre takes to its first return, 0 in the system's own coordinates."""
     try:
@@ -142,7 +153,7 @@ def _bits_below_one(numerator: int, denominator: int) -> int:
 
 def least_known(found: Found) -> arb:
     """The parameter of a bifurcation; the number of an orbit known to the fewest digits, if that is not 0."""
-    if isinstance(found, BifurcationResults):
+    if isinstance(found, (BifurcationResults, BreakingResults)):
         return found.parameter
     if isinstance(found, PeriodicResults):
         return found.period

@@ -115,10 +115,7 @@ def prove_orbit(
     `checklist` already holds what was established before the integration; the current precision of Arb is used.
     """
     try:
-        found = _checked(checklist, candidate, enclosures)
-        check_half_orbit(checklist, found.iterates[:-1])
-        graph = _check_newton(checklist, candidate, found)
-        results = _results(checklist, candidate, found, graph)
+        results = check_orbit(checklist, candidate, enclosures)
     except NotEstablishedError as error:
         return NotProved(error.reason, tuple(checklist.hypotheses))
     except ArithmeticError as error:
@@ -130,6 +127,14 @@ def prove_orbit(
         )
         return NotProved(reason, tuple(checklist.hypotheses))
     return Proved(OrbitTheorem(candidate), results, tuple(checklist.hypotheses))
+
+
+def check_orbit(checklist: Checklist, candidate: Candidate, enclosures: OrbitEnclosures | None) -> OrbitResults:
+    """The hypotheses of Theorem 19.3 and its results. Raises `NotEstablishedError` for the first that fails."""
+    found = _checked(checklist, candidate, enclosures)
+    check_half_orbit(checklist, found.iterates[:-1])
+    graph = _check_newton(checklist, candidate, found)
+    return _results(checklist, candidate, found, graph)
 
 
 def _checked(checklist: Checklist, candidate: Candidate, found: OrbitEnclosures | None) -> OrbitEnclosures:

@@ -53,6 +53,12 @@ def with_variations(system: ReversibleSystem) -> ReversibleSystem:
         rates = (first_rate, -(strength * first), second_rate, -(strength * second))
         return (*field(own, parameters), *rates)
 
+    integral = system.first_integral
+
+    def constant(state: Sequence[Any], parameters: Sequence[Any]) -> Sequence[Any]:
+        assert integral is not None
+        return integral(state[:size], parameters)
+
     return replace(
         system,
         name=f"{system.name}-out-of-plane",
@@ -61,6 +67,8 @@ def with_variations(system: ReversibleSystem) -> ReversibleSystem:
         reversing_symmetry=(*system.reversing_symmetry, 1, -1, 1, -1),
         symmetries={},
         reversors={},
+        first_integral=None if integral is None else constant,
+        squared_distance=None,
         stiffness_across=None,
     )
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from flint import arb
 
 from orbitproof.verify.evidence import dot
-from orbitproof.verify.newton import newton_image
+from orbitproof.verify.newton import bordering, left_kernel, newton_image
 from orbitproof.verify.periodic_bifurcation.equations import PointEquations
-from orbitproof.verify.periodic_bifurcation.extended_system import Place, bordering, left_kernel
+from orbitproof.verify.periodic_bifurcation.extended_system import Place
 
 
 @dataclass(frozen=True)

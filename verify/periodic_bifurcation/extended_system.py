@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
-from flint import arb, arb_mat
+from flint import arb
 
 from orbitproof.shared.formats import PERIODIC_FOLD, PeriodicBifurcation
-from orbitproof.verify.evidence import (
-    Checklist,
-    Evidence,
-    dot,
-    enclose,
-    hull,
-    is_inside,
-    is_outside,
-    meet,
-    show,
-    symmetric,
-)
-from orbitproof.verify.newton import is_regular, newton_image
+from orbitproof.verify.evidence import Checklist, dot, enclose
+from orbitproof.verify.newton import enclose_zero
 from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquations, radii_of
 
 
@@ -41,38 +29,6 @@ class Place:
 
     where: tuple[arb, ...]
     kernel: tuple[arb, ...]
-
-
-def enclose_zero(
-    evidence: Evidence,
-    matrix_over: Callable[[Sequence[arb]], Matrix],
-    residual: Sequence[arb],
-    radii: Sequence[Fraction],
-    names: Sequence[str],
-    eigenvector: range,
-) -> list[arb]:
-    """Require that a function has one zero in a box about 0, and that it is regular; enclosures of it (Lemma 5).
-
-    Args:
-        matrix_over: encloses the derivative at all points with coordinates in its arguments, a part of the box.
-        residual: the value at 0.
-        radii: half-widths of the box.
-        names: of the coordinates.
-        eigenvector: places of its coordinates; where these alone are outside, nothing is excluded (section 25.3).
-    """
-    sides = [symmetric(radius) for radius in radii]
-    matrix = matrix_over(sides)
-    evidence.require(is_regular(matrix), "the derivative may be singular in the box", needs_precision=True)
-    image = newton_image(matrix, residual)
-    for place, (name, ball, radius) in enumerate(zip(names, image, radii, strict=True)):
-        evidence.record(name, ball)
-        outside = is_outside(ball, radius)
-        excluded = outside and place not in eigenvector
-        message = f"{name} in {show(ball)} is not inside its interval"
-        evidence.require(is_inside(ball, radius), message, needs_precision=not outside, excluded=excluded)
-    known = [meet(side, ball) for side, ball in zip(sides, image, strict=True)]
-    sharper = newton_image(matrix_over([hull(arb(0), ball) for ball in known]), residual)
-    return [meet(ball, other) for ball, other in zip(known, sharper, strict=True)]
 
 
 def check_extended(checklist: Checklist, claim: PeriodicBifurcation, equations: PointEquations) -> Place:
@@ -115,32 +71,3 @@ def extended_matrix(
     ]  # fmt: skip
     vectors = [[*row, *other] for row, other in zip(bent, equations.minus(sigma, slopes), strict=True)]
     return [*points, *vectors, [*none, arb(0), *normal]]
-
-
-def bordered(matrix: Matrix, column: int, row: Sequence[arb]) -> Matrix:
-    """A matrix with a unit vector as a further column and a further row."""
-    return [*([*entries, arb(int(i == column))] for i, entries in enumerate(matrix)), [*row, arb(0)]]
-
-
-def bordering(matrix: Matrix, row: Sequence[arb]) -> int:
-    """The unit vector that borders a nearly singular matrix best; nothing rests on the choice."""
-    least, best = 0.0, 0
-    for column in range(len(matrix)):
-        try:
-            covector = left_kernel(matrix, column, row)
-        except ZeroDivisionError:
-            continue
-        largest = max(float(abs(ball.mid())) for ball in covector)
-        if not least or largest < least:
-            least, best = largest, column
-    return best
-
-
-def left_kernel(matrix: Matrix, column: int, row: Sequence[arb]) -> list[arb]:
-    """The l with l_column = 1 and l D = 0, for each D in an interval matrix that is 0 on a vector not across `row`.
-
-    Raises `ZeroDivisionError` unless every matrix that is bordered by the unit vector and the row is regular.
-    """
-    whole = arb_mat(bordered(matrix, column, row)).transpose()
-    solution = whole.solve(arb_mat([[0]] * len(matrix) + [[1]]))
-    return [solution[i, 0] for i in range(len(matrix))]

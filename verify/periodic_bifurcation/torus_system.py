@@ -9,8 +9,8 @@ from flint import acb, arb
 
 from orbitproof.shared.formats import PeriodicBifurcation
 from orbitproof.verify.evidence import Checklist, dot, enclose
+from orbitproof.verify.newton import enclose_zero
 from orbitproof.verify.periodic_bifurcation.equations import Matrix, PointEquations, radii_of
-from orbitproof.verify.periodic_bifurcation.extended_system import enclose_zero
 
 _REMEDY = "move the centre to the bifurcation, or choose smaller radii"
 

@@ -59,6 +59,10 @@ def _parser() -> ArgumentParser:
     parser.add_argument("--only", nargs="+", metavar="ID", help="of these bifurcations (with * and ? as in file names)")
     words = "also list all resonances 1:1 to 1:K on the curve, and where its orbits are linearly stable"
     parser.number("--complete", "K", words, whole_number(1, LARGEST_ORDER), None)
+    words = "with --complete: combination resonances up to order 4 of linearly stable orbits too, for n = 2"
+    parser.add_argument("--combinations", action="store_true", help=words)
+    words = "also say which orbits are stable for ever, and list the exceptions (n = 1; with --complete 4 or more)"
+    parser.add_argument("--lasting", action="store_true", help=words)
     words = "halve an interval at most N times (default: %(default)s)"
     parser.number("--max-splits", "N", words, whole_number(0, MOST_SPLITS), RunLimits.max_splits)
     for name, what in (
@@ -86,7 +90,9 @@ def _run(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
         raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
     atlas = read_atlas(options.file)
     given = {name: getattr(options, name) for name in ("precision", "order", "width")}
-    limits = limits_of(atlas, options.complete, options.max_splits, options.timeout, **given)
+    combined: bool = options.combinations
+    asked = (options.complete, options.max_splits, options.timeout, combined, options.lasting)
+    limits = limits_of(atlas, *asked, **given)
     bifurcations = _chosen_bifurcations(options.bifurcations, options.only, kind_of(atlas).holds_points)
     run = started(atlas, limits, options.output, options.fresh)
     try:
@@ -114,7 +120,7 @@ def _ended(options: argparse.Namespace, run: AtlasRun) -> int:
 
 def _recheck(options: argparse.Namespace, workplace: Workplace, work: Work) -> int:
     """Whether the certificate stands: its form, its conclusion, and with --integrate what it was made from."""
-    for name in ("output", "fresh", "complete"):
+    for name in ("output", "fresh", "complete", "combinations", "lasting"):
         if getattr(options, name):
             raise InputError(f"--{name}: --recheck writes no file; leave it out")
     document = read_document(options.file, SCHEMA)

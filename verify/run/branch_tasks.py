@@ -26,6 +26,8 @@ class RunLimits:
         max_splits: how often an interval is halved at most.
         stability: whether the stability of the orbits on proved intervals is enclosed as well.
         order: up to which k all resonances are wanted then.
+        combinations: whether combination resonances are wanted then.
+        lasting: whether their twist is enclosed too.
     """
 
     integrator: Mapping[str, int]
@@ -33,6 +35,8 @@ class RunLimits:
     max_splits: int = 6
     stability: bool = False
     order: int = 1
+    combinations: bool = False
+    lasting: bool = False
 
     def __post_init__(self) -> None:
         for name, value, first, last in (
@@ -66,12 +70,14 @@ def task_of(
     atlas: AnyAtlas, piece: AnyPiece, interval: Interval, settings: Settings, limits: RunLimits, steps: int
 ) -> Task:
     """The task of proving a piece on an interval; the expected number of `steps` is for progress only."""
-    return Task(piece.id, question(atlas, piece, interval, settings, limits.stability, limits.timeout, steps))
+    asked = (limits.stability, limits.timeout, steps, limits.lasting)
+    return Task(piece.id, question(atlas, piece, interval, settings, *asked))
 
 
 def task_again(atlas: AnyAtlas, before: ProvedBefore, timeout: float | None) -> Task:
     """The task of proving an interval again that a certificate says is proved; `timeout` in seconds."""
-    asked = question(atlas, before.piece, before.interval, before.settings, before.stability, timeout, before.steps)
+    looked_at = (before.stability, timeout, before.steps, before.lasting)
+    asked = question(atlas, before.piece, before.interval, before.settings, *looked_at)
     parts = {"parts": [[format_exact(end) for end in part] for part in before.parts]} if before.parts else {}
     stated = {} if before.stated is None else {"stated": before.stated}
     return Task(before.name, {**asked, **parts, **stated})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from orbitproof.shared.formats import AnyAtlas, AnyPiece, ArgumentError, InputError, Piece, check_writable
+from orbitproof.shared.formats import AnyAtlas, AnyPiece, ArgumentError, Atlas, InputError, Piece, check_writable
 from orbitproof.verify.atlas import (
     AtlasCertificate,
     Lines,
@@ -23,11 +23,12 @@ from orbitproof.verify.atlas.interval_proof import prove_task
 from orbitproof.verify.certificate import Certificate
 from orbitproof.verify.curve import Interval
 from orbitproof.verify.evidence import exact_interval_text
+from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, is_known_of, twist_open_on
 from orbitproof.verify.run import Answer, Display, Engine, Task, Work, Workplace
 from orbitproof.verify.run.branch_checks import checked_side_by_side, placing
 from orbitproof.verify.run.branch_tasks import RunLimits, attempts_of, result_of, task_of
 from orbitproof.verify.run.splitting import NOT_FOR_SPLITTING, Plan, full_interval, made_with, plan
-from orbitproof.verify.stability import StabilityResult, open_on
+from orbitproof.verify.stability import open_on
 
 _STEPS_AT_FIRST = 16
 """The number of integration steps that progress reckons with before the first result."""
@@ -101,11 +102,14 @@ class AtlasRun:
     def _lacks(self, result: Result) -> str:
         """What a list of resonances leaves open on a proved interval."""
         piece = self._pieces[result.piece]
-        if not (self.limits.stability and isinstance(piece, Piece) and isinstance(result, StabilityResult)):
+        if not (self.limits.stability and isinstance(piece, Piece) and isinstance(result, LastingResult)):
             return ""
         if id(result) not in self._lacking:
             # The result is kept with it, so that its identity is not given to another one.
-            self._lacking[id(result)] = (result, open_on(piece, result, self.limits.order))
+            lacks = open_on(piece, result, self.limits.order)
+            if not lacks and self.limits.lasting:
+                lacks = twist_open_on(piece, result)
+            self._lacking[id(result)] = (result, lacks)
         return self._lacking[id(result)][1]
 
     def _next(self) -> Task | None:
@@ -157,22 +161,29 @@ class AtlasRun:
 
 
 def reusable(
-    certificate: AtlasCertificate, atlas: AnyAtlas, attempts: Sequence[Settings], stability: bool = False
+    certificate: AtlasCertificate,
+    atlas: AnyAtlas,
+    attempts: Sequence[Settings],
+    stability: bool = False,
+    lasting: bool = False,
 ) -> list[Result]:
     """The results of an earlier run that count for an atlas, with these settings of the integrator for attempts.
 
-    If `stability` is asked for, they must have looked at it. What failed for want of time or memory, or with other
-    settings, is tried again.
+    If `stability` or `lasting` is asked for, they must have looked at it. What failed for want of time or memory,
+    or with other settings, is tried again.
     """
     return [
         result
         for result in results_for(certificate, atlas)
-        if (not stability or _has_stability(result) if result.is_proved else _is_final(result, attempts))
+        if (_has(result, stability, lasting) if result.is_proved else _is_final(result, attempts))
     ]
 
 
-def _has_stability(result: Result) -> bool:
-    return isinstance(result, StabilityResult) and result.stability is not None
+def _has(result: Result, stability: bool, lasting: bool) -> bool:
+    known = result if isinstance(result, LastingResult) else None
+    return (not stability or (known and known.stability) is not None) and (
+        not lasting or (known and known.twist) is not None
+    )
 
 
 def _is_final(result: Result, attempts: Sequence[Settings]) -> bool:
@@ -186,12 +197,16 @@ def limits_of(
     complete: int | None = None,
     max_splits: int = RunLimits.max_splits,
     timeout: float | None = None,
+    combinations: bool = False,
+    lasting: bool = False,
     **integrator: int | None,
 ) -> RunLimits:
     """How to prove the pieces of an atlas.
 
     Args:
         complete: with it, all resonances up to this order are wanted too.
+        combinations: with it and `complete`, combination resonances of linearly stable orbits are wanted too.
+        lasting: whether it is wanted which orbits are stable for ever.
         integrator: precision, order, width for the first attempt, if not the default.
 
     Raises `InputError` for what cannot be asked of this atlas, `ValueError` for a limit that makes no sense.
@@ -201,8 +216,23 @@ def limits_of(
             "{complete}: lists what is on a curve of symmetric orbits, and this atlas is about {0}; leave it out",
             kind_of(atlas).about,
         )
+    if combinations and (complete is None or len(atlas.curve_pieces()[0].tube) != 2):
+        raise ArgumentError(
+            "{combinations}: belongs to {complete}, for curves with two stability parameters; leave it out"
+        )
+    if lasting and (complete is None or complete < LEAST_ORDER):
+        raise ArgumentError(
+            "{lasting=True:--lasting}: orbits in resonance 1:1 to 1:4 are exceptions; give {complete} at least {0}",
+            LEAST_ORDER,
+        )
+    if lasting and not (isinstance(atlas, Atlas) and is_known_of(atlas.system)):
+        raise ArgumentError(
+            "{lasting=True:--lasting}: is known for systems with one coordinate that R negates on the section, and "
+            "without a level that is held; leave it out"
+        )
     given = {name: value for name, value in integrator.items() if value is not None}
-    limits = RunLimits(given, timeout, max_splits, complete is not None, 1 if complete is None else complete)
+    order = 1 if complete is None else complete
+    limits = RunLimits(given, timeout, max_splits, complete is not None, order, combinations, lasting)
     try:
         attempts_of(atlas, limits)
     except ValueError as error:
@@ -231,7 +261,7 @@ def started(atlas: AnyAtlas, limits: RunLimits, output: Path | None = None, fres
             output,
             before.atlas.id,
         )
-    earlier = reusable(before, atlas, attempts_of(atlas, limits), limits.stability)
+    earlier = reusable(before, atlas, attempts_of(atlas, limits), limits.stability, limits.lasting)
     return AtlasRun(atlas, limits, earlier, output)
 
 
@@ -266,6 +296,7 @@ def conclude_run(run: AtlasRun, bifurcations: Sequence[Certificate], workplace: 
         lambda entries: checked_side_by_side(entries, False, workplace),
         run.limits.order if run.limits.stability else None,
         placing(workplace.quiet),
+        run.limits.combinations,
     )
     certificate = make_atlas_certificate(run.atlas, run.results, conclusion, bifurcations)
     if run.output is not None:

@@ -9,7 +9,7 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from orbitproof.shared.formats import ORBIT, InputError, read_claims, refused, select_ids
+from orbitproof.shared.formats import ORBIT_KINDS, InputError, read_claims, refused, select_ids
 from orbitproof.shared.systems import shown
 from orbitproof.verify.certificate import (
     GREATEST_PRECISION,
@@ -119,7 +119,7 @@ def _run(options: argparse.Namespace, workplace: Workplace) -> int:
     if curve is not None:
         from orbitproof.verify.run.branch_checks import places_on_apart
 
-        orbits = [run.done[c.id] for c in selected if c.kind == ORBIT and c.id in run.done]
+        orbits = [run.done[c.id] for c in selected if c.kind in ORBIT_KINDS and c.id in run.done]
         # The time of a candidate is no limit for checking the curve.
         for placed in places_on_apart(curve, orbits, Workplace(memory=options.memory).branch_checks):
             print(placed.line, flush=True)

@@ -2,6 +2,8 @@
 
 from orbitproof.verify.functions import REACH
 from orbitproof.verify.stability.across_list import ListAcross, list_across
+from orbitproof.verify.stability.along import CurveInTube
+from orbitproof.verify.stability.complete_list import PRECISION, Finder
 from orbitproof.verify.stability.confirmation import unconfirmed
 from orbitproof.verify.stability.extrema import BAND, extrema_on, is_in_band
 from orbitproof.verify.stability.kinds import (
@@ -16,9 +18,27 @@ from orbitproof.verify.stability.kinds import (
     name_of,
 )
 from orbitproof.verify.stability.left_open import open_on
-from orbitproof.verify.stability.linear_stability import Bound, StableInterval, is_stable, stable_intervals
-from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, Segment, level_name
+from orbitproof.verify.stability.linear_stability import (
+    Bound,
+    Rule,
+    StableInterval,
+    intervals_where,
+    is_stable,
+    orbit_between,
+    stable_intervals,
+)
+from orbitproof.verify.stability.list_entries import (
+    Combinations,
+    CompleteList,
+    Extremum,
+    Gap,
+    Point,
+    Segment,
+    level_name,
+)
 from orbitproof.verify.stability.matrix import (
+    SHARE,
+    SPARE_BITS,
     STABILITY_SLOPE_BITS,
     OtherPoint,
     TubeOfOrbits,
@@ -27,3 +47,4 @@ from orbitproof.verify.stability.matrix import (
 )
 from orbitproof.verify.stability.proved_list import ListConclusion, ListTheorem, ProvedList, conclude_list
 from orbitproof.verify.stability.stored_stability import StabilityFunctions, StabilityResult
+from orbitproof.verify.stability.zeros import between, ends_of, zeros_on

@@ -41,7 +41,7 @@ class ListAcross:
 
 
 def _away_from_centre(point: Point) -> Point:
-    """At the libration point itself, where the size of the orbit is 0, nothing begins."""
+    """In units of the orbit (18.9): at the libration point itself, where its size is 0, nothing begins."""
     is_birth = point.kind in (Kind.ACROSS_AXIAL, Kind.ACROSS_SYMMETRIC)
     return replace(point, kind=Kind.UNDECIDED) if is_birth and not excludes_zero(point.level) else point
 
@@ -76,7 +76,8 @@ def list_across(
         points += finder.points
         gaps += finder.gaps
         segments.append(across)
-    points = [_away_from_centre(point) for point in points]
+    if atlas.system.normalised:
+        points = [_away_from_centre(point) for point in points]
     points.sort(key=lambda entry: (entry.stretch, entry.s.mid()))
     births = [entry for entry in bifurcations if entry.kind == "symmetry_breaking"]
     symmetric = [number for number, point in enumerate(points) if point.kind is Kind.ACROSS_SYMMETRIC]

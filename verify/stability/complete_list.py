@@ -14,11 +14,13 @@ from orbitproof.verify.curve import Bifurcation, Chain, Stretch
 from orbitproof.verify.evidence import enclose, excludes_zero, sign
 from orbitproof.verify.functions import BoundedFunction
 from orbitproof.verify.stability.between_orbits import between_orbits
+from orbitproof.verify.stability.combinations import combination_functions
 from orbitproof.verify.stability.extrema import extrema_on, is_in_band
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, Subject
 from orbitproof.verify.stability.known_functions import point_over, segments_of
 from orbitproof.verify.stability.level import Level
-from orbitproof.verify.stability.list_entries import CompleteList, Extremum, Gap, Point, Segment
+from orbitproof.verify.stability.linear_stability import is_stable
+from orbitproof.verify.stability.list_entries import Combinations, CompleteList, Extremum, Gap, Point, Segment
 from orbitproof.verify.stability.matching import about_the_list, with_certificates
 from orbitproof.verify.stability.stored_stability import StabilityResult
 from orbitproof.verify.stability.zeros import Zero, between, ends_of, zeros_beside_double_one, zeros_on
@@ -39,7 +41,12 @@ def resonant_value(k: int, j: int) -> arb:
 
 
 def complete_list(
-    atlas: Atlas, chain: Chain, results: Sequence[StabilityResult], order: int, bifurcations: Sequence[Bifurcation] = ()
+    atlas: Atlas,
+    chain: Chain,
+    results: Sequence[StabilityResult],
+    order: int,
+    bifurcations: Sequence[Bifurcation] = (),
+    combinations: bool = False,
 ) -> CompleteList:
     """All zeros of det(c - Sigma) on the curve for c = cos(2 pi j/k), k <= order, and of the discriminant.
 
@@ -47,6 +54,7 @@ def complete_list(
         results: of the pieces, with what `matrix` knows of them.
         order: the largest k; if it is 1, those with k = 2 are listed too.
         bifurcations: certified ones, and certified orbits, with their places on the curve.
+        combinations: whether combination resonances are listed too, for n = 2.
 
     Raises `EmptyIntersectionError` if a certified bifurcation on the curve is not in the list, or an orbit on it
     contradicts it.
@@ -59,6 +67,8 @@ def complete_list(
     gaps: list[Gap] = []
     open_extrema: list[Gap] = []
     segments: list[Segment] = []
+    combined: list[Point] = []
+    open_combinations: list[Gap] = []
     for number, stretch in enumerate(chain.stretches):
         found, missing = segments_of(number, stretch, results)
         found, singular = level.regular(stretch, found)
@@ -75,19 +85,28 @@ def complete_list(
             extrema += finder.extrema
             gaps += finder.gaps
             open_extrema += finder.open_extrema
-    listed = tuple(sorted(points, key=lambda entry: (entry.stretch, ends_of(entry.s)[0])))
+            combiner = Finder(atlas, stretch, segment)
+            if combinations:
+                combiner.combinations()
+            combined += combiner.points
+            open_combinations += combiner.gaps
+    listed, combined_points = (
+        tuple(sorted(found, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))) for found in (points, combined)
+    )
     gaps.sort(key=lambda gap: (gap.stretch, gap.start))
     pieces = [stretch.tube.piece.id for stretch in chain.stretches]
     turns = between_orbits(extrema, [*gaps, *open_extrema], segments, pieces, bifurcations)
+    size = len(chain.stretches[0].tube.piece.tube)
     return CompleteList(
         order,
-        len(chain.stretches[0].tube.piece.tube),
+        size,
         with_certificates(listed, gaps, about_the_list(atlas, bifurcations, order)),
         tuple(gaps),
         tuple(segments),
         tuple(sorted(turns, key=lambda entry: (entry.stretch, ends_of(entry.s)[0]))),
         tuple(open_extrema),
         level.hypotheses,
+        Combinations(combined_points, tuple(open_combinations)) if combinations and size == 2 else None,
     )
 
 
@@ -112,9 +131,9 @@ class Finder:
         if at_end:
             self.points.append(self._point(k, j, Kind.SYMMETRIC, arb(0)))
 
-    def add(self, function: BoundedFunction, k: int, j: int, kind: Kind) -> None:
-        """The zeros of a function of tau, as points of this kind."""
-        for zero in self._zeros(function, 0, Resonance(k, j)):
+    def add(self, function: BoundedFunction, k: int, j: int, kind: Kind, subject: Subject | None = None) -> None:
+        """The zeros of a function of tau, as points of this kind; `subject` is what is open elsewhere."""
+        for zero in self._zeros(function, 0, subject or Resonance(k, j)):
             self.points.append(self._point(k, j, kind, zero.place))
 
     def collisions(self) -> None:
@@ -123,6 +142,17 @@ class Finder:
         if function is not None:
             for zero in self._zeros(function, 0, Matter.COLLISION):
                 self.points.append(self._point(0, 0, Kind.COLLISION, zero.place))
+
+    def combinations(self) -> None:
+        """The combination resonances up to order 4 of linearly stable orbits, for n = 2."""
+        for kind, function in combination_functions(self.segment):
+            for zero in self._zeros(function, 0, Matter.COMBINATIONS):
+                stable = is_stable(self.segment, zero.place)
+                if stable is None:
+                    why = "whether the orbit is linearly stable there is not decided"
+                    self._gap(zero.lower, zero.upper, Matter.COMBINATIONS, why)
+                elif stable:
+                    self.points.append(self._point(0, 0, kind, zero.place))
 
     def turns(self) -> None:
         """The extrema of the stability parameters close to the resonant values, for n <= 2."""

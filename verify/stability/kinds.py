@@ -21,10 +21,14 @@ class Kind(Enum):
     HERE = "singular at this point"
     THERE = "singular at the other point"
     COLLISION = "Krein collision"
+    TWO_TO_ONE = "combination 2:1"
+    THREE_TO_ONE = "combination 3:1"
+    OPPOSITE = "combination 2:2"
     UNDECIDED = "undecided"
     ACROSS_SYMMETRIC = "birth out of the plane"
     ACROSS_AXIAL = "axial birth out of the plane"
     ACROSS_DOUBLING = "minus one out of the plane"
+    TWISTLESS = "twistless"
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,8 @@ class Matter(Enum):
     EVERYTHING = "everything"
     COLLISION = "Krein collision"
     EXTREMA = "extrema of stability parameters"
+    COMBINATIONS = "combination resonances"
+    TWIST = "twist"
 
 
 Subject = Resonance | Matter
@@ -52,7 +58,7 @@ def may_change_stability(subject: Subject) -> bool:
     """Whether stability may change where this is open: unless it surely does not, it may (Lemma 18.4)."""
     if isinstance(subject, Resonance):
         return not subject.k > 2
-    return subject is not Matter.EXTREMA
+    return subject not in (Matter.EXTREMA, Matter.COMBINATIONS, Matter.TWIST)
 
 
 @unique
@@ -65,7 +71,7 @@ class CurveEnd(Enum):
 
 @dataclass(frozen=True)
 class Found:
-    """A point of the list at which a stability parameter is cos(2 pi j/k); k = j = 0 for a collision."""
+    """A point of the list at which a stability parameter is cos(2 pi j/k); else k = j = 0."""
 
     kind: Kind
     k: int

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb, ctx
 
 from orbitproof.shared.formats import Atlas
-from orbitproof.shared.systems import Program
+from orbitproof.shared.systems import Program, System, with_functions
 from orbitproof.verify.claim import atlas_in_words
 from orbitproof.verify.curve import Stretch, derived_parameter
 from orbitproof.verify.evidence import Checklist, Hypothesis, enclose, excludes_zero, is_positive, power
@@ -50,12 +50,32 @@ class _Along:
         return _Along(power(self.value, exponent), slope * self.rate)
 
 
-def gradient(program: Program, arguments: Sequence[arb], names: Sequence[str]) -> list[arb]:
-    """The partial derivatives of the value of a program in the inputs of these names, at all points of a box."""
+def _constant(number: Fraction) -> _Along:
+    return _Along(enclose(number), arb(0))
+
+
+_FUNCTIONS: Mapping[str, Callable[[_Along], _Along]] = {
+    "sin": lambda x: _Along(x.value.sin(), x.value.cos() * x.rate),
+    "cos": lambda x: _Along(x.value.cos(), -x.value.sin() * x.rate),
+    "exp": lambda x: _Along(x.value.exp(), x.value.exp() * x.rate),
+    "log": lambda x: _Along(x.value.log(), x.rate / x.value),
+}
+
+
+def gradient(
+    program: Program, arguments: Sequence[arb], names: Sequence[str], system: System | None = None
+) -> list[arb]:
+    """The partial derivatives of the value of a program in the inputs of these names, at all points of a box.
+
+    Coordinates of the system that are functions of others move with these; their own entries are not used.
+    """
     result = []
     for name in names:
         inputs = [_Along(ball, arb(int(name == other))) for ball, other in zip(arguments, program.inputs, strict=True)]
-        (value,) = program.evaluate(inputs, lambda number: _Along(enclose(number), arb(0)), _Along.power)
+        if system is not None:
+            state, parameters = inputs[: len(system.state)], inputs[len(system.state) :]
+            inputs = [*with_functions(system, state, parameters, _FUNCTIONS, _constant, _Along.power), *parameters]
+        (value,) = program.evaluate(inputs, _constant, _Along.power)
         result.append(value.rate)
     return result
 
@@ -64,7 +84,7 @@ class Level:
     """The level h of the orbits of a claim, as a function on Fix(R), and what is shown of dh along the curve."""
 
     def __init__(self, atlas: Atlas) -> None:
-        system = atlas.system
+        self._system = system = atlas.system
         self._names = system.centre_coordinates
         self._is_coordinate = system.family_parameter is not None
         self._program = None if self._is_coordinate else system.first_integral_program
@@ -119,7 +139,7 @@ class Level:
         """dh at all points of a part of the curve."""
         point = point_over(stretch, between(low, high))
         known = {**self._known, **dict(zip(self._names, point, strict=True))}
-        return gradient(program, [known[name] for name in program.inputs], self._names)
+        return gradient(program, [known[name] for name in program.inputs], self._names, self._system)
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -12,7 +12,7 @@ from flint import arb
 from orbitproof.verify.curve import Chain
 from orbitproof.verify.distances import Ranges, ranges_between, together
 from orbitproof.verify.evidence import enclose, is_positive
-from orbitproof.verify.stability.kinds import CurveEnd, Kind, What, may_change_stability
+from orbitproof.verify.stability.kinds import CurveEnd, Kind, Subject, What, may_change_stability
 from orbitproof.verify.stability.list_entries import CompleteList, Point, Segment
 from orbitproof.verify.stability.zeros import ends_of
 
@@ -54,6 +54,21 @@ class StableInterval:
     ranges: Ranges | None = None
 
 
+@dataclass(frozen=True)
+class Rule:
+    """What holds of all orbits between two neighbouring places of a curve if it holds of one of them.
+
+    Attributes:
+        ends_at: whether it may change at a point.
+        ends_where: whether it may change where this is open.
+        holds: of the orbit at a ball of tau of a segment; `None` if that is not known.
+    """
+
+    ends_at: Callable[[Point], bool]
+    ends_where: Callable[[Subject], bool]
+    holds: Callable[[Segment, arb], bool | None]
+
+
 def stable_intervals(
     chain: Chain, found: CompleteList, closed: bool
 ) -> tuple[list[StableInterval], list[StableInterval]]:
@@ -66,19 +81,33 @@ def stable_intervals(
     """
     if not found.has_few_parameters:
         return [], []
-    bounds = list(_bounds(chain, found))
+    return intervals_where(chain, found, closed, Rule(lambda point: not point.k > 2, may_change_stability, is_stable))
+
+
+def intervals_where(
+    chain: Chain, found: CompleteList, closed: bool, rule: Rule
+) -> tuple[list[StableInterval], list[StableInterval]]:
+    """The intervals between which something holds of the orbits, and those of which that is not known.
+
+    All in order along the curve; on the rest of it that holds of no orbit.
+
+    Args:
+        closed: as in `stable_intervals`.
+    """
+    bounds = list(_bounds(chain, found, rule))
     result: list[StableInterval] = []
     unknown: list[StableInterval] = []
     for before, after in pairwise(bounds):
         if not before.is_one_point:
             name = chain.stretches[before.stretch].tube.piece.id
             unknown.append(StableInterval(before, before, (name, name)))
-        stable = _are_stable_between(chain, found.segments, before, after)
-        if stable is not False:
+        orbit = orbit_between(chain, found.segments, before, after)
+        holds = None if orbit is None else rule.holds(*orbit)
+        if holds is not False:
             ids = [chain.stretches[bound.stretch].tube.piece.id for bound in (before, after)]
             ranges = ranges_between(found.segments, (before.stretch, before.lower), (after.stretch, after.upper))
-            entry = StableInterval(before, after, (ids[0], ids[1]), ranges if stable else None)
-            (result if stable else unknown).append(entry)
+            entry = StableInterval(before, after, (ids[0], ids[1]), ranges if holds else None)
+            (result if holds else unknown).append(entry)
     if not bounds[-1].is_one_point:
         name = chain.stretches[bounds[-1].stretch].tube.piece.id
         unknown.append(StableInterval(bounds[-1], bounds[-1], (name, name)))
@@ -95,16 +124,16 @@ def _is_cut(begin: Bound, end: Bound) -> bool:
     return begin.what == (CurveEnd.BEGINNING,) and end.what == (CurveEnd.END,)
 
 
-def _bounds(chain: Chain, found: CompleteList) -> Iterator[Bound]:
-    """All places at which stability may change, disjoint, in order."""
+def _bounds(chain: Chain, found: CompleteList, rule: Rule) -> Iterator[Bound]:
+    """All places at which what holds may change, disjoint, in order."""
     places = []
     for point in found.points:
-        if not point.k > 2:
+        if rule.ends_at(point):
             low, high = ends_of(point.s)
             ranges = ranges_between(found.segments, (point.stretch, low), (point.stretch, high))
             places.append(Bound(point.stretch, low, high, (point.found,), point, True, ranges))
     for gap in found.gaps:
-        if may_change_stability(gap.subject):
+        if rule.ends_where(gap.subject):
             places.append(Bound(gap.stretch, gap.start, gap.end, (gap.subject,), None, False))
     first, last = chain.stretches[0], chain.stretches[-1]
     places.append(Bound(0, first.enters, first.entered, (CurveEnd.BEGINNING,)))
@@ -132,8 +161,8 @@ def _together(first: Bound, second: Bound) -> Bound:
     return Bound(first.stretch, first.lower, upper, what, None, False)
 
 
-def _are_stable_between(chain: Chain, segments: Sequence[Segment], before: Bound, after: Bound) -> bool | None:
-    """Whether the orbits between two neighbouring places are stable: as one of them is (Lemma 18.4)."""
+def orbit_between(chain: Chain, segments: Sequence[Segment], before: Bound, after: Bound) -> tuple[Segment, arb] | None:
+    """An orbit between two neighbouring places, by tau on its segment: the others are as it is (Lemma 18.4)."""
     for number in range(before.stretch, after.stretch + 1):
         stretch = chain.stretches[number]
         low = before.upper if number == before.stretch else stretch.entered
@@ -141,7 +170,7 @@ def _are_stable_between(chain: Chain, segments: Sequence[Segment], before: Bound
         if low < high:
             s = (low + high) / 2
             here = [part for part in segments if part.stretch == number and part.entered <= s <= part.end]
-            return is_stable(here[0], enclose(here[0].tau(s))) if here else None
+            return (here[0], enclose(here[0].tau(s))) if here else None
     return None
 
 

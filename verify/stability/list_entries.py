@@ -113,7 +113,7 @@ class Point:
 
     Attributes:
         stretch, piece: where on the curve.
-        k, j: the eigenvalue is cos(2 pi j/k); 0 for a Krein collision.
+        k, j: the eigenvalue is cos(2 pi j/k); 0 for a Krein collision or a combination resonance.
         kind: what happens there.
         s: a ball that contains it.
         level, half_period: enclosures.
@@ -162,6 +162,19 @@ class Extremum:
 
 
 @dataclass(frozen=True)
+class Combinations:
+    """Combination resonances up to order 4 of the linearly stable orbits of a curve, n = 2.
+
+    Attributes:
+        points: in order along the curve.
+        open: where it is not decided whether there are more of them, beside the gaps of the list.
+    """
+
+    points: tuple[Point, ...]
+    open: tuple[Gap, ...]
+
+
+@dataclass(frozen=True)
 class CompleteList:
     """What is proved of the resonances on a curve.
 
@@ -174,6 +187,7 @@ class CompleteList:
         extrema: of the stability parameters, close to the resonant values, in order along the curve.
         open_extrema: where it is not decided whether there are more of them.
         hypotheses: those of the list beside those of the curve.
+        combinations: those of two pairs of multipliers, if they were asked for and n = 2.
     """
 
     order: int
@@ -184,6 +198,7 @@ class CompleteList:
     extrema: tuple[Extremum, ...] = ()
     open_extrema: tuple[Gap, ...] = ()
     hypotheses: tuple[Hypothesis, ...] = ()
+    combinations: Combinations | None = None
 
     @property
     def has_few_parameters(self) -> bool:

@@ -7,20 +7,24 @@ from dataclasses import replace
 
 from flint import arb
 
-from orbitproof.shared.formats import FOLD, ORBIT, Atlas
+from orbitproof.shared.formats import FOLD, ORBIT_KINDS, REVERSOR_BREAKING, Atlas
 from orbitproof.shared.systems import shown
 from orbitproof.verify.curve import Bifurcation
 from orbitproof.verify.evidence import EmptyIntersectionError, enclose, is_below
 from orbitproof.verify.stability.kinds import Kind, Matter, Resonance, name_of
 from orbitproof.verify.stability.list_entries import Gap, Point
 
-_KINDS = {FOLD: Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC}
+_KINDS = {FOLD: Kind.FOLD, "symmetry_breaking": Kind.SYMMETRIC, REVERSOR_BREAKING: Kind.LOSS}
 """What is found where a bifurcation of a kind is certified, for k = 1."""
 
 
 def about_the_list(atlas: Atlas, bifurcations: Sequence[Bifurcation], order: int) -> list[Bifurcation]:
     """The bifurcations that have to be in the list; those on a planar family lead out of the plane (section 18.9)."""
-    return [entry for entry in bifurcations if entry.k <= order and entry.kind != ORBIT and not atlas.system.normalised]
+    return [
+        entry
+        for entry in bifurcations
+        if entry.k <= order and entry.kind not in ORBIT_KINDS and not atlas.system.normalised
+    ]
 
 
 def with_certificates(

@@ -65,7 +65,7 @@ SHARE = 1 / BEYOND * REACH
 
 STABILITY_SLOPE_BITS = 64
 """Significant bits of the derivatives across the curve where the stability of the orbits is enclosed as well."""
-_SPARE_BITS = 48
+SPARE_BITS = 48
 """The algebra of functions of sigma has so many bits more than the flow."""
 _WIDER = 8
 """A tube about so many times as wide is followed where the piece's own does not do: at complex s the curve is farther
@@ -156,7 +156,7 @@ class TubeOfOrbits:
     @cached_property
     def arithmetic(self) -> WideArithmetic:
         """The algebra in sigma, or tau."""
-        return WideArithmetic(Grading((1,), 0), self.limits.precision + _SPARE_BITS, 0, 0, width=self.limits.width)
+        return WideArithmetic(Grading((1,), 0), self.limits.precision + SPARE_BITS, 0, 0, width=self.limits.width)
 
     def functions(self, half: HalfReturn, progress: Callable[[float], None] | None) -> OrbitFunctions:
         """All functions, from the first half of the orbits by integrating the second."""
@@ -165,7 +165,7 @@ class TubeOfOrbits:
         assert isinstance(flow, WideArithmetic)
         integral = first_integral(system, flow, half.start) if system.family_parameter is None else None
         level = half.start[str(system.family_parameter)] if integral is None else integral
-        curve = self._curve(half)
+        curve = self.curve(half)
         beyond = self._at_other_point(curve, half.state)
         there = self._named(half.start, half.state)
         other = OtherPoint.of([curve.value(element) for element in there])
@@ -224,7 +224,7 @@ class TubeOfOrbits:
         values = {name: curve.value(element) for name, element in moved.items()}
         return initial_values(system, self.arithmetic, values)
 
-    def _curve(self, half: HalfReturn) -> CurveInTube:
+    def curve(self, half: HalfReturn) -> CurveInTube:
         """omega on the curve, from the state at the first return."""
         system = self.system
         equations = [half.state[index] for index in system.kernel_coordinates]
@@ -293,7 +293,7 @@ def orbit_functions(
 
     Raises `IntegrationFailure`.
     """
-    with guarded(tube.limits.precision + _SPARE_BITS), np.errstate(all="ignore"):
+    with guarded(tube.limits.precision + SPARE_BITS), np.errstate(all="ignore"):
         try:
             return tube.functions(tube.wider(progress) if half is None else half, progress)
         except IntegrationFailure:

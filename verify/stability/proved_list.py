@@ -76,13 +76,18 @@ class ListConclusion:
 
 
 def conclude_list(
-    atlas: Atlas, results: Sequence[StabilityResult], curve: Conclusion[ProvedCurve], order: int
+    atlas: Atlas,
+    results: Sequence[StabilityResult],
+    curve: Conclusion[ProvedCurve],
+    order: int,
+    combinations: bool = False,
 ) -> ListConclusion:
     """All resonances up to an order on a curve, and the theorem about them.
 
     Args:
         results: of the pieces, with what is known of the stability of their orbits.
         curve: what they prove of the curve.
+        combinations: whether combination resonances are listed too, for n = 2.
     """
 
     def refused(reason: Reason) -> ListConclusion:
@@ -95,7 +100,7 @@ def conclude_list(
     chain = curve.outcome.results.chain
     with ctx.workprec(PRECISION):
         try:
-            found = complete_list(atlas, chain, results, order, curve.bifurcations)
+            found = complete_list(atlas, chain, results, order, curve.bifurcations, combinations)
             across = list_across(atlas, chain, found, curve.bifurcations)
         except EmptyIntersectionError as error:
             message = f"the complete list and the certificates contradict each other: {error}"

@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from orbitproof.shared.formats import AnyAtlas, Atlas
 from orbitproof.verify.curve import Bifurcation, Conclusion, CurveTheorem, ProvedCurve
 from orbitproof.verify.evidence import Proved
+from orbitproof.verify.lasting import LastingTheorem, ProvedLasting
 from orbitproof.verify.periodic_curve import PeriodicCurveTheorem, ProvedPeriodicCurve
 from orbitproof.verify.stability import ListConclusion, ListTheorem, ProvedList
 from orbitproof.verify.surface import ProvedSurface, SurfaceTheorem
 from orbitproof.verify.words.complete_list import list_in_words
 from orbitproof.verify.words.curve import bifurcations_in_words, curve_in_words
 from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.lasting import lasting_in_words
 from orbitproof.verify.words.periodic_curve import periodic_curve_in_full, periodic_curve_in_words
 from orbitproof.verify.words.surface import surface_in_words
 
@@ -29,7 +31,11 @@ def conclusion_in_words(conclusion: BranchConclusion) -> str:
     match outcome.theorem, outcome.results, conclusion:
         case ListTheorem() as theorem, ProvedList() as known, ListConclusion():
             whole = _with_bifurcations(theorem.curve, known.curve, conclusion.curve.bifurcations)
-            return f"{whole}\n{list_in_words(theorem, known)}"
+            words = f"{whole}\n{list_in_words(theorem, known)}"
+            match theorem, known:
+                case LastingTheorem(), ProvedLasting():
+                    return f"{words}\n{lasting_in_words(theorem, known)}"
+            return words
         case CurveTheorem() as theorem, ProvedCurve() as curve, Conclusion():
             return _with_bifurcations(theorem, curve, conclusion.bifurcations)
         case SurfaceTheorem() as theorem, ProvedSurface() as surface, _:

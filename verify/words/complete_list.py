@@ -42,16 +42,22 @@ _POINTS = {
     Kind.HERE: "1:2, a stability parameter is -1, A singular at this point of the orbit on Fix(R)",
     Kind.THERE: "1:2, a stability parameter is -1, A singular at the other point of the orbit on Fix(R)",
     Kind.COLLISION: "Krein collision: two stability parameters are equal",
+    Kind.TWO_TO_ONE: "2 omega is omega' or -omega'",
+    Kind.THREE_TO_ONE: "3 omega is omega' or -omega'",
+    Kind.OPPOSITE: "omega + omega' is pi",
     Kind.UNDECIDED: "1:{k}, {parameter} is {value}, kind not decided",
     Kind.ACROSS_SYMMETRIC: "1:1, a curve of orbits out of the plane, symmetric under R, begins here",
     Kind.ACROSS_AXIAL: ("1:1, a curve of orbits out of the plane, symmetric under R followed by z -> -z, begins here"),
     Kind.ACROSS_DOUBLING: "1:2, {parameter} is -1",
+    Kind.TWISTLESS: "no twist",
 }
 _ENDS = {CurveEnd.BEGINNING: "the beginning of {part}", CurveEnd.END: "the end of {part}"}
 _MATTERS = {
     Matter.EVERYTHING: "everything",
     Matter.COLLISION: "equal stability parameters",
     Matter.EXTREMA: "stationary stability parameters",
+    Matter.COMBINATIONS: "combination resonances",
+    Matter.TWIST: "the twist",
 }
 _PLACES = {Where.HERE: "this point", Where.THERE: "the other point"}
 _BIRTHS = (Kind.ACROSS_SYMMETRIC, Kind.ACROSS_AXIAL)
@@ -59,6 +65,11 @@ _BIRTHS = (Kind.ACROSS_SYMMETRIC, Kind.ACROSS_AXIAL)
 _A = (
     "A at a point of Fix(R) is the derivative on Fix(R) of the coordinates of P that R fixes, modulo the directions of "
     "the curve and of its image under P."
+)
+_BLOCK = (
+    "At each of these Sigma is one Jordan block. On one side of it along the curve, near it, the two parameters are "
+    "real and different, on the other they are not real: there the four multipliers are neither real nor on the unit "
+    "circle."
 )
 _BIRTH = (
     "Where a curve begins, the orbits near this one that are symmetric in that way, start on the fixed points of the "
@@ -80,7 +91,7 @@ def statement(
     """What is proved of resonances and stability along the curve, or along the half of it that the pieces follow."""
     atlas = atlas_in_words(atlas)
     but = ", but for the places named below," if found.gaps else ""
-    where = f"{_half(atlas) or 'Along the curve'}{but}"
+    where = f"{half(atlas) or 'Along the curve'}{but}"
     listed = [point for point in found.points if point.k]
     value = f"an eigenvalue cos(2 pi j/k), k at most {found.order}"
     if listed:
@@ -93,12 +104,14 @@ def statement(
         f"Let Sigma({u}) be the stability matrix of the orbit of {u} on the section, {_held(atlas)}: its eigenvalues "
         f"are the stability parameters (lambda + 1/lambda)/2 of the multipliers lambda. {where} {result}"
     )
-    lines += [f"- {_point(atlas, point)}" for point in listed]
+    lines += [f"- {point_in_words(atlas, point)}" for point in listed]
     if any(point.kind in (Kind.HERE, Kind.THERE) for point in listed):
         lines.append(_A)
     if found.has_few_parameters:
-        collisions = [_point(atlas, point) for point in found.points if not point.k]
+        collisions = [point_in_words(atlas, point) for point in found.points if not point.k]
         lines += itemised(f"{where} two stability parameters are equal at exactly these points:", collisions)
+        lines += [_BLOCK] if collisions else []
+        lines += _combinations(atlas, found)
         lines += _extrema(atlas, found)
         lines += _stability(atlas, stable, unknown)
     else:
@@ -106,8 +119,8 @@ def statement(
             f"Nothing is said of where two of the {found.parameters} stability parameters are equal, of their extrema, "
             "and of linear stability."
         )
-    lines += itemised("Not covered, so that nothing is said of it:", map(_gap, found.gaps))
-    if _half(atlas):
+    lines += itemised("Not covered, so that nothing is said of it:", map(gap_in_words, found.gaps))
+    if half(atlas):
         lines.append(
             f"The mirror image of this half under {atlas.claim.symmetry} has the mirror images of these points and "
             "places, with the same values, and its orbits are linearly stable where those of this half are."
@@ -122,7 +135,7 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
     """What is proved of variations out of the plane."""
     atlas, found = atlas_in_words(atlas), across.found
     but = ", but for the places named below," if found.gaps else ""
-    where = _half(atlas) or "Along the curve"
+    where = half(atlas) or "Along the curve"
     lines = [
         f"Variations of the orbits out of the plane have one more pair of multipliers lambda, 1/lambda. {where}{but} "
         f"(lambda + 1/lambda)/2 is cos(2 pi j/k), k at most {found.order}, "
@@ -130,11 +143,11 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
     ]
     for point, value in zip(found.points, across.jacobi_constants, strict=True):
         known = "" if value is None else f"; Jacobi constant in {interval_text(value, _DIGITS)}"
-        lines.append(f"- {_point(atlas, point, _ACROSS)}{known}")
+        lines.append(f"- {point_in_words(atlas, point, _ACROSS)}{known}")
     if any(point.kind in _BIRTHS for point in found.points):
         lines.append(_BIRTH)
     stable, unknown = (
-        [_interval(atlas, entry, _ACROSS) for entry in entries] for entries in (across.stable, across.unknown)
+        [interval_in_words(atlas, entry, _ACROSS) for entry in entries] for entries in (across.stable, across.unknown)
     )
     lines += itemised(
         f"Between the following points, themselves not included{_ends(across.stable)}, variations out of the plane "
@@ -143,13 +156,13 @@ def statement_across(atlas: Atlas, across: ListAcross) -> str:
         stable,
     )
     if not (stable or unknown):
-        lines.append(f"For no orbit of {_part(atlas)} they are linearly stable.")
+        lines.append(f"For no orbit of {part(atlas)} they are linearly stable.")
     lines += itemised("It is not decided whether they are linearly stable at and between these places:", unknown)
-    lines += itemised("Not covered, out of the plane:", map(_gap, found.gaps))
+    lines += itemised("Not covered, out of the plane:", map(gap_in_words, found.gaps))
     return "\n".join(lines)
 
 
-def _half(atlas: Atlas) -> str:
+def half(atlas: Atlas) -> str:
     """Along which half of a curve with a symmetry the list goes; empty for other curves."""
     return {
         "symmetric-arc": "Along the half of the curve from its symmetric point to its last point, both included",
@@ -157,14 +170,14 @@ def _half(atlas: Atlas) -> str:
     }.get(atlas.claim.kind, "")
 
 
-def _part(atlas: Atlas) -> str:
+def part(atlas: Atlas) -> str:
     """What the list is about."""
-    return "this half of the curve" if _half(atlas) else "the curve"
+    return "this half of the curve" if half(atlas) else "the curve"
 
 
 def _rest(atlas: Atlas, unknown: Sequence[StableInterval]) -> str:
     """That no other orbits are stable."""
-    of = " of this half" if _half(atlas) else ""
+    of = " of this half" if half(atlas) else ""
     return f"and of the others{of}, but for the places named below, none are" if unknown else f"and no others{of} are"
 
 
@@ -177,6 +190,23 @@ def _ends(stable: Sequence[StableInterval]) -> str:
 def _is_end(bound: Bound) -> bool:
     """Whether it is an end of the curve and nothing else."""
     return len(bound.what) == 1 and isinstance(bound.what[0], CurveEnd)
+
+
+def _combinations(atlas: Atlas, found: CompleteList) -> list[str]:
+    """Resonances of the two angles of an orbit together."""
+    known = found.combinations
+    if known is None:
+        return ["Combination resonances of two pairs of multipliers are not listed."] if found.parameters == 2 else []
+    but = ", but for the places named below," if found.gaps or known.open else ""
+    about = (
+        f"Let exp(+-i omega) and exp(+-i omega') be the multipliers of a linearly stable orbit of {part(atlas)}{but} "
+        "in either order. Modulo 2 pi omega and omega' are in a combination resonance of order 3 or 4 at "
+    )
+    if not known.points:
+        lines = [f"{about}no such orbit."]
+    else:
+        lines = itemised(f"{about}exactly these:", [point_in_words(atlas, point) for point in known.points])
+    return lines + itemised("Whether there are more of these is not decided:", map(gap_in_words, known.open))
 
 
 def _extrema(atlas: Atlas, found: CompleteList) -> list[str]:
@@ -193,7 +223,7 @@ def _extrema(atlas: Atlas, found: CompleteList) -> list[str]:
         lines = [f"Apart from symmetric points no stability parameter is stationary {band}{but}."]
     undecided = "One is stationary here, and it is not decided whether its value is between these or beyond:"
     lines += itemised(undecided, beside)
-    return lines + itemised("Whether one is stationary there is not decided:", map(_gap, found.open_extrema))
+    return lines + itemised("Whether one is stationary there is not decided:", map(gap_in_words, found.open_extrema))
 
 
 def _extremum(atlas: Atlas, entry: Extremum) -> str:
@@ -204,15 +234,15 @@ def _extremum(atlas: Atlas, entry: Extremum) -> str:
 
 def _stability(atlas: Atlas, stable: Sequence[StableInterval], unknown: Sequence[StableInterval]) -> list[str]:
     if not (stable or unknown):
-        return [f"No orbit of {_part(atlas)} is linearly stable with distinct multipliers."]
+        return [f"No orbit of {part(atlas)} is linearly stable with distinct multipliers."]
     between = (
         f"The orbits between the following points, themselves not included{_ends(stable)}, are linearly stable "
         f"(these multipliers are on the unit circle, distinct and not 1 or -1), {_rest(atlas, unknown)}:"
     )
     undecided = "It is not decided whether the orbits are linearly stable at and between these places:"
     return [
-        *itemised(between, (_interval(atlas, entry) for entry in stable)),
-        *itemised(undecided, (_interval(atlas, entry) for entry in unknown)),
+        *itemised(between, (interval_in_words(atlas, entry) for entry in stable)),
+        *itemised(undecided, (interval_in_words(atlas, entry) for entry in unknown)),
     ]
 
 
@@ -235,7 +265,7 @@ def _words(atlas: Atlas, what: What, parameter: str) -> str:
         case Resonance():
             return f"where {parameter} is {_value(what.k, what.j)}"
         case CurveEnd():
-            return _ENDS[what].format(part=_part(atlas))
+            return _ENDS[what].format(part=part(atlas))
     return _MATTERS[what]
 
 
@@ -244,7 +274,7 @@ def _value(k: int, j: int) -> str:
     return {1: "1", 2: "-1"}.get(k, f"cos(2 pi {j}/{k})")
 
 
-def _point(atlas: Atlas, point: Point, parameter: str = _IN_PLANE) -> str:
+def point_in_words(atlas: Atlas, point: Point, parameter: str = _IN_PLANE) -> str:
     place = (
         f"{level_name(atlas)} in {interval_text(point.level, _DIGITS)}, half period in "
         f"{decimal_interval(point.half_period, 10)}"
@@ -253,7 +283,7 @@ def _point(atlas: Atlas, point: Point, parameter: str = _IN_PLANE) -> str:
     return f"{_words(atlas, point.found, parameter)}: {place}, in piece {point.piece}{known}"
 
 
-def _interval(atlas: Atlas, entry: StableInterval, parameter: str = _IN_PLANE) -> str:
+def interval_in_words(atlas: Atlas, entry: StableInterval, parameter: str = _IN_PLANE) -> str:
     begin, end = (_bound(atlas, entry, which, parameter) for which in (0, 1))
     return f"from {begin} to {end}{_ranges(atlas, entry.ranges, 'in between ')}"
 
@@ -283,7 +313,7 @@ def _bound(atlas: Atlas, entry: StableInterval, which: int, parameter: str) -> s
     return f"{level} (piece {entry.pieces[which]}: {words}{_ranges(atlas, bound.ranges, '')})"
 
 
-def _gap(gap: Gap) -> str:
+def gap_in_words(gap: Gap) -> str:
     subject = gap.subject
     what = f"k = {subject.k}, j = {subject.j}" if isinstance(subject, Resonance) else _MATTERS[subject]
     return f"piece {gap.piece}, s in {exact_interval_text(gap.start, gap.end)}, {what}: {gap.reason}"

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from flint import arb
 
-from orbitproof.shared.formats import ORBIT, Atlas
+from orbitproof.shared.formats import ORBIT_KINDS, Atlas
 from orbitproof.shared.systems import ReversibleSystem, shown
 from orbitproof.shared.wording import itemised
 from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, signs_on
@@ -41,7 +41,7 @@ def curve_in_words(theorem: CurveTheorem, curve: ProvedCurve) -> str:
 def bifurcations_in_words(atlas: Atlas, bifurcations: Sequence[Bifurcation]) -> str:
     """Which of the certified bifurcations and orbits lie on the curve, and which are not shown to."""
     placed = [entry for entry in bifurcations if entry.place is not None]
-    on, orbits = ([entry for entry in placed if (entry.kind == ORBIT) is orbit] for orbit in (False, True))
+    on, orbits = ([entry for entry in placed if (entry.kind in ORBIT_KINDS) is orbit] for orbit in (False, True))
     off = [entry for entry in bifurcations if entry.place is None and not entry.is_foreign]
     foreign = sum(entry.is_foreign for entry in bifurcations)
     lines = [

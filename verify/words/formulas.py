@@ -123,6 +123,7 @@ def setting(
     taken = () if system.name in BRANCH_SYSTEMS else _TAKEN
     lines = [f"The {system.title}:", *(f"  {line}" for line in equations(system.program, left, taken))]
     lines += [f"  {name} = {exact_text(value)}" for name, value in parameters.items()]
+    lines += _functions(system, taken)
     if names:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
         lines.append(f"In the description of the system {called}, which has another meaning here.")
@@ -144,6 +145,19 @@ def setting(
         f"the orbit crosses the section, which is in the opposite direction."
     )
     return [*lines, *_points(system)]
+
+
+def _functions(system: ReversibleSystem, taken: Sequence[str]) -> list[str]:
+    """What the state coordinates are that are functions of others."""
+    if not system.defined:
+        return []
+    named = ", ".join(each.name for each in system.defined)
+    lines = [f"The states are given by {', '.join(system.given_state)}; {named} are these functions of them:"]
+    for each, program in zip(system.defined, system.argument_programs, strict=True):
+        formulas = _Formulas(program, taken)
+        lines.append(f"  {each.name} = {each.function}({formulas.of(program.outputs[0])[0]})")
+        lines += [f"  {line}" for line in formulas.definitions]
+    return lines
 
 
 def _points(system: ReversibleSystem) -> list[str]:

@@ -29,7 +29,11 @@ from orbitproof.verify.periodic_bifurcation import (
     TorusResults,
     TorusTheorem,
 )
+from orbitproof.verify.reversor_breaking import BreakingResults, BreakingTheorem
+from orbitproof.verify.tori import ToriResults, ToriTheorem
+from orbitproof.verify.twist import StableOrbitResults, StableOrbitTheorem
 from orbitproof.verify.words.bifurcation import Located, bifurcation_in_words, found_in_words, kind_in_words
+from orbitproof.verify.words.breaking import breaking_found, breaking_in_words
 from orbitproof.verify.words.formulas import setting
 from orbitproof.verify.words.orbit import orbit_found, orbit_in_words
 from orbitproof.verify.words.periodic import periodic_in_full, periodic_in_words
@@ -38,6 +42,8 @@ from orbitproof.verify.words.periodic_bifurcation import (
     periodic_bifurcation_in_words,
 )
 from orbitproof.verify.words.periodic_torus import torus_in_full, torus_in_words
+from orbitproof.verify.words.stable_orbit import stable_orbit_found, stable_orbit_in_words
+from orbitproof.verify.words.tori import tori_found, tori_in_words
 
 _DIGITS = 40
 _BITS = 1024
@@ -52,6 +58,12 @@ def theorem_in_words(theorem: Theorem) -> str:
             return bifurcation_in_words(theorem)
         case OrbitTheorem():
             return orbit_in_words(theorem)
+        case StableOrbitTheorem():
+            return stable_orbit_in_words(theorem)
+        case ToriTheorem():
+            return tori_in_words(theorem)
+        case BreakingTheorem():
+            return breaking_in_words(theorem)
         case PeriodicTheorem():
             return periodic_in_words(theorem)
         case PeriodicBifurcationTheorem():
@@ -64,7 +76,9 @@ def theorem_in_words(theorem: Theorem) -> str:
 InSectionResults = PeriodicResults | PeriodicBifurcationResults | TorusResults
 
 
-def in_full(candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults | InSectionResults) -> str:
+def in_full(
+    candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults | BreakingResults | InSectionResults
+) -> str:
     """System, box, theorem, what its words mean, and what was found, in this order.
 
     The decimals of the box are rounded outward where it is enclosed, and inward where something is said to lie in it.
@@ -88,8 +102,14 @@ def in_full(candidate: BoxClaim, theorem: Theorem, found: Located | OrbitResults
         if form is not None:
             lines += ["The candidate's own box:", *_set(own, "candidate")]
         lines += ["Theorem.", theorem_in_words(theorem)]
-        if isinstance(found, OrbitResults):
+        if isinstance(found, StableOrbitResults):
+            lines += stable_orbit_found(candidate, found)
+        elif isinstance(found, ToriResults):
+            lines += tori_found(candidate, found)
+        elif isinstance(found, OrbitResults):
             lines += orbit_found(candidate, found)
+        elif isinstance(found, BreakingResults):
+            lines += breaking_found(candidate, found)
         else:
             lines += [kind_in_words(claim), *found_in_words(found, claim, keyed_in_words(system, found.point))]
     return "\n".join(lines)

@@ -1,0 +1,103 @@
+"""Claims that R is lost, about a system in which the points are known, and a claim about halo orbits."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate, candidate_from_json
+from orbitproof.shared.systems import ParameterRange, ReversibleSystem
+
+DATA = Path(__file__).parents[1] / "data"
+A = Fraction(9, 10)
+
+MODES = ReversibleSystem(
+    name="modes",
+    title="two oscillators that stiffen each other",
+    state=("x", "y", "vx", "vy"),
+    parameters={"a": ParameterRange(None, None)},
+    vector_field=lambda s, p: (s[2], s[3], -p[0] * s[0] - s[0] * s[1] ** 2, -s[1] - s[0] ** 2 * s[1]),
+    reversing_symmetry=(1, -1, -1, 1),
+    section="y",
+    symmetries={"S": (-1, 1, -1, 1)},
+    first_integral=lambda s, p: (s[2] ** 2 + s[3] ** 2 + p[0] * s[0] ** 2 + s[1] ** 2 + s[0] ** 2 * s[1] ** 2,),
+    first_integral_name="twice the energy",
+    level_coordinate="vy",
+)
+"""x = 0, y = h^(1/2) sin t on the level h. Beside it x'' + (a + h/2 - (h/2) cos 2t) x = 0, an equation of Mathieu's:
+R is lost where it has the odd solution x(0) = x(pi) = 0, S breaks where it has the even one x'(0) = x'(pi) = 0.
+"""
+
+
+@cache
+def level_of(odd: bool, a: Fraction = A) -> Fraction:
+    """h, from the expansions of Mathieu's functions in sin (2k + 1)t or cos (2k + 1)t, to 60 digits."""
+    with mpmath.workdps(70):
+        number = mpmath.mpf(a.numerator) / a.denominator
+
+        def singular(q: Any) -> Any:
+            matrix = mpmath.zeros(16)
+            for k in range(16):
+                matrix[k, k] = (2 * k + 1) ** 2 - number - 2 * q
+                if k:
+                    matrix[k, k - 1] = matrix[k - 1, k] = q
+            matrix[0, 0] += -q if odd else q
+            return mpmath.det(matrix)
+
+        h = 4 * mpmath.findroot(singular, (1 - number) / (3 if odd else 1))
+        return Fraction(int(mpmath.nint(h * mpmath.mpf(2) ** 200)), 2**200)
+
+
+def modes(**changes: Any) -> Candidate:
+    """The claim that R is lost on the normal mode x = 0."""
+    claim = Candidate(
+        id="modes",
+        system=MODES,
+        parameters={"a": A},
+        kind=REVERSOR_BREAKING,
+        k=1,
+        centre=(level_of(odd=True), Fraction(0)),
+        frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))),
+        kernel_frame=((Fraction(1),),),
+        radii=(Fraction(1, 2**60),) * 2,
+        level_sign=1,
+    )
+    return replace(claim, **changes)
+
+
+def halo() -> Candidate:
+    """The claim about the halo orbits of L1 in the Earth-Moon system."""
+    return candidate_from_json(json.loads((DATA / "loss-of-r.json").read_text(encoding="utf-8")), "loss-of-r.json")
+
+
+def flow(state: Any, end: Any) -> Any:
+    """A state of `MODES` at the next crossing of the section, or at a time, by DOP853."""
+
+    def rates(_t: float, s: Any) -> list[Any]:
+        return [s[2], s[3], -float(A) * s[0] - s[0] * s[1] ** 2, -s[1] - s[0] ** 2 * s[1]]
+
+    def crossed(t: float, s: Any) -> Any:
+        return s[1] if t > 0.5 else 1.0
+
+    crossed.terminal = True  # type: ignore[attr-defined]
+    found = solve_ivp(rates, (0.0, end), state, method="DOP853", rtol=1e-13, atol=1e-15, events=crossed)
+    return found.y[:, -1]
+
+
+def level_beside(y: float) -> float:
+    """The level of the orbit through x = y = 0 with vx = y that passes there again, which is not symmetric under R."""
+
+    def miss(h: float) -> float:
+        return float(flow([0.0, 0.0, y, np.sqrt(h - y * y)], 10.0)[0])
+
+    h = float(level_of(odd=True))
+    return float(brentq(miss, 0.5 * h, 2.0 * h, xtol=1e-15))

@@ -1,0 +1,120 @@
+"""The twist along a line of orbits of two oscillators, on their levels, from its closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import cos, sin, sqrt
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from flint import arb
+from support.skew_products import energy, half_period
+
+from orbitproof.shared.claims import Piece
+from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
+from orbitproof.verify.algebra import Grading, WideArithmetic
+from orbitproof.verify.curve import PieceLimits, prove_piece
+from orbitproof.verify.evidence import Proved
+from orbitproof.verify.functions import error_of, known_part
+from orbitproof.verify.lasting import TwistFunctions, twist_of_piece
+from orbitproof.verify.lasting.half_map import _around, _jet
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.stability import STABILITY_SLOPE_BITS, TubeOfOrbits
+
+STIFFNESS, HARDENING = Fraction(7, 2), Fraction(3, 2)
+
+
+def _field(state: Sequence[Any], _: Sequence[Any]) -> Sequence[Any]:
+    x, v, y, w = state
+    return (v, -x - x * x * x, w, -STIFFNESS * y - HARDENING * y * y * y)
+
+
+def _energy(state: Sequence[Any], _: Sequence[Any]) -> Sequence[Any]:
+    x, v, y, w = state
+    squares = x * x, y * y
+    first = v * v / 2 + squares[0] / 2 + squares[0] * squares[0] / 4
+    return (first + w * w / 2 + STIFFNESS * squares[1] / 2 + HARDENING * squares[1] * squares[1] / 4,)
+
+
+SYSTEM = ReversibleSystem(
+    name="two-oscillators",
+    title="two oscillators side by side",
+    state=("x", "v", "y", "w"),
+    parameters={},
+    vector_field=_field,
+    reversing_symmetry=(1, -1, 1, -1),
+    section="v",
+    first_integral=_energy,
+    first_integral_name="energy",
+)
+
+
+def theta(amplitude: float) -> tuple[float, float]:
+    """Theta and Theta' in the coordinates (y, w) of the level.
+
+    The section is met again after the period T(E) of x, in which y turns by Omega(I) T(E), I its action. On the level
+    of E + h(I) the angle has the derivative Omega' T - Omega T' Omega by I, and |w|^2 = 2 I.
+    """
+    frequency = sqrt(STIFFNESS)
+    step = 1e-4
+    period = 2 * half_period(amplitude)
+    rise = (half_period(amplitude + step) - half_period(amplitude - step)) / step
+    rise /= (energy(amplitude + step) - energy(amplitude - step)) / (2 * step)
+    bend = 3 * float(HARDENING) / (4 * frequency**2)
+    angle = frequency * period
+    s, size = cos(angle), abs(sin(angle))
+    turning = (bend * period - frequency * rise * frequency) / 2 * (1 if sin(angle) > 0 else -1)
+    b, c = size / frequency, size * frequency
+    factor = 64 * size**2 * (1 - s) * (1 + 2 * s) * turning
+    return factor * c**3, factor * b**3
+
+
+@pytest.mark.parametrize("amplitude", [Fraction(3, 4), Fraction(3, 2)])
+def test_the_twist_on_levels_is_that_of_the_closed_form(amplitude: Fraction) -> None:
+    half_width = Fraction(1, 64)
+    frame = ((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)))
+    piece = Piece(
+        "line", "regular", (amplitude, Fraction(0)), frame, half_width, ((Fraction(0),),), (Fraction(1, 2**24),)
+    )
+    limits = PieceLimits(64, 24, 8)
+    found = prove_piece(SYSTEM, {}, piece, (Fraction(-1), Fraction(1)), ORACLE, limits, slope_bits=STABILITY_SLOPE_BITS)
+    assert isinstance(found.outcome, Proved)
+    known = found.outcome.results
+    coordinates = str(found.computation.coordinates)
+    tube = TubeOfOrbits(SYSTEM, {}, piece, (known.start, known.end), limits, coordinates, ORACLE)
+    twist = twist_of_piece(tube, None, known.half_return)
+    assert isinstance(twist, TwistFunctions)
+    for s in (-0.9, -0.3, 0.4, 0.95):
+        tau = arb(s) * 32 / 33
+        expected = theta(float(amplitude) + s * float(half_width))
+        for function, value in zip((twist.twist, twist.exchanged), expected, strict=True):
+            enclosed = function.enclosed.value(tau)
+            assert abs(float(enclosed.mid()) - value) < float(enclosed.rad()) + 1e-5 * abs(value)
+            assert float(enclosed.rad()) < 1e-2 * abs(value)
+
+
+def test_what_is_unknown_of_a_grade_is_unknown_of_its_coefficients() -> None:
+    flow = WideArithmetic(Grading((1, 1), 3), 80, 20, 4, width=4)
+    own = WideArithmetic(Grading((1,), 0), 120, 0, 0, width=4)
+    errors = [2.0**-20, 2.0**-22, 2.0**-24, 2.0**-26, 1.0]
+    element = flow.polynomial({(1, 0): Fraction(1, 8), (0, 0): Fraction(1)}).with_errors(errors)
+    width = Fraction(1, 4)
+    jet = _jet(cast(Any, SimpleNamespace(arithmetic=own)), element, width)
+    assert set(jet.coefficients) == set(flow.grading.monomials)
+    for index, function in jet.coefficients.items():
+        assert error_of(function) >= Fraction(errors[sum(index)]) / width ** sum(index)
+    assert float(known_part(jet.coefficients[1, 0], 0)[0]) == 0.5
+
+
+def test_points_beside_the_curve_hold_what_is_unknown_of_it() -> None:
+    flow = WideArithmetic(Grading((1, 1), 3), 80, 20, 4, width=4)
+    start = {name: flow.polynomial({(0, 0): Fraction(1, 2)}).widened(Fraction(1, 2**30)) for name in ("y", "beta")}
+    curve = SimpleNamespace(value=lambda element: element)
+    tube, half = SimpleNamespace(system=FALKNER_SKAN), SimpleNamespace(start=start)
+    found = _around(cast(Any, tube), cast(Any, half), cast(Any, curve), flow, ["y"], Fraction(1, 2**10))
+    for name in ("y", "beta"):
+        assert found[name].errors[0] >= 2.0**-30
+    assert found["x"].errors[0] == 0
+    assert [sum(map(len, [p.coeffs()])) for p in found["beta"].coefs[1:]] == [0] * 9

@@ -1,0 +1,44 @@
+"""Births of orbits that R does not map to themselves as rows of a certificates file (section 27)."""
+
+from __future__ import annotations
+
+from orbitproof.shared.claims import REVERSOR_BREAKING, Candidate
+from orbitproof.verify.certificate.row_kind import Progress, RowKind
+from orbitproof.verify.certificate.stated_system import with_symmetry
+from orbitproof.verify.oracle import ORACLE
+from orbitproof.verify.oracle.precision import breaking_precision
+from orbitproof.verify.poincare import IntegratorSettings
+from orbitproof.verify.reversor_breaking import (
+    BreakingEnclosures,
+    BreakingResults,
+    check_breaking_exactly,
+    enclose_breaking,
+    prove_breaking,
+    theorem_of,
+    variables_of,
+)
+
+
+def _enclose(candidate: Candidate, settings: IntegratorSettings, progress: Progress | None) -> BreakingEnclosures:
+    return enclose_breaking(candidate, settings, ORACLE, progress)
+
+
+BREAKINGS = RowKind(
+    names=(REVERSOR_BREAKING,),
+    enclosures=BreakingEnclosures,
+    results=BreakingResults,
+    statement=with_symmetry,
+    theorem_of=lambda candidate, form: theorem_of(candidate),
+    first_precision=breaking_precision,
+    check_exactly=check_breaking_exactly,
+    enclose=_enclose,
+    prove=prove_breaking,
+    said=lambda k, kind: "loss of R",
+    attributes=lambda found: {
+        "parameter_name": found.parameter_name,
+        "parameter": found.parameter,
+        "side": found.side,
+        "normal_form": {"gamma": found.gamma, "beta": found.beta, "kappa": found.opening},
+    },
+    variables=variables_of,
+)

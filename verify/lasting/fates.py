@@ -1,0 +1,227 @@
+"""Which orbits of a curve are stable for ever, which are unstable, and which exceptions there are (section 29.5)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import Enum, unique
+from fractions import Fraction
+
+from flint import arb
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.curve import Chain, Stretch
+from orbitproof.verify.evidence import is_positive, sign
+from orbitproof.verify.functions import REACH, BoundedFunction
+from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions
+from orbitproof.verify.stability import (
+    CompleteList,
+    Finder,
+    Gap,
+    Kind,
+    Matter,
+    Point,
+    Resonance,
+    Rule,
+    Segment,
+    StableInterval,
+    Subject,
+    ends_of,
+    intervals_where,
+    is_stable,
+    orbit_between,
+    stable_intervals,
+)
+
+LEAST_ORDER = 4
+"""Of the list of resonances: up to this order they are exceptions."""
+_NOT_KNOWN = "the twist of the orbits was not enclosed there"
+_BESIDE = "the twist may vanish next to a resonance"
+
+
+@unique
+class Fate(Enum):
+    """What is shown of an exception, on its own."""
+
+    UNSTABLE = "unstable"
+    OPEN = "open"
+
+
+@dataclass(frozen=True)
+class ExceptionalOrbit:
+    """An orbit at which the twist decides nothing: a resonance of order 1 to 4, or one without twist."""
+
+    point: Point
+    fate: Fate
+
+
+@dataclass(frozen=True)
+class LastingInterval:
+    """Between two places of the curve all orbits are stable for ever.
+
+    Attributes:
+        between: the two places.
+        sign: of the twist.
+    """
+
+    between: StableInterval
+    sign: int
+
+
+@dataclass(frozen=True)
+class LastingList:
+    """What is shown of the stability for ever of the orbits of a curve.
+
+    Attributes:
+        exceptions: in order along the curve.
+        stable: intervals of orbits that are stable for ever.
+        undecided: intervals of which that is not known.
+        gaps: where the twist is not decided; those of the list of resonances are not repeated.
+    """
+
+    exceptions: tuple[ExceptionalOrbit, ...]
+    stable: tuple[LastingInterval, ...]
+    undecided: tuple[StableInterval, ...]
+    gaps: tuple[Gap, ...]
+
+
+@dataclass(frozen=True)
+class _Twist:
+    """The functions of section 29.3 on a segment: Theta in both forms, and Delta."""
+
+    functions: tuple[BoundedFunction, BoundedFunction]
+    fourth: BoundedFunction
+
+    def sign(self, tau: arb) -> int:
+        """Of Theta, at all points of a ball; 0 if it is not known."""
+        return next((found for found in (sign(each.value(tau)) for each in self.functions) if found), 0)
+
+
+def lasting_list(atlas: Atlas, chain: Chain, found: CompleteList, results: Sequence[LastingResult]) -> LastingList:
+    """The list for a curve with n = 1.
+
+    Args:
+        found: its resonances, of order 4 at least.
+        results: of the pieces, with what is known of the twist.
+    """
+    points: list[Point] = []
+    gaps: list[Gap] = []
+    for part in _elliptic(chain, found):
+        stretch = chain.stretches[part.stretch]
+        twist = _twist_on(part, stretch, results)
+        if twist is None:
+            gaps.append(_gap(part, stretch, part.start, part.end, _NOT_KNOWN))
+            continue
+        first = Finder(atlas, stretch, part)
+        first.add(twist.functions[0], 0, 0, Kind.TWISTLESS, Matter.TWIST)
+        finders = [first]
+        for gap in first.gaps:
+            entered = min(max(gap.start, part.entered), gap.end)
+            second = Finder(atlas, stretch, replace(part, start=gap.start, entered=entered, end=gap.end))
+            second.add(twist.functions[1], 0, 0, Kind.TWISTLESS, Matter.TWIST)
+            finders.append(second)
+            gaps += second.gaps
+        for point in (point for finder in finders for point in finder.points):
+            if is_stable(part, part.tau_of(point.s)):
+                points.append(point)
+            else:
+                gaps.append(_gap(part, stretch, *ends_of(point.s), _BESIDE))
+    points.sort(key=_place)
+    gaps.sort(key=lambda gap: (gap.stretch, gap.start))
+    whole = replace(found, points=(*found.points, *points), gaps=(*found.gaps, *gaps))
+
+    def sign_at(segment: Segment, tau: arb) -> int:
+        twist = _twist_on(segment, chain.stretches[segment.stretch], results)
+        above = sign(1 + 2 * segment.characteristic[0].value(tau))
+        return 0 if twist is None else above * twist.sign(tau)
+
+    def lasts(segment: Segment, tau: arb) -> bool | None:
+        stable = is_stable(segment, tau)
+        return None if stable and not sign_at(segment, tau) else stable
+
+    rule = Rule(lambda point: point.k <= LEAST_ORDER, _may_end, lasts)
+    signs = {}
+    for entry in intervals_where(chain, whole, False, rule)[0]:
+        orbit = orbit_between(chain, found.segments, entry.begin, entry.end)
+        assert orbit is not None
+        signs[entry.end.stretch, entry.end.lower] = sign_at(*orbit)
+    stable, undecided = intervals_where(chain, whole, atlas.claim.kind == "loop", rule)
+    listed = sorted((point for point in whole.points if rule.ends_at(point)), key=_place)
+    return LastingList(
+        tuple(ExceptionalOrbit(point, _fate(chain, found, results, point)) for point in listed),
+        tuple(LastingInterval(entry, signs[entry.end.stretch, entry.end.lower]) for entry in stable),
+        tuple(undecided),
+        tuple(gaps),
+    )
+
+
+def _place(point: Point) -> tuple[int, Fraction]:
+    return point.stretch, ends_of(point.s)[0]
+
+
+def _gap(part: Segment, stretch: Stretch, start: Fraction, end: Fraction, reason: str) -> Gap:
+    return Gap(part.stretch, stretch.tube.piece.id, start, end, Matter.TWIST, reason)
+
+
+def _may_end(subject: Subject) -> bool:
+    """Whether stability for ever may change where this is open."""
+    if isinstance(subject, Resonance):
+        return subject.k <= LEAST_ORDER
+    return subject not in (Matter.EXTREMA, Matter.COMBINATIONS)
+
+
+def _elliptic(chain: Chain, found: CompleteList) -> list[Segment]:
+    """The parts of segments that contain all orbits that are shown to be linearly stable, each once."""
+    ranges: list[tuple[tuple[int, Fraction], tuple[int, Fraction]]] = []
+    for entry in stable_intervals(chain, found, False)[0]:
+        first, last = (entry.begin.stretch, entry.begin.lower), (entry.end.stretch, entry.end.upper)
+        if ranges and first <= ranges[-1][1]:
+            first = ranges.pop()[0]
+        ranges.append((first, last))
+    parts = []
+    for first, last in ranges:
+        for segment in found.segments:
+            start = max(first, (segment.stretch, segment.start))
+            end = min(last, (segment.stretch, segment.end))
+            if start < end:
+                low, high = start[1], end[1]
+                parts.append(replace(segment, start=low, entered=min(max(low, segment.entered), high), end=high))
+    return parts
+
+
+def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[LastingResult]) -> _Twist | None:
+    """The functions on the interval of a segment, if they are known."""
+    for result in results:
+        low, high = result.interval
+        if (
+            result.piece != stretch.tube.piece.id
+            or not result.is_proved
+            or not isinstance(result.twist, TwistFunctions)
+        ):
+            continue
+        if segment.radius != (high - low) / 2 * REACH:
+            continue
+        twist = result.twist
+        functions = [each.enclosed for each in (twist.twist, twist.exchanged, twist.fourth)]
+        if segment.middle == (low + high) / 2:
+            return _Twist((functions[0], functions[1]), functions[2])
+        if stretch.tube.is_symmetric and segment.middle == -(low + high) / 2:
+            mirrored = [each.mirrored() for each in functions]
+            return _Twist((mirrored[0], mirrored[1]), mirrored[2])
+    return None
+
+
+def _fate(chain: Chain, found: CompleteList, results: Sequence[LastingResult], point: Point) -> Fate:
+    """What is shown of a resonance of order 3 or 4 (Lemmas 29.4, 29.5)."""
+    if point.k not in (3, 4):
+        return Fate.OPEN
+    low, high = ends_of(point.s)
+    for segment in found.segments:
+        if segment.stretch == point.stretch and segment.start <= low and high <= segment.end:
+            twist = _twist_on(segment, chain.stretches[segment.stretch], results)
+            tau = segment.tau_of(point.s)
+            if twist is None:
+                return Fate.OPEN
+            shown = twist.sign(tau) != 0 if point.k == 3 else is_positive(twist.fourth.value(tau))
+            return Fate.UNSTABLE if shown else Fate.OPEN
+    return Fate.OPEN

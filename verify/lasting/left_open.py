@@ -1,0 +1,36 @@
+"""Whether the twist is left open on an interval of a piece (section 29.5). Carries no proof."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from flint import ctx
+
+from orbitproof.shared.formats import Piece
+from orbitproof.verify.evidence import is_positive
+from orbitproof.verify.functions import REACH
+from orbitproof.verify.lasting.stored import LastingResult, TwistFunctions
+from orbitproof.verify.stability import PRECISION, StabilityFunctions, between, zeros_on
+
+_PARTS = 32
+
+
+def twist_open_on(piece: Piece, result: LastingResult) -> str:
+    """Why the twist of linearly stable orbits is not decided on a proved interval, as `stability.open_on` says it."""
+    if not isinstance(result.twist, TwistFunctions):
+        return "stability"
+    if not isinstance(result.stability, StabilityFunctions):
+        return ""
+    symmetric = piece.kind == "symmetric" and result.interval[0] <= 0 <= result.interval[1]
+    first = Fraction(0) if symmetric else -1 / REACH
+    step = (1 / REACH - first) / _PARTS
+    parts = [(first + number * step, first + (number + 1) * step) for number in range(_PARTS)]
+    with ctx.workprec(PRECISION):
+        s = result.stability.characteristic[0].enclosed
+        functions = [each.enclosed for each in (result.twist.twist, result.twist.exchanged)]
+        for low, high in parts[1:-1]:
+            values = s.value(between(low, high))
+            elliptic = is_positive(1 - values * values)
+            if elliptic and all(zeros_on(function, low, high).undecided for function in functions):
+                return "zeros"
+    return ""

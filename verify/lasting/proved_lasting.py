@@ -1,0 +1,52 @@
+"""Stability for ever as part of the theorem about a curve (section 29.6)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from flint import ctx
+
+from orbitproof.shared.formats import Atlas
+from orbitproof.verify.evidence import NotProved, Proved, Reason
+from orbitproof.verify.lasting.fates import LEAST_ORDER, LastingList, lasting_list
+from orbitproof.verify.lasting.stored import LastingResult, is_known_of
+from orbitproof.verify.stability import PRECISION, ListConclusion, ListTheorem, ProvedList
+
+
+@dataclass(frozen=True)
+class LastingTheorem(ListTheorem):
+    """The same with the stability for ever of the orbits (Theorem 29.6)."""
+
+
+@dataclass(frozen=True)
+class ProvedLasting(ProvedList):
+    """What is known of a curve with its list.
+
+    Attributes:
+        lasting: which orbits are stable for ever, and the exceptions.
+    """
+
+    lasting: LastingList
+
+
+def conclude_lasting(atlas: Atlas, results: Sequence[LastingResult], listed: ListConclusion) -> ListConclusion:
+    """Stability for ever of the orbits of a curve, and the theorem about it.
+
+    Args:
+        results: of the pieces, with what is known of the twist.
+        listed: what they prove of the curve and its resonances.
+    """
+    outcome = listed.outcome
+    if not isinstance(outcome, Proved):
+        return listed
+    theorem, known = outcome.theorem, outcome.results
+    assert isinstance(theorem, ListTheorem)
+    if not is_known_of(atlas.system) or listed.order < LEAST_ORDER:
+        message = f"stability for ever is known for n = 1 only, with all resonances up to k = {LEAST_ORDER}"
+        reason = Reason("lasting", message, "give `complete` a larger number, or leave `lasting` out")
+        return replace(listed, outcome=NotProved(reason, outcome.hypotheses))
+    with ctx.workprec(PRECISION):
+        lasting = lasting_list(atlas, known.curve.chain, known.found, results)
+    proved = ProvedLasting(**vars(known), lasting=lasting)
+    return replace(listed, outcome=Proved(LastingTheorem(theorem.curve, theorem.order), proved, outcome.hypotheses))

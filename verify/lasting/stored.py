@@ -1,0 +1,88 @@
+"""What is stored of the twist of orbits on an interval of a piece (section 29.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+
+from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.verify.curve import HalfReturn, about_pieces, broken_off
+from orbitproof.verify.evidence import IntegrationFailure, NotKnown, guarded
+from orbitproof.verify.functions import StoredFunction
+from orbitproof.verify.lasting.half_map import return_map
+from orbitproof.verify.lasting.jets import exchanged
+from orbitproof.verify.lasting.twist_function import normal_form
+from orbitproof.verify.poincare import PHYSICAL
+from orbitproof.verify.stability import SPARE_BITS, StabilityResult, TubeOfOrbits
+
+
+def is_known_of(system: ReversibleSystem) -> bool:
+    """Whether the theorem speaks of curves of a system: n = 1, states of their own, no level that is held."""
+    one = len(system.kernel_coordinates) == 1
+    return one and not system.normalised and system.fixed_level is None
+
+
+@dataclass(frozen=True)
+class TwistFunctions:
+    """Functions of tau on an interval of a piece, up to positive factors (section 29.4).
+
+    Attributes:
+        twist: Theta, with the sign of the twist times 1 + 2 c, c the stability parameter.
+        exchanged: Theta', the same with p and q exchanged.
+        fourth: Delta, which decides at resonances 1:4.
+    """
+
+    twist: StoredFunction
+    exchanged: StoredFunction
+    fourth: StoredFunction
+
+
+@dataclass(frozen=True)
+class LastingResult(StabilityResult):
+    """What was found for a piece of a curve.
+
+    Attributes:
+        twist: functions, or why there are none; `None` if they were not asked for.
+    """
+
+    twist: TwistFunctions | NotKnown | None = None
+
+
+def twist_of_piece(
+    tube: TubeOfOrbits, progress: Callable[[float], None] | None = None, half: HalfReturn | None = None
+) -> TwistFunctions | NotKnown:
+    """The functions of section 29.3 as they are stored, or why there are none.
+
+    Args:
+        progress: called after every step with the number of steps; what it raises passes through.
+        half: the return of the tube, if it is known already, with its limits.
+    """
+    followed = replace(tube, coordinates=PHYSICAL)
+    try:
+        if not is_known_of(tube.system):
+            raise IntegrationFailure(
+                "lasting", f"the twist is not known of orbits of {tube.system.name}", "leave it out"
+            )
+        with guarded(tube.limits.precision + SPARE_BITS), np.errstate(all="ignore"):
+            return _twist(followed, tube.wider(progress) if half is None else half, progress)
+    except IntegrationFailure as error:
+        return NotKnown(about_pieces(error.reason))
+    except (ArithmeticError, ValueError) as error:
+        return NotKnown(broken_off("stability", error))
+
+
+def _twist(tube: TubeOfOrbits, half: HalfReturn, progress: Callable[[float], None] | None) -> TwistFunctions:
+    try:
+        curve = tube.curve(half)
+    except IntegrationFailure:
+        half = tube.wider(progress)
+        curve = tube.curve(half)
+    first, second = return_map(tube, half, curve, progress)
+    one = tube.arithmetic.constant(Fraction(1))
+    s = first.coefficients[1, 0]
+    found = normal_form(first, second, s, one)
+    other = normal_form(exchanged(second), exchanged(first), s, one)
+    return TwistFunctions(*map(StoredFunction.of, (found.twist, other.twist, found.fourth)))

@@ -1,0 +1,16 @@
+"""Births of orbits that the reversor R does not map to themselves (section 27)."""
+
+from orbitproof.verify.reversor_breaking.equations import Coefficients, Kernel, LossEquations, equations_of
+from orbitproof.verify.reversor_breaking.following import (
+    BreakingEnclosures,
+    across,
+    enclose_breaking,
+    variables_of,
+)
+from orbitproof.verify.reversor_breaking.proved_reversor_breaking import (
+    BreakingResults,
+    BreakingTheorem,
+    check_breaking_exactly,
+    prove_breaking,
+    theorem_of,
+)
