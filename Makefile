@@ -91,7 +91,7 @@ demo: $(VENV)/demo.stamp
 
 # Atlas and proof of each branch. What exists is kept, what was interrupted goes on.
 # BIFURCATIONS=certificates.json also says which certified bifurcations lie on them.
-CURVES := falkner-skan l1-circle-earth-moon l1-circle-sun-jupiter l2-arc-earth-moon l2-arc-sun-jupiter
+CURVES := falkner-skan l1-circle-earth-moon l1-circle-sun-jupiter l2-arc-earth-moon l2-arc-sun-jupiter dro-earth-moon
 MASSES := earth-moon sun-jupiter
 SURFACES := L1 L2 L3
 
@@ -107,6 +107,7 @@ branches: $(VENV)/demo.stamp
 	  cover $$name atlas --preset $$name; \
 	  case $$name in \
 	    falkner-skan) only=falkner-skan-*; list="--complete 12";; \
+	    dro-*) only=$${name#dro-}-dro-*; list=;; \
 	    *) mass=$${name#*-*-}; point=$$(echo $${name%%-*} | tr l L); only=$$mass-$$point-*; list=;; \
 	  esac; \
 	  prove $$name "$$only" "$$list"; \

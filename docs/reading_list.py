@@ -21,6 +21,7 @@ CHAPTERS = {
     "bifurcation": ("verify.poincare.iterates", "verify.bifurcation.proved_bifurcation"),
     "fold": ("verify.poincare.iterates", "verify.bifurcation.fold"),
     "orbit": ("verify.orbit.following", "verify.orbit.proved_orbit"),
+    "twist": ("verify.twist.following", "verify.twist.proved_stable_orbit"),
     "curve": ("verify.curve.piece", "verify.curve.proved_curve"),
     "periodic": ("verify.periodic.following", "verify.periodic.proved_periodic"),
     "periodic-bifurcation": (
@@ -31,6 +32,12 @@ CHAPTERS = {
     "periodic-curve": ("verify.periodic_curve.piece", "verify.periodic_curve.proved_curve"),
     "surface": ("verify.surface.piece", "verify.surface.libration_piece", "verify.surface.proved_surface"),
     "list": ("verify.curve.piece", "verify.stability.matrix", "verify.stability.proved_list"),
+    "lasting": (
+        "verify.curve.piece",
+        "verify.stability.matrix",
+        "verify.lasting.stored",
+        "verify.lasting.proved_lasting",
+    ),
     "second-proof": ("verify.second_proof.proof",),
 }
 """The modules that enclose, and the one that concludes, by what it concludes about."""
@@ -39,6 +46,7 @@ OTHER_WORDS = {
     "bifurcation": ("row", "candidate", "resonance", "symmetry-breaking", "period-tupling", "touch-and-go"),
     "fold": ("extremum",),
     "orbit": ("one-orbit", "single-orbit"),
+    "twist": ("stable-orbit",),
     "curve": ("branch", "branches", "family", "families", "loop", "piece", "atlas", "libration"),
     "periodic": ("periodic-orbit",),
     "periodic-bifurcation": ("periodic-fold", "periodic-doubling", "periodic-pitchfork", "doubling", "pitchfork"),
@@ -46,6 +54,7 @@ OTHER_WORDS = {
     "periodic-curve": ("periodic-atlas", "periodic-arc", "periodic-loop"),
     "surface": ("mass", "masses", "birth"),
     "list": ("complete", "complete-list", "stability"),
+    "lasting": ("twistless", "stable-for-ever"),
     "second-proof": ("second",),
 }
 """What else the chapters are called, where the words of the project name them."""

@@ -28,7 +28,7 @@ from orbitproof.explore.families import (
     trace_family,
     trace_task,
 )
-from orbitproof.explore.names import FAMILY_NAMES, POINTS, exact_parameters, is_family_name, label_of
+from orbitproof.explore.names import FAMILY_NAMES, POINTS, exact_parameters, family_name, is_family_name, label_of
 from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
@@ -205,7 +205,8 @@ def trace(
 
     Arguments:
         system: `shared.CR3BP` or `shared.FALKNER_SKAN`.
-        name: one of `families_of(system)`; "L1-halo-2", "L1-halo-3", .. are later branches of the planar family.
+        name: one of `families_of(system)`, in any case; "L1-halo-2", "L1-halo-3", .. are later branches of the planar
+            family.
         mu: mass parameter of the CR3BP, in (0, 1): a `Fraction` or a decimal text is taken exactly, a float as the
             double that it is.
         z_max, vy_max: largest absolute value of that coordinate of the first point on Fix(R).
@@ -230,6 +231,7 @@ L3-lyapunov, L1-vertical, L2-vertical, L3-vertical, L2-butterfly, dro
     Traceback (most recent call last):
     ValueError: mu: missing; give the mass parameter of cr3bp, in (0, 1), for example shared.EARTH_MOON
     """
+    name = family_name(name)
     if not is_family_name(system.name, name):
         known = ", ".join(FAMILY_NAMES.get(system.name, ())) or "none"
         raise ValueError(f"name: {name!r} is no family of {system.name}; there are {known}")

@@ -30,7 +30,7 @@ from orbitproof.explore.flow import (
     norm,
     power,
 )
-from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem
+from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, with_functions
 
 Coordinates = Literal["physical", "regularised"]
 
@@ -42,6 +42,8 @@ MAX_STEPS = 4000
 GROW = 5.0
 
 POWER_COST = 8
+
+_FUNCTIONS = {"sin": np.sin, "cos": np.cos, "exp": np.exp, "log": np.log}
 
 LANES = 96
 """Points that are followed at once."""
@@ -116,6 +118,7 @@ class HalfReturns:
         states[list(system.fixed_coordinates)] = points[int(system.family_parameter is not None) :]
         if system.fixed_level is not None:
             self._put_on_level(states, inputs)
+        states = self._with_functions(states, inputs)
         constants, start = inputs, states
         if self.regularisation is not None:
             assert system.first_integral_program is not None
@@ -155,9 +158,17 @@ class HalfReturns:
         values = []
         for number in (0, 1):
             w[:] = number
-            values.append(_run(integral, [*states, *inputs])[0])
+            values.append(_run(integral, [*self._with_functions(states, inputs), *inputs])[0])
         with np.errstate(invalid="ignore"):
             w[:] = level.sign * np.sqrt((_long(level.value) - values[0]) / (values[1] - values[0]))
+
+    def _with_functions(self, states: ComplexArray, inputs: ComplexArray) -> ComplexArray:
+        """The states with the values of the coordinates that are functions of others."""
+        if not self.system.defined:
+            return states
+        with np.errstate(all="ignore"):
+            rows = with_functions(self.system, [*states], [*inputs], _FUNCTIONS, _long, _power)
+        return np.array(np.broadcast_arrays(*rows), dtype=states.dtype)
 
     def _section(self, states: ComplexArray, inputs: ComplexArray) -> ComplexArray:
         system = self.system
@@ -184,10 +195,12 @@ def _long(value: Fraction) -> np.longdouble:
     return np.longdouble(head) + np.longdouble(float(value - Fraction(head)))
 
 
+def _power(base: Any, exponent: Fraction) -> Any:
+    return base ** int(exponent) if exponent.denominator == 1 else base ** float(exponent)
+
+
 def _run(program: Program, arguments: Sequence[Any]) -> ComplexArray:
-    values = program.evaluate(
-        arguments, constant=_long, power=lambda base, e: base ** int(e) if e.denominator == 1 else base ** float(e)
-    )
+    values = program.evaluate(arguments, constant=_long, power=_power)
     shape = np.shape(arguments[0])
     return np.array([np.broadcast_to(value, shape) for value in values], dtype=np.result_type(arguments[0]))
 

@@ -28,7 +28,7 @@ from orbitproof.explore.refinement import (
 )
 from orbitproof.shared.formats import Candidate
 from orbitproof.shared.numbers import round_dyadic
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, with_functions
 
 BITS = 100
 """Working precision for what a double cannot hold; the point of a claim is rounded to it."""
@@ -159,10 +159,15 @@ def level_at(
         state[index] = value
     fixed = [_number(parameters[name], context) for name in system.parameters]
 
-    def power(base: Any, exponent: Fraction) -> Any:
-        return context.mpf(base) ** _number(exponent, context)
+    def number(value: Fraction) -> Any:
+        return _number(value, context)
 
-    return program.evaluate([*state, *fixed], lambda value: _number(value, context), power)[0]
+    def power(base: Any, exponent: Fraction) -> Any:
+        return context.mpf(base) ** number(exponent)
+
+    functions = {name: getattr(context, name) for name in ("sin", "cos", "exp", "log")}
+    state = with_functions(system, state, fixed, functions, number, power)
+    return program.evaluate([*state, *fixed], number, power)[0]
 
 
 def _without_level(

@@ -13,6 +13,7 @@ from orbitproof.explore.commands import (
     branches,
     common,
     invariants,
+    losses,
     mass_curve,
     orbit,
     periodic,
@@ -21,7 +22,7 @@ from orbitproof.explore.commands import (
     trajectory,
 )
 from orbitproof.explore.families import CONTROL, SAMPLING_TIMEOUT
-from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS
+from orbitproof.explore.names import FAMILY_NAMES, POINTS, PRESETS, family_name
 from orbitproof.shared.systems import MASS_PARAMETERS
 
 _FOLDS = "also look for folds: extrema of the family parameter or first integral along the family"
@@ -121,6 +122,7 @@ def parser() -> Parser:
     for command in (
         orbit,
         periodic,
+        losses,
         refine,
         branches,
         mass_curve,
@@ -146,8 +148,10 @@ def _family_options(target: argparse.ArgumentParser) -> None:
     target.add_argument(
         "--family",
         nargs="+",
+        type=family_name,
         metavar="NAME",
-        help=f"families to trace ({families}), or what to call the one of --start; L1-halo-2, L1-halo-3, .. branch "
+        help=f"families to trace ({families}; in any case, dro also as distant-retrograde), or what to call the one "
+        "of --start; L1-halo-2, L1-halo-3, .. branch "
         "off at the next symmetry breakings of L1-lyapunov, the same for L2 and L3",
     )
     target.add_argument(

@@ -9,7 +9,14 @@ from typing import Any
 
 from orbitproof.explore.atlases import Source, check_names
 from orbitproof.explore.commands import common
-from orbitproof.explore.names import FAMILY_NAMES, exact_number, given_parameters, is_family_name, system_named
+from orbitproof.explore.names import (
+    FAMILY_NAMES,
+    exact_number,
+    family_name,
+    given_parameters,
+    is_family_name,
+    system_named,
+)
 from orbitproof.shared.formats import Covers, InputError, check_writable
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
 
@@ -69,6 +76,22 @@ ATLAS_PRESETS = {
         ("vy",),
         "L2 halo orbits of the Sun-Jupiter system up to vy = 8",
     ),
+    "dro-earth-moon": AtlasPreset(
+        "cr3bp-planar",
+        "earth-moon",
+        "dro",
+        ("x", "1.008", "1.788"),
+        ("x",),
+        "Distant retrograde orbits of the Moon, from 0.02 to 0.8 from it",
+    ),
+    "dro-sun-jupiter": AtlasPreset(
+        "cr3bp-planar",
+        "sun-jupiter",
+        "dro",
+        ("x", "1.008", "1.8"),
+        ("x",),
+        "Distant retrograde orbits of Jupiter, from 0.009 to 0.8 from it",
+    ),
 }
 
 _EXAMPLES = """\
@@ -94,7 +117,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--preset", choices=tuple(ATLAS_PRESETS), help=f"in place of the next options: {presets}")
     common.add_system(parser)
     parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number, taken exactly")
-    parser.add_argument("--family", metavar="NAME", help="the family, as for explore family")
+    parser.add_argument("--family", type=family_name, metavar="NAME", help="the family, as for explore family")
     parser.add_argument(
         "--from-family",
         type=Path,

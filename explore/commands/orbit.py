@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.names import (
     exact_number,
+    family_name,
     given_parameters,
     is_family_name,
     label_of,
@@ -21,7 +23,10 @@ from orbitproof.explore.names import (
 from orbitproof.shared.formats import (
     COORDINATE,
     HALF_PERIOD,
+    INVARIANT_TORI,
     LEVEL,
+    ORBIT,
+    STABLE_ORBIT,
     Candidate,
     Equation,
     InputError,
@@ -47,14 +52,17 @@ examples:
   orbitproof explore orbit --family L2-halo --mass 0.01215 --period '29.530588*86400/375200*2/9' -o candidate.json
   orbitproof explore orbit --from-family families.json --family earth-moon-L2-halo --extrema -o extrema.json
   orbitproof explore orbit --family L2-vertical --mass earth-moon --at z=0.1 -o vertical.json
+  orbitproof explore orbit --system henon-heiles.py --start y=0.1 vx=0.1 --at y=0.1 --stable -o stable.json
+  orbitproof explore orbit --family L2-halo --mass earth-moon --period 1.36 --tori -o tori.json
   orbitproof explore orbit --from-catalogue halo.json --every 10 -o candidates.json
   orbitproof explore orbit --from-catalogue halo.json --certificates certificates.json
   orbitproof verify candidate.json -o certificate.json
 
 With --start alone the orbit is corrected in float64; its family is traced, both ways, from the file that -o writes, or
 by explore family with the same options. With --period, --level, --at or --extrema, or with a catalogue, orbits are
-refined to many digits, and -o is a candidates file: orbitproof verify proves that they exist. Three orbits at each
-extremum of a stability parameter give orbitproof verify atlas --complete its value to some 14 digits. An
+refined to many digits, and -o is a candidates file: orbitproof verify proves that they exist, with --stable that they
+are stable for ever (n = 1), with --tori that invariant tori accumulate at them (n = 2; not stability). Three orbits at
+each extremum of a stability parameter give orbitproof verify atlas --complete its value to some 14 digits. An
 interrupted run goes on with the same command. Exit codes: 0 corrected, 1 not, 2 bad input.
 """
 
@@ -66,7 +74,11 @@ def add_parser(commands: Any) -> None:
     common.add_start(parser)
     parser.add_argument("--mass", nargs=1, metavar="MU", help="mass parameter of the CR3BP: a name or a number")
     parser.add_argument(
-        "--family", nargs=1, metavar="NAME", help="the family of the orbit; with --start the name to give its family"
+        "--family",
+        nargs=1,
+        type=family_name,
+        metavar="NAME",
+        help="the family of the orbit; with --start the name to give its family",
     )
     parser.add_argument("--mirror", action="store_true", help="halo families: the mirror image")
     parser.add_argument("--from-family", type=Path, metavar="FILE", help="take the orbit from a family in this file")
@@ -93,6 +105,16 @@ def add_parser(commands: Any) -> None:
         "--extrema",
         action="store_true",
         help="at each extremum of a stability parameter that the family file lists, and on both sides close to it",
+    )
+    wanted.add_argument(
+        "--stable",
+        action="store_true",
+        help="claim that it is stable for ever: for systems with n = 1, planar problems",
+    )
+    wanted.add_argument(
+        "--tori",
+        action="store_true",
+        help="claim that invariant tori accumulate at it, which is not stability: for systems with n = 2",
     )
     parser.add_argument("--digits", type=common.digits, default=50, metavar="N", help="default: %(default)s")
     parser.add_argument("--id", metavar="NAME", help="of the candidate (default: mass and family)")
@@ -130,7 +152,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
     """An approximate orbit: corrected, and refined if an equation is given."""
-    equation = _equation(options, system, wanted=False)
+    equation = _equation(options, system, wanted=options.stable or options.tori)
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
@@ -232,6 +254,9 @@ def _extrema(options: argparse.Namespace) -> int:
     """Three orbits beside each extremum of a stability parameter that a family file lists."""
     if options.from_family is None or options.output is None:
         raise InputError("--extrema: needs a family file and a file to write; give --from-family and --output")
+    for option in ("stable", "tori"):
+        if getattr(options, option):
+            raise InputError(f"--{option}: --extrema says which orbits; leave it out")
     for option in ("period", "level", "at", "system", "start", "from_catalogue"):
         if getattr(options, option) is not None:
             raise InputError(f"--{option.replace('_', '-')}: --extrema says which orbits; leave it out")
@@ -335,6 +360,7 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
 
     if options.output is None:
         raise InputError("--output: missing; give the candidates file to write")
+    tasks = [replace(task, kind=_kind(options, task.system)) for task in tasks]
     kept = {each.id: each for each in (read_candidates(options.output) if options.output.exists() else [])}
     done = {task.id: kept[task.id] for task in tasks if task.id in kept and _is_refined(task, kept[task.id])}
     waiting = [task for task in tasks if task.id not in done]
@@ -358,6 +384,21 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
     return 0 if complete else 1
 
 
+def _kind(options: argparse.Namespace, system: ReversibleSystem) -> Literal["orbit", "stable_orbit", "invariant_tori"]:
+    """What is claimed of an orbit of a system. Raises `InputError` for what is not known of its orbits."""
+    n = len(system.kernel_coordinates)
+    if options.stable and options.tori:
+        raise InputError("--tori: is about n = 2, and --stable about n = 1; give one of them")
+    if options.stable and n != 1:
+        raise InputError(
+            f"--stable: orbits of {system.name} have n = {n}, of which this is not known; give a system with n = 1, "
+            "such as a planar problem"
+        )
+    if options.tori and n != 2:
+        raise InputError(f"--tori: orbits of {system.name} have n = {n}, and this is about n = 2; leave it out")
+    return STABLE_ORBIT if options.stable else INVARIANT_TORI if options.tori else ORBIT
+
+
 def _is_refined(task: OrbitTask, candidate: Candidate) -> bool:
     """Whether a candidate of an earlier run is what the task asks for."""
     return (
@@ -365,6 +406,7 @@ def _is_refined(task: OrbitTask, candidate: Candidate) -> bool:
         and dict(candidate.parameters) == dict(task.parameters)
         and (task.equation is None or candidate.equation == task.equation)
         and candidate.crossings == task.crossings
+        and candidate.kind == task.kind
         and candidate.provenance.get("digits") == task.digits
         and all(abs(float(c) - g) < 1e-2 for c, g in zip(candidate.centre, task.guess, strict=True))
     )

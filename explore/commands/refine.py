@@ -8,13 +8,22 @@ from typing import Any
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.names import given_parameters, label_of, place_of, short_name, system_named
-from orbitproof.shared.formats import KINDS, InputError, check_writable, read_candidates, write_candidates
+from orbitproof.shared.formats import (
+    KINDS,
+    REVERSOR_BREAKING,
+    InputError,
+    check_writable,
+    read_candidates,
+    write_candidates,
+)
 
 _EXAMPLES = """\
 examples:
   orbitproof explore refine --system mine.py -k 3 --point c=0.27634 y=0.52554 -o candidate.json
   orbitproof explore refine --system mine.py -k 4 --point c=0.22544 y=0.43305 --append -o candidate.json
   orbitproof explore refine --system mine.py -k 1 --kind fold --point c=1.26623 y=1.35911 -o fold.json
+  orbitproof explore refine --system cr3bp --mass earth-moon -k 1 --kind reversor_breaking \\
+      --point x=0.93 z=0.287 vy=0.0817 -o loss.json
   orbitproof verify candidate.json -o certificate.json
 
 The point has to be good to five digits or so. Exit codes: 0 refined, 1 not, 2 bad input.
@@ -29,7 +38,9 @@ def add_parser(commands: Any) -> None:
     common.add_system(parser)
     parser.add_argument("--mass", metavar="MU", help="mass parameter of the CR3BP: a name or a number")
     parser.add_argument("-k", type=common.multiplicity, required=True, metavar="K", help="multiplicity")
-    parser.add_argument("--kind", choices=KINDS, help="of the bifurcation (default: the generic one of that K)")
+    parser.add_argument(
+        "--kind", choices=(*KINDS, REVERSOR_BREAKING), help="of the bifurcation (default: the generic one of that K)"
+    )
     parser.add_argument(
         "--symmetry", metavar="NAME", help="for symmetry breaking: the symmetry that breaks (default: the only one)"
     )

@@ -4,6 +4,8 @@
   planar family breaks first; ``L1-halo-2``, ``L1-halo-3``, .. branch off where it does so the next times. The same for
   L2 and L3. ``L2-butterfly`` branches off, with twice the period, at the last 1:2 resonance of the L2 halo family.
   ``dro``, the distant retrograde orbits, are planar orbits around the smaller primary, from small circles outwards.
+- cr3bp-planar, the CR3BP in the plane z = 0: ``dro`` again, by the crossing beyond the smaller primary, so that x
+  increases outwards.
 - cr3bp-axial, the CR3BP under its second reversor, the half turn about the x axis: ``L1-axial`` branches off where S
   breaks first on the planar family among orbits with that symmetry. The same for L2 and L3.
 - falkner-skan: ``odd``, the symmetric periodic orbits in the parameter beta.
@@ -42,7 +44,7 @@ from orbitproof.explore.names import branch_number, is_family_name
 from orbitproof.explore.numerics import bracketed_zero
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.seeds import LinearOrbit, detuning, libration_point, limit_orbit, lyapunov_orbit, vertical_orbit
-from orbitproof.shared.systems import FALKNER_SKAN, ReversibleSystem
+from orbitproof.shared.systems import CR3BP_PLANAR, FALKNER_SKAN, ReversibleSystem
 
 AMPLITUDE = 1e-3
 BETA = (100.0, 1000.0)
@@ -50,8 +52,8 @@ BETA = (100.0, 1000.0)
 
 PLANAR_ORBITS = 2000
 
-RETROGRADE_RADIUS = 0.1
-"""Of the first distant retrograde orbit, in units of (mu/3)^(1/3)."""
+RETROGRADE_RADIUS, NEAREST_RADIUS = 0.1, 0.01
+"""Of the first distant retrograde orbit, and of that in the planar problem, in units of (mu/3)^(1/3)."""
 
 
 class FamilyFailure(Exception):
@@ -196,15 +198,22 @@ class _Tracer:
         return self.problem((size, size, size, 1.0), symmetry), start
 
     def retrograde_start(self) -> tuple[ShootingProblem, Start]:
-        """A small circle around the smaller primary, against its turning: first crossing at x < 1 - mu, vy > 0."""
-        mass = float(self.parameters["mu"])
+        """A small circle around the smaller primary, against its turning.
+
+        The first crossing is at x < 1 - mu with vy > 0, in the planar problem at x > 1 - mu with vy < 0, so that x
+        increases outwards.
+        """
+        mass, planar = float(self.parameters["mu"]), self.system is CR3BP_PLANAR
         hill = float((mass / 3) ** (1 / 3))
-        radius = RETROGRADE_RADIUS * hill
+        radius, side = (NEAREST_RADIUS * hill, 1.0) if planar else (RETROGRADE_RADIUS * hill, -1.0)
         turning = float(np.sqrt(mass / radius**3)) + 1.0
+        place, direction = {"x": 1.0 - mass + side * radius, "vy": -side * turning * radius}, {"x": side}
+        names = self.system.centre_coordinates
         start = Start(
-            np.array([1.0 - mass - radius, 0.0, turning * radius, np.pi / turning]), np.array([-1.0, 0.0, 0.0, 0.0])
+            np.array([*(place.get(name, 0.0) for name in names), np.pi / turning]),
+            np.array([*(direction.get(name, 0.0) for name in names), 0.0]),
         )
-        return self.problem((hill, hill, hill, 1.0), "S"), start
+        return self.problem((*(hill for _ in names), 1.0), None if planar else "S"), start
 
     def butterfly(self, point: str) -> Family:
         """The branch of doubled period at the last 1:2 resonance of the halo family."""

@@ -13,11 +13,24 @@ FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
         "dro",
     ),
     "cr3bp-axial": ("L1-axial", "L2-axial", "L3-axial"),
+    "cr3bp-planar": ("dro",),
     "falkner-skan": ("odd",),
 }
 """The families that can be asked for, by system; `explore.families.named` traces them."""
 
+_ALIASES: Mapping[str, str] = {"distant-retrograde": "dro"}
+
 _BRANCH = re.compile(r"L[123]-halo(?:-([2-9]|[1-9][0-9]))?")
+
+
+def family_name(text: str) -> str:
+    """The name of a family that is asked for, in any case or by its long name; other texts as they are."""
+    wanted = text.casefold()
+    wanted = _ALIASES.get(wanted, wanted)
+    known = {name.casefold(): name for names in FAMILY_NAMES.values() for name in names}
+    if _BRANCH.fullmatch(f"{wanted[:1].upper()}{wanted[1:]}") is not None:
+        return f"{wanted[:1].upper()}{wanted[1:]}"
+    return known.get(wanted, text)
 
 
 def is_family_name(system: str, name: str) -> bool:
@@ -26,9 +39,9 @@ def is_family_name(system: str, name: str) -> bool:
 
 
 def system_with(names: Sequence[str]) -> str | None:
-    """The system that has families of all these names; `None` if there is no name or no such system."""
+    """The first system that has families of all these names; `None` if there is no name or no such system."""
     fits = [system for system in FAMILY_NAMES if names and all(is_family_name(system, name) for name in names)]
-    return fits[0] if len(fits) == 1 else None
+    return fits[0] if fits else None
 
 
 def branch_name(planar: str, number: int) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from orbitproof.explore.flow import FlowResult, Vector
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, functions_in_floats
 
 _DIFFERENCE = 1e-6
 
@@ -47,7 +47,7 @@ def _gradient(system: ReversibleSystem, point: Vector) -> Vector:
         step = np.zeros(len(point))
         step[i] = _DIFFERENCE * (1 + abs(float(value)))
         ends = [
-            float(system.first_integral(end[:count].tolist(), end[count:].tolist())[0])
+            float(system.first_integral(functions_in_floats(system, end[:count], end[count:]), end[count:].tolist())[0])
             for end in (point + step, point - step)
         ]
         slopes.append((ends[0] - ends[1]) / (2 * step[i]))

@@ -29,7 +29,9 @@ from orbitproof.explore.orbits.batch_algebra import (
 )
 from orbitproof.explore.orbits.shooting import RESIDUAL, CorrectionFailure, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.orbits.stability import HalfReturn
-from orbitproof.shared.systems import ReversibleSystem
+from orbitproof.shared.systems import ReversibleSystem, with_functions
+
+_FUNCTIONS = {"sin": np.sin, "cos": np.cos, "exp": np.exp, "log": np.log}
 
 
 @dataclass(frozen=True)
@@ -182,7 +184,8 @@ class _Newton:
         states = np.zeros((len(which), len(system.state)))
         fixed = list(system.fixed_coordinates)
         states[:, fixed] = self.unknowns[which][:, self.problem.size - 1 - len(fixed) : -1]
-        return states
+        columns = with_functions(system, [*states.T], [*self._parameters(which).T], _FUNCTIONS)
+        return np.stack(np.broadcast_arrays(*columns), axis=1)
 
     def _evaluate(self, which: np.ndarray, progress: Progress | None, iteration: int) -> None:
         # Orbits that take about as many steps go into one block, so that few lanes wait for others.

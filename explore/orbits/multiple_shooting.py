@@ -21,7 +21,7 @@ from orbitproof.explore.numerics import SEGMENTS
 from orbitproof.explore.orbits.along_level import along_level
 from orbitproof.explore.orbits.shooting import CorrectionFailure
 from orbitproof.explore.orbits.stability import half_return
-from orbitproof.shared.systems import ReversibleSystem, on_level
+from orbitproof.shared.systems import ReversibleSystem, completed
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class MultipleShooting:
         state = np.zeros(len(self.system.state))
         fixed = self.system.fixed_coordinates
         state[list(fixed)] = point[self.point_size - len(fixed) : self.point_size]
-        return np.array(on_level(self.system, state.tolist(), self.parameter_values(point)))
+        return np.array(completed(self.system, state.tolist(), self.parameter_values(point)))
 
     def parameter_values(self, point: Vector) -> Vector:
         """All parameters of the vector field in its order, as doubles."""

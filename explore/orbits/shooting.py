@@ -28,7 +28,7 @@ from orbitproof.explore.orbits.stability import (
     half_return,
     stability_parameters,
 )
-from orbitproof.shared.systems import ReversibleSystem, on_level
+from orbitproof.shared.systems import ReversibleSystem, completed
 
 RESIDUAL = 1e3
 """How far the equations may be off, in units of the tolerance of a step (orbits close to a collision are sensitive)."""
@@ -150,7 +150,7 @@ class ShootingProblem:
         state = np.zeros(len(self.system.state))
         fixed = self.system.fixed_coordinates
         state[list(fixed)] = unknowns[self.size - 1 - len(fixed) : -1]
-        return np.array(on_level(self.system, state.tolist(), self.parameter_values(unknowns)))
+        return np.array(completed(self.system, state.tolist(), self.parameter_values(unknowns)))
 
     def parameter_values(self, unknowns: Vector) -> Vector:
         """All parameters of the vector field in its order, as doubles."""

@@ -1,3 +1,5 @@
+from .breaking import crossing_matrix as crossing_matrix
+from .breaking import refine_breaking as refine_breaking
 from .crossing import Crossing as Crossing
 from .crossing import section_crossings as section_crossings
 from .frames import Frame as Frame

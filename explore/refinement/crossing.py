@@ -19,7 +19,7 @@ import mpmath
 from orbitproof.explore.refinement.jets import Jet, JetBasis
 from orbitproof.explore.refinement.tape import Tape
 from orbitproof.explore.refinement.taylor import IntegrationFailure, JetStepper, Series, StepResult
-from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem
+from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, with_functions
 
 MAXIMAL_STEPS = 500
 """Steps after which a return to the section is given up."""
@@ -74,7 +74,7 @@ def section_crossings(
     """
     bits = context.prec
     basis = start[0].basis
-    start = _on_level(system, parameters, start, parameter_jet, context)
+    start = completed_jets(system, parameters, start, parameter_jet, context)
     jets, constant = list(start), parameter_jet
     program, section = system.program, system.section_index
     if regularisation is not None:
@@ -159,6 +159,48 @@ def shorter_coordinates(
     return None
 
 
+def completed_jets(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    start: Sequence[Jet],
+    parameter: Jet | None,
+    context: mpmath.MPContext,
+) -> list[Jet]:
+    """`start` with the coordinates that follow from the others: that of a fixed level, and functions."""
+    jets = _with_functions(system, parameters, start, parameter, context)
+    if system.fixed_level is None:
+        return jets
+    return _with_functions(
+        system, parameters, _on_level(system, parameters, jets, parameter, context), parameter, context
+    )
+
+
+def _with_functions(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    start: Sequence[Jet],
+    parameter: Jet | None,
+    context: mpmath.MPContext,
+) -> list[Jet]:
+    """`start` with the values of the coordinates that are functions of others."""
+    if not system.defined:
+        return list(start)
+    basis = start[0].basis
+
+    def number(value: Fraction) -> Any:
+        return context.mpf(value.numerator) / value.denominator
+
+    def power(base: Any, exponent: Fraction) -> Any:
+        return base.power(exponent, power) if isinstance(base, Jet) else context.mpf(base) ** number(exponent)
+
+    def function(name: str) -> Callable[[Any], Jet]:
+        return lambda value: (value if isinstance(value, Jet) else basis.constant(value)).function(name, context)
+
+    given = [number(parameters[name]) if name in parameters else parameter for name in system.parameters]
+    functions = {each.function: function(each.function) for each in system.defined}
+    return with_functions(system, start, given, functions, number, power)
+
+
 def _on_level(
     system: ReversibleSystem,
     parameters: Mapping[str, Fraction],
@@ -166,10 +208,9 @@ def _on_level(
     parameter: Jet | None,
     context: mpmath.MPContext,
 ) -> list[Jet]:
-    """`start` with the level coordinate that belongs to the fixed level, if the system has one: H = A + b w^2."""
+    """`start` with the level coordinate that belongs to the fixed level: H = A + b w^2."""
     level = system.fixed_level
-    if level is None:
-        return list(start)
+    assert level is not None
     place, basis = system.state.index(str(system.level_coordinate)), start[0].basis
 
     def number(value: Fraction) -> Any:
@@ -205,6 +246,7 @@ def level_jet(
     if parameter is not None:
         return parameter
     assert system.first_integral_program is not None
+    start = _with_functions(system, parameters, start, None, context)
     return _evaluate_program(system.first_integral_program, start, system, parameters, context)[0]
 
 

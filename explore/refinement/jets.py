@@ -163,6 +163,23 @@ class Jet:
             result.append(total / (den * monomial[v] * base[0]))
         return Jet(self.basis, result)
 
+    def function(self, name: str, context: Any) -> Jet:
+        """sin, cos, exp or log of it; `context` has them of numbers."""
+        head = self.coefficients[0]
+        rest = Jet(self.basis, [0 * head, *self.coefficients[1:]])
+        if name == "log":
+            rest = rest / head
+            series = [context.log(head), *((-1) ** (k + 1) / context.mpf(k) for k in range(1, self.basis.degree + 1))]
+        else:
+            sine, cosine = context.sin(head), context.cos(head)
+            cycle = [sine, cosine, -sine, -cosine] if name != "exp" else [context.exp(head)] * 4
+            places = range(name == "cos", self.basis.degree + 1 + (name == "cos"))
+            series = [cycle[k % 4] / context.factorial(n) for n, k in enumerate(places)]
+        result = self.basis.constant(series[-1])
+        for coefficient in reversed(series[:-1]):
+            result = result * rest + coefficient
+        return result
+
     def compose(self, arguments: Sequence[Jet]) -> Jet:
         """Substitute jets without constant term for the variables; the result lives in their basis."""
         target = arguments[0].basis

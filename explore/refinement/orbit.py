@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isfinite, log2
-from typing import Any
+from typing import Any, Literal
 
 import mpmath
 import numpy as np
@@ -41,6 +41,7 @@ class OrbitTask:
         guess: float64 point, in the order of `ReversibleSystem.centre_coordinates`.
         digits: decimal digits of the centre.
         crossings: of the section in a half orbit, m; P^m stands for P.
+        kind: what is claimed, one of `shared.formats.ORBIT_KINDS`.
     """
 
     id: str
@@ -51,6 +52,7 @@ class OrbitTask:
     digits: int
     provenance: Mapping[str, Any]
     crossings: int = 1
+    kind: Literal["orbit", "stable_orbit", "invariant_tori"] = ORBIT
 
 
 @dataclass(frozen=True)
@@ -187,7 +189,7 @@ def _candidate(task: OrbitTask, point: Sequence[Fraction], bits: int, spread: fl
         id=task.id,
         system=task.system,
         parameters=dict(task.parameters),
-        kind=ORBIT,
+        kind=task.kind,
         k=1,
         centre=tuple(centre),
         frame=_unit(size),

@@ -9,8 +9,9 @@ from fractions import Fraction
 from typing import Any
 
 from orbitproof.explore.engines import Job, Lost, Progress, run_all
+from orbitproof.explore.refinement.breaking import refine_breaking
 from orbitproof.explore.refinement.newton import RefinementFailure, refine
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
 from orbitproof.shared.systems import ReversibleSystem
 
 
@@ -53,6 +54,18 @@ def refine_task(task: Task, progress: Progress | None = None) -> Refined:
     """Refine one point; a failure is a result, not an exception."""
     started = time.monotonic()
     try:
+        if task.kind == REVERSOR_BREAKING:
+            candidate = refine_breaking(
+                task.system,
+                task.parameters,
+                task.guess,
+                digits=task.digits,
+                crossings=task.crossings,
+                id=task.id,
+                provenance=task.provenance,
+                progress=progress,
+            )
+            return Refined(task, candidate, candidate.centre[0], None, time.monotonic() - started)
         point = refine(
             task.system,
             task.parameters,

@@ -18,6 +18,9 @@ from orbitproof.verify.atlas import AtlasCertificate, Result
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.stability import REACH, StabilityFunctions, StabilityResult
 
+Ends = tuple[tuple[str, float], tuple[str, float]]
+"""Two places on a curve, by (piece, s)."""
+
 
 @dataclass(frozen=True)
 class StabilityOnStretch:
@@ -66,13 +69,17 @@ class CertifiedStability:
         parts: in order along the curve.
         points: of the list, without Krein collisions.
         stable: the linearly stable intervals, by (piece, s) at both ends.
+        lasting: those of orbits that are stable for ever, with whether their twist is positive.
+        twistless: orbits without twist, by (piece, s).
     """
 
     curve: Curve
     order: int
     parts: tuple[StabilityOnStretch, ...]
     points: tuple[ListedPoint, ...]
-    stable: tuple[tuple[tuple[str, float], tuple[str, float]], ...]
+    stable: tuple[Ends, ...]
+    lasting: tuple[tuple[Ends, bool], ...] = ()
+    twistless: tuple[tuple[str, float], ...] = ()
 
     @classmethod
     def of(cls, certificate: AtlasCertificate) -> CertifiedStability | None:
@@ -81,12 +88,19 @@ class CertifiedStability:
         if not listed or not certificate.is_proved:
             return None
         curve = Curve.of(certificate)
+        lasting = listed.get("lasting", {"stable": [], "exceptions": []})
         return cls(
             curve,
             int(listed["order"]),
             tuple(_on_stretch(stretch, certificate.results) for stretch in curve.stretches),
             tuple(_point(entry) for entry in listed["points"] if entry["k"]),
-            tuple((_end(entry["from"], 1), _end(entry["to"], 0)) for entry in listed["stable"]),
+            tuple(map(_ends, listed["stable"])),
+            tuple((_ends(entry), entry["twist"] == "positive") for entry in lasting["stable"]),
+            tuple(
+                (entry["piece"], float(parse_exact(entry["s"]["mid"])))
+                for entry in lasting["exceptions"]
+                if entry["kind"] == "twistless"
+            ),
         )
 
 
@@ -96,14 +110,19 @@ def _point(entry: Mapping[str, Any]) -> ListedPoint:
     return ListedPoint(entry["piece"], s, entry["k"], entry["j"], entry["kind"], level, half_period, certified)
 
 
+def _ends(entry: Mapping[str, Any]) -> Ends:
+    return _end(entry["from"], 1), _end(entry["to"], 0)
+
+
 def _end(entry: Mapping[str, Any], which: int) -> tuple[str, float]:
     return entry["piece"], float(parse_exact(entry["interval"][which]))
 
 
 def _on_stretch(stretch: Stretch, results: Sequence[Result]) -> StabilityOnStretch:
+    # As in the list: of two results the one on the shorter interval, at equal lengths the one with more bits.
     known = [
         (float(result.interval[0]), float(result.interval[1]), result.stability)
-        for result in results
+        for result in sorted(results, key=lambda result: -(result.computation.precision or 0))
         if result.piece == stretch.piece
         and isinstance(result, StabilityResult)
         and isinstance(result.stability, StabilityFunctions)

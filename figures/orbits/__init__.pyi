@@ -1,3 +1,4 @@
+from .around_fixed_point import section_iterates as section_iterates
 from .beside import NewOrbits as NewOrbits
 from .beside import new_orbits as new_orbits
 from .fixed_set import Array as Array

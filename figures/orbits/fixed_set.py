@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from orbitproof.shared.systems import ReversibleSystem, on_level
+from orbitproof.shared.systems import ReversibleSystem, completed
 
 Array = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ def state_on_fixed_set(
     state = [0.0] * len(system.state)
     for index, value in zip(system.fixed_coordinates, values, strict=True):
         state[index] = float(value)
-    return on_level(system, state, parameter_values(system, parameters, point))
+    return completed(system, state, parameter_values(system, parameters, point))
 
 
 def parameter_values(

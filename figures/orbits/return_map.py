@@ -10,7 +10,7 @@ from scipy.integrate import DOP853
 
 from orbitproof.figures.orbits.fixed_set import Array
 from orbitproof.figures.orbits.orbit import OrbitNotClosed
-from orbitproof.shared.formats import PeriodicBifurcation
+from orbitproof.shared.formats import PeriodicBifurcation, PeriodicOrbit
 
 _ON_SECTION = 1e-12
 _STEPS = 5_000
@@ -31,7 +31,7 @@ class ReturnMap:
         tolerance: of the steps.
     """
 
-    claim: PeriodicBifurcation
+    claim: PeriodicBifurcation | PeriodicOrbit
     values: Sequence[float]
     time: float
     tolerance: float = 1e-12
@@ -55,6 +55,7 @@ class ReturnMap:
         count = len(states)
         values: list[Array | float] = list(self.values)
         if varied is not None:
+            assert isinstance(self.claim, PeriodicBifurcation)
             values[list(self.claim.system.parameters).index(str(self.claim.parameter))] = varied
 
         def field(x: Array) -> Array:

@@ -15,6 +15,7 @@ from orbitproof.explore.orbits import PeriodicSolution
 from orbitproof.figures.orbits import Array
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, label_of, unit_of
 from orbitproof.shared.formats import Candidate
+from orbitproof.shared.systems import completed
 from orbitproof.verify.orbit import OrbitResults
 
 _WIDTH = 7.2
@@ -67,7 +68,8 @@ def solution_of(candidate: Candidate, found: OrbitResults) -> PeriodicSolution:
     for index in system.fixed_coordinates:
         state[index] = point[system.state[index]]
     values = [parameters[name] for name in system.parameters]
-    return PeriodicSolution(system, values, state, float(found.period.mid()))
+    start = np.array(completed(system, state.tolist(), values))
+    return PeriodicSolution(system, values, start, float(found.period.mid()))
 
 
 def _is_in_space(names: Sequence[str], states: Array) -> bool:

@@ -16,10 +16,13 @@ from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.pictures.legends import legend_row
 from orbitproof.figures.pictures.marks import draw_resonance, resonances
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, level_label, marker_of
-from orbitproof.shared.formats import FOLD
+from orbitproof.shared.formats import FOLD, REVERSOR_BREAKING
 
 _WIDTH, _HEIGHT = 7.2, 6.4
 _STABLE = "#d9ead3"
+_LASTING = {True: "#b4d9a6", False: "#bfd6ef"}
+"""By whether the twist is positive."""
+_TWISTLESS: dict[str, Any] = {"color": INK, "linestyle": (0, (1, 1.5)), "linewidth": 1.0}
 _NAMED = 4
 """Resonant values up to 1:4 are drawn as lines."""
 _SHOWN = 1.25
@@ -28,6 +31,8 @@ _MANY = 7
 """Multiplicities from here on look alike."""
 _ROW = 0.22
 """Inches."""
+_LOSS = "loss of R"
+"""What a list calls such a point."""
 
 
 def draw_certified_stability(found: CertifiedStability) -> Figure:
@@ -53,6 +58,13 @@ def draw_certified_stability(found: CertifiedStability) -> Figure:
         places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
         for axes in (upper, lower):
             axes.axvspan(*places, facecolor=_STABLE, zorder=0, gid="stable")
+    for (begin, end), positive in found.lasting:
+        places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
+        for axes in (upper, lower):
+            axes.axvspan(*places, facecolor=_LASTING[positive], zorder=0.1, gid="lasting")
+    for piece, s in found.twistless:
+        for axes in (upper, lower):
+            axes.axvline(axis.at(stretches[piece], s), **_TWISTLESS, gid="twistless")
     for k, values in resonances(range(1, min(found.order, _NAMED) + 1)).items():
         for value in values:
             draw_resonance(upper, k, value)
@@ -88,6 +100,11 @@ def _legend(found: CertifiedStability) -> list[list[Any]]:
         curves.append(Line2D([], [], color=SECOND_CURVE, linestyle="dotted", label="complex pair (real part)"))
     if found.stable:
         curves.append(Patch(facecolor=_STABLE, label="proved linearly stable"))
+    for positive in sorted({positive for _, positive in found.lasting}):
+        label = f"stable for ever, twist {'positive' if positive else 'negative'}"
+        curves.append(Patch(facecolor=_LASTING[positive], label=label))
+    if found.twistless:
+        curves.append(Line2D([], [], **_TWISTLESS, label="no twist"))
     marks = {_label(point): Line2D([], [], label=_label(point), **_look(point)) for point in found.points}
     handles = [marks[name] for name in sorted(marks, key=lambda name: (len(name), name))]
     half = len(handles) if len(handles) <= _IN_A_ROW else (len(handles) + 1) // 2
@@ -106,11 +123,13 @@ def _legend(found: CertifiedStability) -> list[list[Any]]:
 def _label(point: ListedPoint) -> str:
     if point.kind == FOLD:
         return FOLD
+    if point.kind == _LOSS:
+        return "$R$ is lost" if point.certified else "$R$ may be lost"
     return f"1:{point.k}" if point.k < _MANY else f"1:{_MANY} and above"
 
 
 def _look(point: ListedPoint) -> dict[str, Any]:
-    marker, colour = marker_of(point.k, point.kind)
+    marker, colour = marker_of(point.k, REVERSOR_BREAKING if point.kind == _LOSS else point.kind)
     small = point.k > _NAMED
     return {
         "marker": marker,

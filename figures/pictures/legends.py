@@ -18,6 +18,9 @@ _KINDS = {
     "period_tupling": "$k={k}$, period tupling",
     "touch_and_go": "$k={k}$, touch-and-go",
     "orbit": "one orbit",
+    "reversor_breaking": "$R$ is lost",
+    "invariant_tori": "one orbit, tori near it",
+    "stable_orbit": "one orbit, stable for ever",
 }
 
 

@@ -15,6 +15,7 @@ from orbitproof.figures.pictures import (
     draw_periodic_bifurcation,
     draw_periodic_orbit,
     draw_pieces,
+    draw_section,
     draw_surface,
     surface_of,
 )
@@ -22,11 +23,13 @@ from orbitproof.figures.pictures.certified_boxes import draw_certified
 from orbitproof.figures.report.document import Picture
 from orbitproof.figures.report.theorems import Checked, CheckedAtlas, CheckedRow
 from orbitproof.figures.style import close, use_style
-from orbitproof.shared.formats import PeriodicBifurcation, PeriodicOrbit
+from orbitproof.shared.formats import Candidate, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.shared.systems import shown
 from orbitproof.verify.atlas import AtlasCertificate
+from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.periodic import PeriodicResults
 from orbitproof.verify.periodic_bifurcation import PeriodicBifurcationResults, TorusResults
+from orbitproof.verify.twist import StableOrbitResults
 
 _PNG_DPI = 130
 _FROM_POLYNOMIALS = "drawn from the polynomials of the pieces, from which the true curve is not further than the tube"
@@ -50,7 +53,9 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
             "points and times are enclosed by the certificate, far closer than can be seen"
         )
         figure = draw_orbit(entry.candidate, entry.certificate.orbit)
-        return (_picture(f"orbit-{file_name(name)}", caption, figure),)
+        return (_picture(f"orbit-{file_name(name)}", caption, figure), *_section_of(entry, entry.certificate.orbit))
+    if entry.candidate.loses_reversor:
+        return ()
     figure = draw_certified(CertifiedCurves.of(entry.certificate.to_json(), f"certificate {name!r}"), None)
     fold = entry.candidate.is_fold
     curves, along = ("the family", "it") if fold else ("the family and the branch", "the branch")
@@ -59,6 +64,24 @@ def _of_row(entry: CheckedRow) -> tuple[Picture, ...]:
         "the enclosed coefficient of the normal form, within the box (thick) and, not proved, continued"
     )
     return (_picture(f"box-{file_name(name)}", caption, figure),)
+
+
+def _section_of(entry: CheckedRow, found: OrbitResults) -> tuple[Picture, ...]:
+    """The return map about an orbit that is stable for ever; none where orbits near it cannot be followed."""
+    if not isinstance(found, StableOrbitResults):
+        return ()
+    assert isinstance(entry.candidate, Candidate)
+    try:
+        figure = draw_section(entry.candidate, found)
+    except OrbitNotClosed:
+        return ()
+    name = entry.certificate.id
+    caption = (
+        f"{shown(name)}: orbits of the return map near it on the section, on its level or at its parameter, iterated "
+        "in double precision; the certificate encloses the point in the middle, and proves that there are closed "
+        "invariant curves in every neighbourhood of it, not that those of the picture are such"
+    )
+    return (_picture(f"section-{file_name(name)}", caption, figure),)
 
 
 def _of_periodic(entry: CheckedRow, found: PeriodicResults) -> tuple[Picture, ...]:

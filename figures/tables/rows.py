@@ -22,9 +22,9 @@ from orbitproof.shared.formats import (
     read_candidates,
     validate_document,
 )
-from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem
+from orbitproof.shared.systems import MASS_PARAMETERS, ReversibleSystem, with_functions
 from orbitproof.verify.certificate import read_certificates
-from orbitproof.verify.evidence import Reason, as_said, ball_from_json, bounds, enclose, power
+from orbitproof.verify.evidence import FUNCTIONS, Reason, as_said, ball_from_json, bounds, enclose, power
 
 _NUMBERED = re.compile(r"-(k[0-9]+|fold)-[0-9]+(-second)?\Z")
 _LARGEST_EXPONENT = 150_000
@@ -192,6 +192,7 @@ def _at_point(
     coordinates = dict(zip(system.centre_coordinates, point, strict=True))
     state = [coordinates.get(name, arb(0)) for name in system.state]
     values = [coordinates[name] if name in coordinates else _ball(parameters[name]) for name in system.parameters]
+    state = with_functions(system, state, values, FUNCTIONS, enclose, power)
     value: Interval | None = None
     crossing = 0
     integral = system.first_integral_program

@@ -269,6 +269,11 @@ def test_rows_of_a_catalogue_are_proved_near_their_rows(tmp_path: Path, capsys: 
         (["--from-catalogue", str(CATALOGUE), "--catalogue-orbit", "99"], "--catalogue-orbit 99"),
         (["--from-catalogue", str(CATALOGUE), "--certificates", str(CATALOGUE)], "catalogue-halo.json"),
         (["--system", "falkner-skan", "--start", "beta=400", "y=0.9", "--level", "1"], "--level"),
+        (["--from-family", str(FAMILY), "--at", "beta=400", "--tori"], "--tori: orbits of falkner-skan have n = 1"),
+        (["--from-family", str(FAMILY), "--at", "beta=400", "--tori", "--stable"], "--tori"),
+        (["--system", "falkner-skan", "--start", "beta=400", "y=0.94", "--stable"], "--period, --level or --at"),
+        (["--from-family", str(FAMILY), "--extrema", "--stable"], "--stable"),
+        (["--from-family", str(FAMILY), "--extrema", "--tori"], "--tori"),
     ],
 )
 def test_bad_input_is_named(words: list[str], named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -283,3 +288,19 @@ def test_a_period_that_no_orbit_has_is_not_found(tmp_path: Path, capsys: pytest.
     words = ["orbit", "--from-family", str(FAMILY), "--period", "7", "-o", str(tmp_path / "out.json"), "--quiet"]
     assert explore(words) == 1
     assert "no orbit with the period 7" in capsys.readouterr().err
+
+
+def test_an_orbit_is_found_and_proved_to_be_stable_for_ever(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found, proved = tmp_path / "stable.json", tmp_path / "certificates.json"
+    words = ["orbit", "--from-family", str(FAMILY), "--at", "beta=400", "--digits", "20", "-o", str(found), "--quiet"]
+    assert explore([*words, "--stable"]) == 0
+    (candidate,) = read_candidates(found)
+    assert candidate.kind == "stable_orbit"
+    # The same orbit without this claim is another one, and is refined again.
+    assert explore(words) == 0
+    assert read_candidates(found)[0].kind == "orbit"
+    assert explore([*words, "--stable"]) == 0
+    assert verify([str(found), "-o", str(proved), "--quiet"]) == 0
+    assert "stable_orbit  proved" in capsys.readouterr().out
+    (certificate,) = read_certificates(proved).values()
+    assert "stable for ever" in (certificate.theorem or "")

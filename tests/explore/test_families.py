@@ -23,7 +23,7 @@ from orbitproof.explore.families import (
 from orbitproof.explore.families.continuation import Course, Start, trace
 from orbitproof.explore.flow import flow_of
 from orbitproof.explore.orbits import CorrectionFailure, ShootingProblem
-from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, FALKNER_SKAN, MASS_PARAMETERS
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, FALKNER_SKAN, MASS_PARAMETERS
 
 EARTH_MOON = {"mu": MASS_PARAMETERS["earth-moon"]}
 BIRTH = (3.1743503, 3.1743536)
@@ -262,6 +262,18 @@ def test_distant_retrograde_orbits_circle_the_smaller_primary_against_its_turnin
         assert all(abs(s) <= 1 + 1e-9 for s in orbit.stability)
     assert family.orbits[0].half_period < 0.1
     assert family.orbits[89].half_period > 1.0
+
+
+def test_distant_retrograde_orbits_are_the_same_in_the_plane_by_their_other_point() -> None:
+    orbit = trace_family(CR3BP, "dro", CATALOGUE_MASS, Limits(max_orbits=40)).orbits[-1]
+    x, _, vy = orbit.second_point
+    planar = trace_family(CR3BP_PLANAR, "dro", CATALOGUE_MASS, Limits(max_orbits=200, coordinate_max={"x": float(x)}))
+    assert planar.outcome == "limit"
+    places = np.array([other.unknowns[:2] for other in planar.orbits])
+    assert np.all(np.diff(places[:, 0]) > 0)
+    assert places[0, 0] - (1 - float(CATALOGUE_MASS["mu"])) < 0.01 * (float(CATALOGUE_MASS["mu"]) / 3) ** (1 / 3) + 1e-5
+    assert np.interp(x, *places.T) == pytest.approx(vy, abs=1e-4)
+    assert planar.orbits[-1].half_period == pytest.approx(orbit.half_period, rel=0.05)
 
 
 def test_axial_family_joins_two_lyapunov_families_and_is_symmetric_about_the_x_axis() -> None:

@@ -12,6 +12,7 @@ import orbitproof.explore.refinement.tasks
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.families import TraceTask
+from orbitproof.explore.names import family_name, is_family_name, system_with
 from orbitproof.explore.records import read_families
 from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import check
@@ -73,3 +74,24 @@ def test_several_processes_begin_with_the_longest_points(
     found = {index: result.task.id for index, result in refine_tasks(tasks, jobs, lambda _text, _part: None)}
     assert begun == order
     assert found == dict(enumerate(works))
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("dro", "dro"),
+        ("DRO", "dro"),
+        ("Distant-Retrograde", "dro"),
+        ("l1-HALO", "L1-halo"),
+        ("l2-halo-3", "L2-halo-3"),
+        ("L2-Butterfly", "L2-butterfly"),
+        ("My-Family", "My-Family"),
+    ],
+)
+def test_families_are_named_in_any_case(text: str, name: str) -> None:
+    assert family_name(text) == name
+
+
+def test_a_name_without_a_system_is_one_of_orbits_in_space() -> None:
+    assert system_with(["dro"]) == "cr3bp"
+    assert is_family_name("cr3bp-planar", "dro")

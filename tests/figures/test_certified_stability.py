@@ -114,3 +114,24 @@ def test_the_command_draws_it_if_there_is_a_list(with_list: bool, tmp_path: Path
     write_atlas_certificate(path, document() if with_list else plain)
     assert main(["atlas", str(path), "-o", str(folder)]) == 0
     assert bool(list(folder.glob("stability-*.png"))) is with_list
+
+
+def test_orbits_that_are_stable_for_ever_are_filled_by_the_sign_of_their_twist_and_twistless_ones_are_lines() -> None:
+    complete = listed(results())["complete"]
+    begin, *_, end = complete["points"]
+    whole = complete["stable"][0]
+    third = {**whole["to"], "piece": "p015", "interval": [end["s"]["mid"], end["s"]["mid"]]}
+    lasting = {
+        "stable": [{**whole, "to": third, "twist": "negative"}, {**whole, "from": third, "twist": "positive"}],
+        "exceptions": [{**begin, "kind": "twistless"}, begin],
+    }
+    figure = draw_certified_stability(stability(lasting=lasting))
+    for axes in figure.axes:
+        first, second = (patch for patch in axes.patches if patch.get_gid() == "lasting")
+        assert first.get_facecolor() != second.get_facecolor()
+        assert first.get_x() + first.get_width() == pytest.approx(second.get_x())
+        assert len([line for line in axes.lines if line.get_gid() == "twistless"]) == 1
+    labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert {"stable for ever, twist negative", "stable for ever, twist positive", "no twist"} <= set(labels)
+    assert unreadable(figure) == []
+    close(figure)

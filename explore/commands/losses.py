@@ -1,0 +1,57 @@
+"""``orbitproof explore losses``: candidates at the points of a complete list at which R may be lost."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from orbitproof.explore.commands import common
+from orbitproof.shared.formats import check_writable, write_candidates
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify atlas loop.json --complete 4 -o loop-certificate.json
+  orbitproof explore losses loop-certificate.json -o losses.json
+  orbitproof verify losses.json -o loss-certificates.json
+  orbitproof verify atlas loop.json --complete 4 --bifurcations loss-certificates.json -o loop-certificate.json
+
+Exit codes: 0 all refined, 1 one was not, 2 bad input.
+"""
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand to the parser's `commands`."""
+    parser = common.add_command(
+        commands, "losses", "refine the points of a complete list at which R may be lost to candidates", _EXAMPLES
+    )
+    parser.add_argument("list", type=Path, metavar="CERTIFICATE", help="certificate of a curve with a complete list")
+    parser.add_argument(
+        "--digits", type=common.digits, default=50, metavar="N", help="decimal digits (default: %(default)s)"
+    )
+    common.add_output(parser, "candidates file")
+    common.add_quiet(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Refine and write; returns the exit code. Raises `InputError`."""
+    check_writable(options.output)
+    from orbitproof.explore.engines import Reporter
+    from orbitproof.explore.losses import read_losses
+    from orbitproof.explore.refinement import refine_tasks
+
+    tasks = read_losses(options.list, options.digits)
+    found = []
+    with Reporter(options.quiet) as report:
+        report.stage("refining the points at which R may be lost")
+        for _, refined in refine_tasks(tasks, 1, report.update):
+            if refined.candidate is None:
+                report.error(f"{refined.task.id}: not refined: {refined.failure}")
+            else:
+                found.append(refined.candidate)
+    write_candidates(options.output, found)
+    if not options.quiet:
+        print(f"{len(found)} of {len(tasks)} points written to {options.output}", file=sys.stderr)
+    return 0 if len(found) == len(tasks) else 1
