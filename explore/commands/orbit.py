@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.names import (
+    MONTHS,
+    NO_NUMBER,
     exact_number,
     family_name,
     given_parameters,
@@ -49,7 +51,7 @@ examples:
   orbitproof explore orbit --system cr3bp --mass earth-moon --start x=0.8234 z=0 vy=0.126 -o orbit.json
   orbitproof explore family --from-family orbit.json --parameter-max x 0.83 -o family.json
   orbitproof explore orbit --family L2-halo --mass earth-moon --mirror --period 1.5 -o candidate.json
-  orbitproof explore orbit --family L2-halo --mass 0.01215 --period '29.530588*86400/375200*2/9' -o candidate.json
+  orbitproof explore orbit --family L2-halo --mass 0.01215 --period 'synodic_month*2/9' -o candidate.json
   orbitproof explore orbit --from-family families.json --family earth-moon-L2-halo --extrema -o extrema.json
   orbitproof explore orbit --family L2-vertical --mass earth-moon --at z=0.1 -o vertical.json
   orbitproof explore orbit --system henon-heiles.py --start y=0.1 vx=0.1 --at y=0.1 --stable -o stable.json
@@ -96,7 +98,11 @@ def add_parser(commands: Any) -> None:
     wanted = parser.add_argument_group(
         "what singles out the orbit: a number, or arithmetic with numbers, taken exactly as written"
     )
-    wanted.add_argument("--period", metavar="P", help="its period")
+    wanted.add_argument(
+        "--period",
+        metavar="P",
+        help="its period; for orbits of the Earth-Moon system synodic_month and sidereal_month may stand in it",
+    )
     wanted.add_argument("--level", metavar="H", help="its value of the first integral")
     wanted.add_argument(
         "--at", metavar="NAME=VALUE", help="a coordinate of its point on Fix(R), or the family parameter"
@@ -344,7 +350,12 @@ def _equation(options: argparse.Namespace, system: ReversibleSystem, wanted: boo
             known = ", ".join(system.centre_coordinates)
             raise InputError(f"--at {name}: no coordinate of {system.name} on Fix(R); give {known}")
         return Equation(COORDINATE, exact_number(f"--at {name}", text), name)
-    value = exact_number(f"--{given[0]}", text)
+    if given[0] == "period":
+        months = MONTHS if system.fixed_parameters == ("mu",) else {}
+        hint = f"{NO_NUMBER}, or arithmetic with {' and '.join(months)}" if months else NO_NUMBER
+        value = exact_number("--period", text, hint, months)
+    else:
+        value = exact_number("--level", text)
     if given[0] == "level":
         if system.first_integral is None:
             raise InputError(f"--level: {system.name} has no first integral; give --period or --at")

@@ -1,3 +1,5 @@
+from .exact_numbers import MONTHS as MONTHS
+from .exact_numbers import NO_NUMBER as NO_NUMBER
 from .exact_numbers import exact_number as exact_number
 from .exact_numbers import mass_parameter as mass_parameter
 from .family_names import FAMILY_NAMES as FAMILY_NAMES

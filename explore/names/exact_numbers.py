@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import suppress
 from fractions import Fraction
 
@@ -11,19 +12,33 @@ from orbitproof.shared.systems import MASS_PARAMETERS, FormulaError, evaluate_fo
 
 NO_NUMBER = "no number; write a decimal, a fraction or a hexadecimal number"
 
+PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459")
+"""pi, to 63 digits: an exact number that may stand in what an orbit is singled out by."""
 
-def number_in(text: str) -> Fraction | None:
-    """The number that a text is, exactly; `None` if it is none."""
+MONTHS: Mapping[str, Fraction] = {
+    "sidereal_month": 2 * PI,
+    "synodic_month": 2 * PI * Fraction("29.530588853") / Fraction("27.321661547"),
+}
+"""The Moon's mean months at J2000 in time units of the Earth-Moon system, of which 2 pi are one sidereal month.
+
+Of a sidereal month of 27.321661547 days and a synodic month of 29.530588853 days only the ratio counts.
+"""
+
+
+def number_in(text: str, names: Mapping[str, Fraction] | None = None) -> Fraction | None:
+    """The number that a text is, exactly, if `names` are the numbers that it may name; `None` if it is none."""
     with suppress(ValueError):
         return parse_exact(text)
     with suppress(FormulaError):
-        return Fraction(evaluate_formula(text, {}))
+        return Fraction(evaluate_formula(text, names or {}))
     return None
 
 
-def exact_number(option: str, text: str, wrong: str = NO_NUMBER) -> Fraction:
-    """The number given with an option, exactly as written. Raises `InputError`."""
-    value = number_in(text)
+def exact_number(
+    option: str, text: str, wrong: str = NO_NUMBER, names: Mapping[str, Fraction] | None = None
+) -> Fraction:
+    """The number given with an option, exactly as written, `names` being known in it. Raises `InputError`."""
+    value = number_in(text, names)
     if value is None:
         raise InputError(f"{option} {text}: {wrong}")
     return value

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from support.stored import values
 
 from orbitproof.explore.__main__ import main as explore
+from orbitproof.explore.names import MONTHS
 from orbitproof.shared.formats import read_atlas, read_candidates
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.verify.__main__ import main as verify
@@ -288,6 +290,18 @@ def test_a_period_that_no_orbit_has_is_not_found(tmp_path: Path, capsys: pytest.
     words = ["orbit", "--from-family", str(FAMILY), "--period", "7", "-o", str(tmp_path / "out.json"), "--quiet"]
     assert explore(words) == 1
     assert "no orbit with the period 7" in capsys.readouterr().err
+
+
+def test_months_are_those_of_the_moon_and_not_known_elsewhere(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert float(MONTHS["sidereal_month"]) == 2 * pi
+    assert abs(float(MONTHS["synodic_month"]) / (2 * pi) - 29.530588853 / 27.321661547) < 1e-15
+    # From new moon to new moon the Moon makes one turn more than the Earth about the Sun, in 365.25636 days.
+    assert abs(float(MONTHS["synodic_month"] / MONTHS["sidereal_month"]) - 1 / (1 - 27.321661547 / 365.25636)) < 1e-7
+    words = ["orbit", "--from-family", str(FAMILY), "--period", "synodic_month", "-o", str(tmp_path / "out.json")]
+    assert explore(words) == 2
+    assert "--period synodic_month: no number" in capsys.readouterr().err
 
 
 def test_an_orbit_is_found_and_proved_to_be_stable_for_ever(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
