@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -10,11 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, NullFormatter
 
-from orbitproof.figures.certified import CertifiedStability, ListedPoint, heading_of
+from orbitproof.figures.certified import CertifiedStability, ListedPoint, Stretch, heading_of
 from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.pictures.legends import legend_row
 from orbitproof.figures.pictures.marks import draw_resonance, resonances
+from orbitproof.figures.pictures.stretches import crowded
 from orbitproof.figures.style import CURVE, INK, SECOND_CURVE, level_label, marker_of
 from orbitproof.shared.formats import FOLD, REVERSOR_BREAKING
 
@@ -29,68 +32,132 @@ _SHOWN = 1.25
 _IN_A_ROW = 9
 _MANY = 7
 """Multiplicities from here on look alike."""
-_ROW = 0.22
-"""Inches."""
+_ROW, _MAGNIFIED, _PANEL = 0.22, 2.0, 1.35
+"""Inches of a row of the legend, and of panels that magnify with and without what is around them."""
+_LETTERS = "acdefghij"
+"""Of the panels with stability parameters: the whole curve, then stretches."""
+_DECADE = 10.0
 _LOSS = "loss of R"
 """What a list calls such a point."""
 
 
 def draw_certified_stability(found: CertifiedStability) -> Figure:
-    """The stability parameters with their bounds, and the level, along the curve; stable intervals are filled."""
-    figure = plt.figure(figsize=(_WIDTH, _HEIGHT))
-    rows = _legend(found)
-    foot = (0.62 + _ROW * len(rows)) / _HEIGHT
-    grid = figure.add_gridspec(2, 1, left=0.1, right=0.95, top=0.91, bottom=foot, hspace=0.16, height_ratios=(2.2, 1.0))
-    upper = figure.add_subplot(grid[0, 0])
-    lower = figure.add_subplot(grid[1, 0], sharex=upper)
+    """The stability parameters with their bounds, and the level, along the curve; stable intervals are filled.
+
+    Stretches on which points are crowded are drawn again in panels of their own.
+    """
     axis = Along(found.curve)
     stretches = {stretch.piece: stretch for stretch in found.curve.stretches}
+    spots = [axis.at(stretches[point.piece], point.s) for point in found.points]
+    close = _magnified(axis, found, spots)
+    rows = _legend(found)
+    height = _HEIGHT + _MAGNIFIED * len(close)
+    figure = plt.figure(figsize=(_WIDTH, height))
+    foot = 0.62 + _ROW * len(rows)
+    raised = foot + _MAGNIFIED * len(close)
+    grid = figure.add_gridspec(
+        2, 1, left=0.1, right=0.95, top=1 - 0.58 / height, bottom=raised / height, hspace=0.16, height_ratios=(2.2, 1.0)
+    )
+    upper = figure.add_subplot(grid[0])
+    lower = figure.add_subplot(grid[1], sharex=upper)
+    panels = [
+        figure.add_axes((0.1, (raised - _MAGNIFIED * (number + 1)) / height, 0.85, _PANEL / height))
+        for number in range(len(close))
+    ]
+    for axes in (upper, *panels):
+        _draw_parameters(axes, found, axis)
     for part in found.parts:
-        x = axis.values(part.stretch)
-        for values, bounds in zip(part.parameters.T, part.bounds.T, strict=True):
-            real = np.where(values.imag == 0, values.real, np.nan)
-            upper.fill_between(x, real - bounds, real + bounds, color=CURVE, alpha=0.35, linewidth=0)
-            upper.plot(x, real, color=CURVE)
-        pairs = np.where((part.parameters.imag != 0).any(axis=1), part.parameters[:, 0].real, np.nan)
-        upper.plot(x, pairs, color=SECOND_CURVE, linestyle="dotted")
-        lower.plot(x, part.half_period if axis.is_parameter else part.level, color=CURVE)
-    for begin, end in found.stable:
-        places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
-        for axes in (upper, lower):
-            axes.axvspan(*places, facecolor=_STABLE, zorder=0, gid="stable")
-    for (begin, end), positive in found.lasting:
-        places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
-        for axes in (upper, lower):
-            axes.axvspan(*places, facecolor=_LASTING[positive], zorder=0.1, gid="lasting")
-    for piece, s in found.twistless:
-        for axes in (upper, lower):
-            axes.axvline(axis.at(stretches[piece], s), **_TWISTLESS, gid="twistless")
-    for k, values in resonances(range(1, min(found.order, _NAMED) + 1)).items():
-        for value in values:
-            draw_resonance(upper, k, value)
-    for point in found.points:
-        x_at = axis.at(stretches[point.piece], point.s)
-        _mark(upper, x_at, point.value, point)
+        lower.plot(axis.values(part.stretch), part.half_period if axis.is_parameter else part.level, color=CURVE)
+    for axes in (upper, lower, *panels):
+        _draw_intervals(axes, found, axis, stretches)
+    for point, x_at in zip(found.points, spots, strict=True):
+        for axes in (upper, *panels):
+            _mark(axes, x_at, point.value, point)
         _mark(lower, x_at, point.half_period if axis.is_parameter else point.level, point)
     values = np.concatenate([part.parameters.ravel() for part in found.parts])
     if not (np.abs(values) <= _SHOWN).any():
         text = f"outside of this panel: real parts from about {values.real.min():.4g} to {values.real.max():.4g}"
         upper.text(0.5, 0.6, text, transform=upper.transAxes, ha="center", color=INK)
-    if axis.is_logarithmic:
-        upper.set_xscale("log")
-    upper.set_ylim(-_SHOWN, _SHOWN)
     upper.margins(x=0.015)
     upper.tick_params(labelbottom=False)
-    upper.set_ylabel(r"$(\lambda+1/\lambda)/2$")
     lower.set_ylabel("half period" if axis.is_parameter else level_label(found.curve.system).split("  ")[0])
-    lower.set_xlabel(axis.label)
-    figure.text(0.1, 0.965, heading_of(found.curve.atlas), color=INK, fontweight="bold", va="center")
+    (panels[-1] if panels else lower).set_xlabel(axis.label)
+    figure.text(0.1, 1 - 0.22 / height, heading_of(found.curve.atlas), color=INK, fontweight="bold", va="center")
     upper.set_title(f"(a)  stability parameters, with all resonances up to 1:{found.order}", color=INK)
     title = "half period" if axis.is_parameter else f"{_parameter(found)} of the orbits"
     lower.set_title(f"(b)  {title}", color=INK)
+    for number, axes in enumerate(panels):
+        within = [each for each in range(number) if _contains(close[each], close[number])]
+        parent = within[-1] + 1 if within else 0
+        letter, of = _LETTERS[number + 1], _LETTERS[parent]
+        _magnify((upper, *panels)[parent], axes, letter, of, close[number])
     for number, row in enumerate(rows):
         legend_row(figure, row, 0.06 + _ROW * number)
     return figure
+
+
+def _magnified(axis: Along, found: CertifiedStability, spots: Sequence[float]) -> list[tuple[float, float]]:
+    """The ends, on the axis, of the stretches with panels of their own."""
+    to, back = (np.log, np.exp) if axis.is_logarithmic else (np.asarray, np.asarray)
+    begin, end = (float(to(axis.ends(found.curve.stretches[place])[place])) for place in (0, -1))
+    stretches = crowded([(float(to(spot)) - begin) / (end - begin) for spot in spots])
+    return [tuple(float(back(begin + (end - begin) * place)) for place in ends) for ends in stretches][
+        : len(_LETTERS) - 1
+    ]
+
+
+def _draw_parameters(axes: Axes, found: CertifiedStability, axis: Along) -> None:
+    """The stability parameters with their bounds and the resonant values."""
+    for part in found.parts:
+        x = axis.values(part.stretch)
+        for values, bounds in zip(part.parameters.T, part.bounds.T, strict=True):
+            real = np.where(values.imag == 0, values.real, np.nan)
+            axes.fill_between(x, real - bounds, real + bounds, color=CURVE, alpha=0.35, linewidth=0)
+            axes.plot(x, real, color=CURVE)
+        pairs = np.where((part.parameters.imag != 0).any(axis=1), part.parameters[:, 0].real, np.nan)
+        axes.plot(x, pairs, color=SECOND_CURVE, linestyle="dotted")
+    for k, values in resonances(range(1, min(found.order, _NAMED) + 1)).items():
+        for value in values:
+            draw_resonance(axes, k, value)
+    if axis.is_logarithmic:
+        axes.set_xscale("log")
+    axes.set_ylim(-_SHOWN, _SHOWN)
+    axes.set_ylabel(r"$(\lambda+1/\lambda)/2$")
+
+
+def _draw_intervals(axes: Axes, found: CertifiedStability, axis: Along, stretches: Mapping[str, Stretch]) -> None:
+    """What is proved of whole intervals, and the orbits without twist."""
+    for begin, end in found.stable:
+        places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
+        axes.axvspan(*places, facecolor=_STABLE, zorder=0, gid="stable")
+    for (begin, end), positive in found.lasting:
+        places = [axis.at(stretches[piece], s) for piece, s in (begin, end)]
+        axes.axvspan(*places, facecolor=_LASTING[positive], zorder=0.1, gid="lasting")
+    for piece, s in found.twistless:
+        axes.axvline(axis.at(stretches[piece], s), **_TWISTLESS, gid="twistless")
+
+
+def _contains(whole: tuple[float, float], part: tuple[float, float]) -> bool:
+    return whole[0] <= part[0] and part[1] <= whole[1]
+
+
+def _magnify(whole: Axes, axes: Axes, letter: str, of: str, ends: tuple[float, float]) -> None:
+    """Let a panel show a stretch of another one, and mark there where it is."""
+    axes.set_xlim(*ends)
+    if axes.get_xscale() == "log":
+        if ends[1] < _DECADE * ends[0]:
+            axes.set_xscale("linear")
+        else:
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_title(f"({letter})  a stretch of ({of})", color=INK)
+    height = _SHOWN - 0.08
+    whole.plot(ends, [height] * 2, color=INK, marker="|", markersize=5, linewidth=1.0, gid=f"stretch {letter}")
+    whole.annotate(
+        letter, (ends[0], height), xytext=(-4, 0), textcoords="offset points", fontsize=7, color=INK, ha="right",
+        va="center",
+    )  # fmt: skip
 
 
 def _legend(found: CertifiedStability) -> list[list[Any]]:

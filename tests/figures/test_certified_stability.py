@@ -16,8 +16,9 @@ from support.stability_cases import atlas, listed, results
 from support.stored import values
 
 from orbitproof.figures.__main__ import main
-from orbitproof.figures.certified import CertifiedStability
+from orbitproof.figures.certified import CertifiedStability, ListedPoint
 from orbitproof.figures.pictures import draw_certified_stability
+from orbitproof.figures.pictures.certified_branches import Along
 from orbitproof.figures.style import close, use_style
 from orbitproof.shared import parse_exact
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate, write_atlas_certificate
@@ -134,4 +135,45 @@ def test_orbits_that_are_stable_for_ever_are_filled_by_the_sign_of_their_twist_a
     labels = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
     assert {"stable for ever, twist negative", "stable for ever, twist positive", "no twist"} <= set(labels)
     assert unreadable(figure) == []
+    close(figure)
+
+
+def points_at(*parts: float) -> tuple[ListedPoint, ...]:
+    """Listed points at such parts of the axis of `stability()`."""
+    curve = stability().curve
+    axis = Along(curve)
+    begin, end = axis.ends(curve.stretches[0])[0], axis.ends(curve.stretches[-1])[1]
+    found = []
+    for part in parts:
+        x = begin + part * (end - begin)
+        stretch = next(each for each in curve.stretches if axis.ends(each)[0] <= x <= axis.ends(each)[1])
+        s = float(np.interp(x, axis.values(stretch), stretch.s))
+        found.append(ListedPoint(stretch.piece, s, 7, 2, "", x, 0.2, False))
+    return tuple(found)
+
+
+def test_stretches_with_many_points_are_drawn_again_until_their_points_are_apart() -> None:
+    crowd, dense = (0.4 + 0.01 * i for i in range(10)), (0.412 + 0.0001 * i for i in range(12))
+    spots = sorted((0.1, *crowd, *dense, 0.8))
+    figure = draw_certified_stability(replace(stability(), points=points_at(*spots)))
+    whole, _, first, second = figure.axes
+    axis = Along(stability().curve)
+    begin, end = (axis.ends(stability().curve.stretches[place])[place] for place in (0, -1))
+    assert [axes.get_title(loc="left")[:3] for axes in figure.axes] == ["(a)", "(b)", "(c)", "(d)"]
+    for axes, marked, low, high in ((first, whole, 0.4, 0.49), (second, first, 0.412, 0.4131)):
+        left, right = axes.get_xlim()
+        (bar,) = (line for line in marked.lines if str(line.get_gid()).startswith("stretch"))
+        assert tuple(bar.get_xdata()) == (left, right)
+        assert left < begin + low * (end - begin) < begin + high * (end - begin) < right
+        shown = [line for line in axes.lines if str(line.get_gid()).startswith("listed")]
+        assert len(shown) == len(spots)
+    assert np.ptp(second.get_xlim()) < 0.25 * np.ptp(first.get_xlim()) < 0.1 * np.ptp(whole.get_xlim())
+    assert unreadable(figure) == []
+    close(figure)
+
+
+@pytest.mark.parametrize("spots", [(0.1, 0.2, 0.2001, 0.9), tuple(0.05 + 0.02 * i for i in range(45))])
+def test_few_points_and_points_all_over_the_curve_have_no_panel_of_their_own(spots: tuple[float, ...]) -> None:
+    figure = draw_certified_stability(replace(stability(), points=points_at(*spots)))
+    assert len(figure.axes) == 2
     close(figure)
