@@ -11,6 +11,7 @@ import ast
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain, count
 from typing import Any
 
 from orbitproof.shared.systems.formulas import LONGEST, FormulaError, evaluate_formula
@@ -52,18 +53,16 @@ class FunctionsOf:
         for known in self.calls:
             if (known.function, known.argument) == (function, argument):
                 return known
-        if len(self.calls) >= _MOST:
+        wanted = [each for each in (function, _PARTNERS.get(function)) if each]
+        if len(self.calls) + len(wanted) > _MOST:
             raise FormulaError(f"there are more than {_MOST} different functions; write the system with fewer")
-        made = [
-            Call(self._name(each, argument), each, argument) for each in (function, _PARTNERS.get(function)) if each
-        ]
+        made = [Call(self._name(each, argument), each, argument) for each in wanted]
         self.calls += made
         return made[0]
 
     def _name(self, function: str, argument: str) -> str:
         plain = f"{function}_{argument}"
-        tries = [plain] if plain.isidentifier() else []
-        tries += [f"{function}_{number}" for number in range(1, 3 * _MOST)]
+        tries = chain([plain] if plain.isidentifier() else [], (f"{function}_{number}" for number in count(1)))
         name = next(each for each in tries if each not in self.taken)
         self.taken.add(name)
         return name

@@ -86,6 +86,17 @@ def test_a_coefficient_that_is_zero_is_refused(what: str, monkeypatch: pytest.Mo
         concluded(attempt)
 
 
+@pytest.mark.parametrize(("speed", "lyapunov"), [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_the_side_of_a_torus_follows_from_signs_however_wide_the_coefficients_are(
+    speed: int, lyapunov: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    attempt = torus_attempt(known_torus(2, random.Random(1)))
+    monkeypatch.setattr(attempt, "coefficients", lambda *given: (arb(speed, 0.75), arb(lyapunov, 0.75)))
+    found = concluded(attempt)
+    assert (found.speed * found.lyapunov).contains(0)
+    assert found.side == ("below" if speed * lyapunov > 0 else "above")
+
+
 def test_another_multiplier_on_the_circle_is_refused() -> None:
     with pytest.raises(CannotFollow, match="others is not shown"):
         concluded(torus_attempt(known_torus(3, random.Random(3), (Fraction(-1),))))

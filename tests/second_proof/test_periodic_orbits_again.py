@@ -142,6 +142,19 @@ def test_a_stored_level_that_is_another_one_disagrees(
     assert compare(other, proofs["on a level"]).verdict == "disagrees"
 
 
+def test_a_stored_level_that_only_overlaps_is_not_confirmed(
+    certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
+) -> None:
+    """A ball that is much wider than the enclosure here, and ends within it."""
+    proof, wide = proofs["on a level"], Fraction(1, 2**40)
+    exact = parse_exact(certificates["on a level"]["statement"]["candidate"]["level"])
+    beside = {"mid": format_exact(exact + wide), "rad": format_exact(wide)}
+    stated = changed(certificates["on a level"], lambda c: c["results"].update(level=beside))
+    found = compare(stated, replace(proof, level=arb(int(exact), 2.0**-60)))
+    assert found.verdict == "cannot follow"
+    assert "level" in found.reason
+
+
 def test_counts_that_are_not_shown_here_are_not_confirmed(
     certificates: dict[str, dict[str, Any]], proofs: dict[str, ProvedPeriodic]
 ) -> None:

@@ -162,3 +162,14 @@ def test_a_row_is_about_its_certificate_and_made_by_its_program(
     assert len({mark, second_proofs.fingerprint(second), second_proofs.fingerprint({**first, "digest": ""})}) == 3
     (here / "flow.py").write_text((here / "flow.py").read_text("utf-8") + "# Another one.\n", encoding="utf-8")
     assert second_proofs.fingerprint(first) != mark
+
+
+@pytest.mark.parametrize("name", ["relation.py", "second_bifurcation.py", "second_periodic.py", "second_proofs.py"])
+def test_a_row_is_kept_by_the_comparison_that_made_it_alone(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = shutil.copytree(Path(str(second_proofs.__file__)).parent, tmp_path / "run")
+    monkeypatch.setattr(second_proofs, "__file__", str(here / "second_proofs.py"))
+    mark = second_proofs.fingerprint({})
+    (here / name).write_text((here / name).read_text("utf-8") + "# Another one.\n", encoding="utf-8")
+    assert second_proofs.fingerprint({}) != mark

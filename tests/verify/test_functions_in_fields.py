@@ -10,7 +10,8 @@ from fractions import Fraction
 from functools import cache
 from math import cos, exp, log, sin
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import mpmath
 import numpy as np
@@ -20,7 +21,7 @@ from scipy.integrate import solve_ivp
 from support.exact_elements import number
 
 from orbitproof.shared import define_system
-from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate, Equation
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Atlas, Candidate, Equation
 from orbitproof.shared.systems import (
     DescriptionError,
     ReversibleSystem,
@@ -33,6 +34,7 @@ from orbitproof.shared.systems import (
 )
 from orbitproof.verify.__main__ import main as verify_main
 from orbitproof.verify.algebra import Grading, Series, WideArithmetic
+from orbitproof.verify.atlas.certified import certified_point
 from orbitproof.verify.certificate import Certificate, Level, Limits, certify, digest, recheck
 from orbitproof.verify.claim import check_symmetries, parities, point_on_fixed_set, quadratic_coefficient
 from orbitproof.verify.claim.functions import keeps_its_functions
@@ -50,6 +52,8 @@ from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.poincare import IntegratorSettings, enclose_iterates, initial_values
 from orbitproof.verify.poincare.functions import function_of
 from orbitproof.verify.stability.level import gradient
+from orbitproof.verify.words.formulas import setting
+from orbitproof.verify.words.lasting import _where
 
 SWING: dict[str, Any] = {
     "name": "swing", "title": "Pendulum beside a spring", "state": "x y vx vy", "parameters": "w",
@@ -442,6 +446,86 @@ def test_a_system_with_functions_is_itself_again() -> None:
     assert system.symmetries["S"] == (1, -1, 1, -1, 1, 1)
     assert [system.state[i] for i in system.fixed_coordinates] == ["vx", "vy"]
     assert [system.state[i] for i in system.kernel_coordinates] == ["y"]
+
+
+def test_a_certificate_about_other_functions_is_not_one_about_the_system_of_a_curve() -> None:
+    """exp(u) and exp(u + 1) have the same field in plain arithmetic."""
+    own = described(entry(field={**SWING["field"], "vy": "-w*y*exp(vx**2)"}))
+    written = describe(own)
+    assert isinstance(written, dict)
+    *rest, (name, function, text) = written["defined"]
+    *lines, last = text.split("\n")
+    more = [f"v{len(lines)} = 1", f"v{len(lines) + 1} = {last.removeprefix('return ')} + v{len(lines)}"]
+    shifted = "\n".join([*lines, *more, f"return v{len(lines) + 1}"])
+    other = described({**written, "defined": [*rest, [name, function, shifted]]})
+    assert keeps_its_functions(other)
+    assert own.program == other.program
+    curve = cast("Atlas", SimpleNamespace(system=own, parameters={"w": Fraction(1, 2)}))
+    for system, problem in ((own, "the certificate says"), (other, "about other functions in the field")):
+        claim = replace(
+            swing({"vx": Fraction(3, 2), "vy": Fraction(0)}, Equation(COORDINATE, Fraction(0), "vy")), system=system
+        )
+        certificate = certify(claim, Limits(digits=12))
+        # That H is no first integral is seen before anything is integrated.
+        assert "first integral" in str(certificate.reason)
+        found = certified_point(curve, certificate, lambda _: pytest.fail("it is not looked at"))
+        assert problem in found.problem
+        assert found.is_foreign == (system is other)
+
+
+@pytest.mark.parametrize("factor", [1, 2])
+def test_a_certificate_on_a_level_of_another_integral_is_foreign_to_a_curve(factor: int) -> None:
+    level = {"value": "1/10", "sign": -1}
+    integral = "(vx**2 + vy**2)/2 - cos(x) + w*y**2/2"
+    own, other = (
+        described(entry(family_parameter="w", fixed_level=level, first_integral=f"{n}*({integral})"))
+        for n in (1, factor)
+    )
+    claim = Candidate(
+        id="level", system=other, parameters={}, kind="orbit", k=1, centre=(Fraction(2), Fraction(1)),
+        frame=((Fraction(1), Fraction(0)), (Fraction(0), Fraction(1))), kernel_frame=((Fraction(0),),),
+        radii=(Fraction(1, 100),) * 2, equation=Equation(COORDINATE, Fraction(1), "vy"),
+    )  # fmt: skip
+    certificate = certify(claim, Limits(digits=12))
+    assert not certificate.proved
+    curve = cast("Atlas", SimpleNamespace(system=own, parameters={}))
+    found = certified_point(curve, certificate, lambda _: pytest.fail("it is not looked at"))
+    assert found.is_foreign == (factor == 2)
+    assert ("another first integral" in found.problem) == found.is_foreign
+
+
+def test_no_letter_stands_for_two_things_in_a_statement() -> None:
+    where = {"q": "y**2*vx**2 + y**4 + w", "r": "x**2*y**2 + x**4 + 1"}
+    field = {**SWING["field"], "vx": "-sin(x)*q*q*q - q*x", "vy": "-w*y*exp(r*r*r + r)*exp(q*q*q)"}
+    system = described(entry(field=field, where=where, first_integral="(vx**2 + vy**2)/2 - cos(x)*r*r + r*q*q"))
+    lines = setting(system, {"w": Fraction(1, 2)}, None)
+    letters = [line.partition(" = ")[0].strip() for line in lines if line.startswith("  ")]
+    assert len([name for name in letters if len(name) == 1 and name not in "wH"]) >= 6
+    assert len(set(letters)) == len(letters)
+
+
+def test_lasting_stability_is_said_of_the_coordinates_that_are_given() -> None:
+    """Beside the states at which the further ones are these functions nothing is shown to be stable."""
+    curve = cast("Atlas", SimpleNamespace(system=described(SWING)))
+    assert "in the system with the states (x, y, vx, vy), on all" in _where(curve)
+
+
+def test_at_most_twenty_further_coordinates() -> None:
+    sums = {n: "+".join(f"exp({i}*vy)" for i in range(1, n + 1)) for n in (18, 19, 20, 21)}
+    for count, last, allowed in ((18, "cos(vx)", True), (19, "cos(vx)", False), (20, "1", True), (21, "1", False)):
+        text = {"vx": f"-x*({sums[count]})", "vy": f"-w*y*{last}"}
+        changes = entry(field={**SWING["field"], **text}, first_integral="vx**2")
+        if allowed:
+            assert len(described(changes).defined) == 20
+        else:
+            with pytest.raises(DescriptionError, match="more than 20"):
+                described(changes)
+
+
+def test_names_of_further_coordinates_are_found_however_many_are_taken() -> None:
+    names = " ".join(f"exp_{n}" for n in range(1, 70))
+    system = described(entry(parameters=f"w {names}", field={**SWING["field"], "vy": "-w*y*exp(vx*vx)"}))
+    assert "exp_70" in system.state
 
 
 @pytest.mark.slow

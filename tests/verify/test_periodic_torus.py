@@ -228,6 +228,18 @@ def test_coefficients_whose_sign_is_not_certain_prove_nothing(unknown: arb, monk
     assert _refused(cases.round_claim(), _round()) == "lyapunov"
 
 
+@pytest.mark.parametrize(("speed", "lyapunov"), [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+def test_the_side_follows_from_signs_however_wide_the_coefficients_are(
+    speed: int, lyapunov: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = "orbitproof.verify.periodic_bifurcation.proved_torus.coefficients_of_torus"
+    wide = TorusCoefficients(arb(speed, 0.75), arb(lyapunov, 0.75))
+    assert (wide.speed * wide.lyapunov).contains(0)
+    monkeypatch.setattr(place, lambda *_: wide)
+    found = _proved(cases.round_claim(), _round())
+    assert found.side == ("below" if speed * lyapunov > 0 else "above")
+
+
 @pytest.mark.parametrize("parameter", ["w", "b", "d"])
 def test_a_pair_that_stays_on_the_circle_is_refused(parameter: str) -> None:
     claim = cases.round_claim(parameter=parameter)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from orbitproof.shared.formats import Atlas, InputError, read_system
 from orbitproof.shared.systems import SYSTEMS
 from orbitproof.verify.certificate import Certificate, Recheck
+from orbitproof.verify.certificate.stated_system import stated
 from orbitproof.verify.curve import CertifiedPoint, certified_system
 
 Examine = Callable[[Certificate], Recheck]
@@ -60,6 +61,13 @@ def _other_system(atlas: Atlas, certificate: Certificate) -> str:
     for name, value in atlas.parameters.items():
         if parameters.get(name) != value:
             return f"it is about another value of {name}"
-    if statement["vector_field"] != wanted.program.text():
+    own = stated(wanted, None)
+    if statement["vector_field"] != own["vector_field"]:
         return f"it is about another vector field than that of {system.name} now"
+    # exp(x) and exp(x + 1) have the same field in plain arithmetic.
+    functions = [vars(each) for each in own["functions"] or ()]
+    if list(statement.get("functions") or ()) != functions:
+        return f"it is about other functions in the field than those of {system.name} now"
+    if wanted.fixed_level is not None and statement.get("first_integral") != own["first_integral"]:
+        return f"it is about another first integral than that of {system.name} now"
     return ""

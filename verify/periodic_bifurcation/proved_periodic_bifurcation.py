@@ -198,7 +198,8 @@ def _criticality(
     """Where a multiplier leaves the unit circle, if it is one alone (Lemma 25.4)."""
     if claim.kind == PERIODIC_FOLD or claim.level is not None or not excludes_zero(coefficients.pairing):
         return None
-    return "supercritical" if is_positive(coefficients.bend / coefficients.pairing) else "subcritical"
+    same = is_positive(coefficients.bend) == is_positive(coefficients.pairing)
+    return "supercritical" if same else "subcritical"
 
 
 def _other_multipliers(

@@ -198,6 +198,7 @@ def _results(
         others,
         coefficients.speed,
         coefficients.lyapunov,
-        "below" if is_positive(coefficients.speed * coefficients.lyapunov) else "above",
+        # The product of two wide balls that are positive need not be.
+        "below" if is_positive(coefficients.speed) == is_positive(coefficients.lyapunov) else "above",
         "subcritical" if is_positive(coefficients.lyapunov) else "supercritical",
     )

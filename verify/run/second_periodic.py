@@ -25,16 +25,16 @@ def compare_periodic(certificate: Mapping[str, Any], result: ProvedPeriodic) -> 
         return Comparison("disagrees", "point: other coordinates in the certificate")
     pairs = {f"point.{name}": (ball, results["point"][name]) for name, ball in result.point.items()}
     pairs["period"] = result.period, results["period"]
+    if (result.level is None) != (results.get("level") is None):
+        return Comparison("disagrees", "level: is here or in the certificate, and not in both")
+    if result.level is not None:
+        pairs["level"] = result.level, results["level"]
     inside, overlapping = list[str](), list[str]()
     for name, (mine, entry) in pairs.items():
         found = relation(name, mine, ball_from_json(entry))
         if isinstance(found, Comparison):
             return found
         (inside if found == "" else overlapping).append(name + found)
-    if (result.level is None) != (results.get("level") is None):
-        return Comparison("disagrees", "level: is here or in the certificate, and not in both")
-    if result.level is not None and not result.level.overlaps(ball_from_json(results["level"])):
-        return Comparison("disagrees", "level: the enclosures have no common point")
     stored = results["multipliers"]
     found = compare_multipliers(stored, result, on_level=result.level is not None)
     if isinstance(found, Comparison):

@@ -193,9 +193,10 @@ def prove_row(certificate: Mapping[str, Any], _: Report) -> Row:
 
 
 def fingerprint(certificate: Mapping[str, Any]) -> str:
-    """Which certificate a row is about, and which program proved it: a digest of both."""
-    digest = hashlib.sha256(json.dumps(certificate, sort_keys=True).encode())
-    for source in sorted(Path(str(folder.__file__)).parent.glob("*.py")):
+    """Which certificate a row is about, and which program proved and compared it: a digest of both."""
+    digest, here = hashlib.sha256(json.dumps(certificate, sort_keys=True).encode()), Path(__file__).parent
+    sources = (*Path(str(folder.__file__)).parent.glob("*.py"), *here.glob("second_*.py"), here / "relation.py")
+    for source in sorted(sources):
         digest.update(source.read_bytes())
     return digest.hexdigest()
 

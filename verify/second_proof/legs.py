@@ -168,7 +168,7 @@ class Legs:
             for q, time in early.items():
                 if time - now >= 0 and time - now <= step.duration:
                     between.setdefault(q, step.at(time - now))
-            is_end = not is_last and left <= step.duration
+            is_end = not is_last and abs(left) <= step.duration
             if is_end:
                 end = min(left.upper(), step.duration)
                 if not sign_of(step.polynomials[statement.section][()](left)):

@@ -225,7 +225,7 @@ class _Proof(VaryingLegs):
         )  # fmt: skip
 
     def multipliers(self, found: Return, trivial: int, is_fixed: bool | None) -> tuple[int, list[acb]]:
-        """The one that is known of the orbit, and the others. README, section 10.6."""
+        """The one that is known of the orbit, and the others. README, section 10.7."""
         matrix, factors = self.monodromy(found), [linear(1)] * trivial
         if is_fixed is not None:
             balls = multipliers(matrix, [*factors, linear(-1)])
@@ -237,7 +237,7 @@ class _Proof(VaryingLegs):
         return self.claim.sigma, multipliers(matrix, [*factors, linear(self.claim.sigma)])
 
     def mirrored(self, zero: Vector) -> tuple[bool, list[Hypothesis]]:
-        """Where S takes the point: whether S x = x, and that this or that it is another one is shown. README, 10.7."""
+        """Where S takes the point: whether S x = x, and that this or that it is another one is shown. README, 10.6."""
         orbit, size = self.statement, self.size
         signs = [*(orbit.symmetry or ()) * len(self.shares), *[1] * (len(self.columns) - self.state)]
         point = zero[:size]

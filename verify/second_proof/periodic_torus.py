@@ -29,7 +29,7 @@ class ProvedTorus:
         multiplier: one of the pair on the circle.
         multipliers, inside, on, outside: of the others; none is on the circle.
         speed: the derivative of the absolute value of the pair by the parameter.
-        lyapunov: d of Lemma 12, for the vector in the claim.
+        lyapunov: d of section 11.1, for the vector in the claim.
         side: where the torus is; `criticality`: supercritical if d < 0.
     """
 
@@ -150,8 +150,9 @@ class _Torus(VaryingLegs):
         return ProvedTorus(
             self.claim.kind, dict(zip(orbit.names, zero[:size], strict=True)), orbit.varying, zero[self.varied],
             zero[self.time], at, tuple(balls), inside, 0, outside, speed, bend,
-            "below" if speed * bend > 0 else "above", "supercritical" if bend < 0 else "subcritical", hypotheses,
-            self.width, self.bits, self.steps,
+            # The product of two wide balls that are positive need not be.
+            "below" if (speed > 0) == (bend > 0) else "above",
+            "supercritical" if bend < 0 else "subcritical", hypotheses, self.width, self.bits, self.steps,
         )  # fmt: skip
 
     def others(self, found: Return, at: acb) -> list[acb]:
@@ -159,7 +160,7 @@ class _Torus(VaryingLegs):
         return multipliers(self.monodromy(found), [linear(1), arb_poly([1, -2 * at.real, 1])])
 
     def coefficients(self, rows: Sequence[Jet], at: acb, vector: Complex) -> tuple[arb, arb]:
-        """The derivative of |lambda| by the parameter, and d for this W. README, Lemmas 11 and 12."""
+        """The derivative of |lambda| by the parameter, and d for this W. README, Lemmas 12 and 13."""
         size, w = self.size, self.full(vector)
         conjugate = [z.conjugate() for z in w]
         inverse = best_border(self.lines(rows, at), [z.conjugate() for z in self.weights], acb_mat).inv()

@@ -121,9 +121,17 @@ def setting(
     system = system_in_words(system)
     left = [f"{name}'" for name in system.state]
     taken = () if system.name in BRANCH_SYSTEMS else _TAKEN
-    lines = [f"The {system.title}:", *(f"  {line}" for line in equations(system.program, left, taken))]
+    field = equations(system.program, left, taken)
+    lines = [f"The {system.title}:", *(f"  {line}" for line in field)]
     lines += [f"  {name} = {exact_text(value)}" for name, value in parameters.items()]
-    lines += _functions(system, taken)
+    if system.defined:
+        taken = (*taken, *_left_sides(field))
+        functions = _functions(system, taken)
+        taken = (*taken, *_left_sides(functions))
+        lines += [
+            f"The states are given by {', '.join(system.given_state)}; {_named(system)} are these functions of them:"
+        ]
+        lines += [f"  {line}" for line in functions]
     if names:
         called = ", ".join(f"{new} is called {name}" for name, new in names.items())
         lines.append(f"In the description of the system {called}, which has another meaning here.")
@@ -148,16 +156,22 @@ def setting(
 
 
 def _functions(system: ReversibleSystem, taken: Sequence[str]) -> list[str]:
-    """What the state coordinates are that are functions of others."""
-    if not system.defined:
-        return []
-    named = ", ".join(each.name for each in system.defined)
-    lines = [f"The states are given by {', '.join(system.given_state)}; {named} are these functions of them:"]
+    """The coordinates that are functions of others, and what the names in their arguments stand for."""
+    lines: list[str] = []
     for each, program in zip(system.defined, system.argument_programs, strict=True):
-        formulas = _Formulas(program, taken)
-        lines.append(f"  {each.name} = {each.function}({formulas.of(program.outputs[0])[0]})")
-        lines += [f"  {line}" for line in formulas.definitions]
+        # No letter stands for two things in one statement.
+        formulas = _Formulas(program, (*taken, *_left_sides(lines)))
+        lines.append(f"{each.name} = {each.function}({formulas.of(program.outputs[0])[0]})")
+        lines += formulas.definitions
     return lines
+
+
+def _named(system: ReversibleSystem) -> str:
+    return ", ".join(each.name for each in system.defined)
+
+
+def _left_sides(lines: Sequence[str]) -> list[str]:
+    return [line.partition(" = ")[0] for line in lines]
 
 
 def _points(system: ReversibleSystem) -> list[str]:

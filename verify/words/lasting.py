@@ -56,7 +56,7 @@ def lasting_in_words(theorem: LastingTheorem, known: ProvedLasting) -> str:
 
 def _where(atlas: Atlas) -> str:
     """In which system orbits are stable."""
-    names = ", ".join(atlas.system.state)
+    names = ", ".join(atlas.system.given_state)
     if atlas.system.family_parameter is not None:
         return f"in the system with the states ({names}), at the value of {level_name(atlas)} that belongs to the orbit"
     return f"in the system with the states ({names}), on all neighbouring levels of the {level_name(atlas)}"
