@@ -47,7 +47,7 @@ def test_orbits_of_the_return_map_turn_by_the_rotation_number() -> None:
     inner = rows[0]
     assert inner[0, 1] == 0
     assert 0 < inner[0, 0] - y < 2e-3
-    # kappa^2 of section 28.3 for this orbit: 2.91434 / sin(omega).
+    # kappa^2 of section 28.2 for this orbit: 2.91434 / sin(omega).
     scale = np.sqrt(2.91434 / np.sin(2 * np.pi * float(FOUND.rotation_number.mid())))
     turned = np.unwrap(np.angle((inner[:, 0] - y) / scale + 1j * inner[:, 1] * scale))
     mean = abs(turned[-1] - turned[0]) / 6 / (2 * np.pi)

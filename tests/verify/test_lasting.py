@@ -17,22 +17,25 @@ import pytest
 from flint import arb, ctx
 from support.closed_form_lists import line
 from support.closed_form_lists import results as closed_results
-from support.conclusions import with_lasting
+from support.conclusions import conclude, with_lasting
 from support.forgeries import checked, forged, honest
 from support.return_maps import INDICES, Number, coefficients, falkner_skan_half_return, random_taylor, turning
 from support.stability_cases import atlas
 from support.stored import value_of, values
 
+import orbitproof.verify.lasting.fates as fates
 from orbitproof.shared import format_exact, parse_exact
 from orbitproof.shared.codec import to_json
 from orbitproof.shared.formats import InputError
-from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, HILL
+from orbitproof.shared.systems import AROUND, CR3BP, CR3BP_AXIAL, HILL, Defined
 from orbitproof.verify.atlas import AtlasCertificate, make_atlas_certificate
+from orbitproof.verify.atlas.conclusion import conclusion_of
 from orbitproof.verify.evidence import ball_from_json
 from orbitproof.verify.functions import StoredFunction
 from orbitproof.verify.lasting import (
     FunctionJet,
     compose,
+    conclude_lasting,
     exchanged,
     inverse_of_plane_map,
     is_known_of,
@@ -44,8 +47,9 @@ from orbitproof.verify.lasting import (
 from orbitproof.verify.lasting.fates import _may_end, _twist_on
 from orbitproof.verify.newton import Jet
 from orbitproof.verify.run.branches import limits_of, reusable
-from orbitproof.verify.stability import Matter, Resonance
+from orbitproof.verify.stability import Matter, Resonance, conclude_list
 from orbitproof.verify.twist import rotation_of, twist_of
+from orbitproof.verify.words.lasting import lasting_in_words
 
 DATA = Path(__file__).parents[1] / "data"
 Results = list[dict[str, Any]]
@@ -394,6 +398,43 @@ def test_a_zero_next_to_a_resonance_is_not_told_from_it() -> None:
     lasting = said(made_up(([], [float(third.mid()) * 32 / 33])))
     assert lasting["undecided"]
     assert [entry["fate"] for entry in lasting["exceptions"] if entry["k"] == 3] == ["open"]
+    # There Theta may be 1 + 2 c_1 times a function without zeros: that the twist is 0 is not shown.
+    assert "twistless" not in [entry["kind"] for entry in lasting["exceptions"]]
+    assert [gap["reason"] for gap in lasting["gaps"]] == ["the twist may vanish next to a resonance"]
+
+
+def test_where_linear_stability_is_not_decided_the_zeros_are_looked_for_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An orbit may be elliptic for certain between places of which that was not decided."""
+    decided = fates.stable_intervals
+    monkeypatch.setattr(fates, "stable_intervals", lambda *known: ([], decided(*known)[0]))
+    lasting = said(made_up(([], [of_beta(1, 555.0)])))
+    assert [near(entry) for entry in lasting["exceptions"] if entry["kind"] == "twistless"] == [555]
+    assert len(lasting["stable"]) == 4
+
+
+def test_orbits_are_stable_among_states_whose_further_coordinates_are_functions_of_the_others() -> None:
+    system = atlas().system
+    further = replace(
+        system,
+        state=(*system.state, "sine"),
+        reversing_symmetry=(*system.reversing_symmetry, 1),
+        defined=(Defined("sine", "sin", lambda state, _: (state[1],)),),
+    )
+    known: Any = values(results())
+    found: Any = conclude_lasting(
+        atlas(), known, conclude_list(atlas(), known, conclude(atlas(), results()), 4)
+    ).outcome
+    theorem = replace(found.theorem, curve=replace(found.theorem.curve, atlas=replace(atlas(), system=further)))
+    assert "in the system with the states (x, y, z), at the value of beta" in lasting_in_words(theorem, found.results)
+
+
+def test_a_shorter_list_of_a_curve_whose_twist_is_known_is_that_list() -> None:
+    found = conclusion_of(atlas(), values(results()), (), lambda _: (), 3)
+    assert found["verdict"] == "proved"
+    assert "lasting" not in found["complete"]
+    assert "lasting" in conclusion_of(atlas(), values(results()), (), lambda _: (), 4)["complete"]
 
 
 def test_stability_may_change_where_a_resonance_up_to_4_or_the_twist_is_open() -> None:

@@ -112,7 +112,7 @@ def spring_proof(claimed: Candidate, found: StableOrbitEnclosures | None) -> Any
 
 
 def test_the_twist_of_a_spring_beside_another_is_a_derivative_of_an_elliptic_integral() -> None:
-    """z = y + i vy / w^(1/2) turns back by theta(|z|^2), and w^(1/2) |z|^2 is |w|^2 of section 28.3."""
+    """z = y + i vy / w^(1/2) turns back by theta(|z|^2), and w^(1/2) |z|^2 is |w|^2 of section 28.2."""
     outcome = spring_proof(spring(), spring_enclosures())
     assert isinstance(outcome, Proved)
     found = outcome.results

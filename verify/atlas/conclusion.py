@@ -14,7 +14,7 @@ from orbitproof.verify.atlas.kinds import kind_of
 from orbitproof.verify.atlas.results import Result
 from orbitproof.verify.certificate import Certificate, Recheck, repeated
 from orbitproof.verify.curve import conclude, enclose_other_point
-from orbitproof.verify.lasting import LastingResult, conclude_lasting
+from orbitproof.verify.lasting import LEAST_ORDER, LastingResult, conclude_lasting
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.stability import conclude_list
 from orbitproof.verify.words import BranchConclusion, conclusion_in_words
@@ -68,7 +68,8 @@ def conclusion_of(
         return told(conclusion)
     of_curve = [result for result in results if isinstance(result, LastingResult)]
     listed = conclude_list(atlas, of_curve, conclusion, order, combinations)
-    is_asked = any(result.twist is not None for result in of_curve)
+    # A shorter list of a curve whose twist is known from before is that list alone.
+    is_asked = order >= LEAST_ORDER and any(result.twist is not None for result in of_curve)
     return told(conclude_lasting(atlas, of_curve, listed) if is_asked else listed)
 
 

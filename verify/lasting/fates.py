@@ -122,7 +122,9 @@ def lasting_list(atlas: Atlas, chain: Chain, found: CompleteList, results: Seque
             finders.append(second)
             gaps += second.gaps
         for point in (point for finder in finders for point in finder.points):
-            if is_stable(part, part.tau_of(point.s)):
+            tau = part.tau_of(point.s)
+            # Where 1 + 2 c_1 may be 0 a zero of Theta may be that factor's.
+            if is_stable(part, tau) and _factor(part, tau):
                 points.append(point)
             else:
                 gaps.append(_gap(part, stretch, *ends_of(point.s), _BESIDE))
@@ -132,8 +134,7 @@ def lasting_list(atlas: Atlas, chain: Chain, found: CompleteList, results: Seque
 
     def sign_at(segment: Segment, tau: arb) -> int:
         twist = _twist_on(segment, chain.stretches[segment.stretch], results)
-        above = sign(1 + 2 * segment.characteristic[0].value(tau))
-        return 0 if twist is None else above * twist.sign(tau)
+        return 0 if twist is None else _factor(segment, tau) * twist.sign(tau)
 
     def lasts(segment: Segment, tau: arb) -> bool | None:
         stable = is_stable(segment, tau)
@@ -170,10 +171,17 @@ def _may_end(subject: Subject) -> bool:
     return subject not in (Matter.EXTREMA, Matter.COMBINATIONS)
 
 
+def _factor(segment: Segment, tau: arb) -> int:
+    """The sign of 1 + 2 c_1, by which Theta differs from the twist; 0 if it is not known."""
+    return sign(1 + 2 * segment.characteristic[0].value(tau))
+
+
 def _elliptic(chain: Chain, found: CompleteList) -> list[Segment]:
-    """The parts of segments that contain all orbits that are shown to be linearly stable, each once."""
+    """The parts of segments that contain all orbits between two bounds that may be linearly stable, each once."""
     ranges: list[tuple[tuple[int, Fraction], tuple[int, Fraction]]] = []
-    for entry in stable_intervals(chain, found, False)[0]:
+    stable, unknown = stable_intervals(chain, found, False)
+    entries = [*stable, *(entry for entry in unknown if entry.begin != entry.end)]
+    for entry in sorted(entries, key=lambda entry: (entry.begin.stretch, entry.begin.lower)):
         first, last = (entry.begin.stretch, entry.begin.lower), (entry.end.stretch, entry.end.upper)
         if ranges and first <= ranges[-1][1]:
             first = ranges.pop()[0]
@@ -212,7 +220,7 @@ def _twist_on(segment: Segment, stretch: Stretch, results: Sequence[LastingResul
 
 
 def _fate(chain: Chain, found: CompleteList, results: Sequence[LastingResult], point: Point) -> Fate:
-    """What is shown of a resonance of order 3 or 4 (Lemmas 29.4, 29.5)."""
+    """What is shown of a resonance of order 3 or 4 (Lemmas 29.6, 29.7)."""
     if point.k not in (3, 4):
         return Fate.OPEN
     low, high = ends_of(point.s)

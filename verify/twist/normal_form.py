@@ -1,4 +1,4 @@
-"""The normal form of a fixed point of a reversible map of the plane, and its twist (section 28.3)."""
+"""The normal form of a fixed point of a reversible map of the plane, and its twist (sections 28.2 and 28.3)."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Rotation:
 
 @dataclass(frozen=True)
 class Twist:
-    """w -> lambda w (1 + (defect + i twist) |w|^2) + O(|w|^4) in the coordinate w of 28.3, with dp dq = du dv.
+    """w -> lambda w (1 + (defect + i twist) |w|^2) + O(|w|^4) in the coordinate w of 28.2, with dp dq = du dv.
 
     Attributes:
         twist: tau; the map turns by about omega + tau |w|^2.
@@ -61,7 +61,7 @@ class Twist:
 
 
 def stability_parameter(functions: Sequence[Jet]) -> arb:
-    """s = cos omega, half the trace of the derivative: both diagonal entries of a reversible map are s (28.3)."""
+    """s = cos omega, half the trace of the derivative: both diagonal entries of a reversible map are s (28.2)."""
     return meet(functions[0][1, 0], functions[1][0, 1])
 
 

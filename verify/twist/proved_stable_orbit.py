@@ -152,7 +152,7 @@ def _check_elliptic(checklist: Checklist, functions: tuple[Jet, ...], orbit: Orb
     """The multipliers are two numbers on the unit circle that are not real."""
     statement = "the stability parameter s lies in (-1, 1)"
     remedy = "claim an orbit only, or another one: this one may be unstable"
-    with checklist.hypothesis("elliptic", "28.3", statement, remedy) as evidence:
+    with checklist.hypothesis("elliptic", "28.2", statement, remedy) as evidence:
         (other,) = orbit.stability.parameters or (None,)
         s = evidence.record("s", stability_parameter(functions))
         evidence.require(
