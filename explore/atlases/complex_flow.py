@@ -30,7 +30,15 @@ from orbitproof.explore.flow import (
     norm,
     power,
 )
-from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, with_functions
+from orbitproof.shared.systems import (
+    REGULARISATIONS,
+    Program,
+    Regularisation,
+    ReversibleSystem,
+    completed,
+    with_functions,
+    with_slope,
+)
 
 Coordinates = Literal["physical", "regularised"]
 
@@ -42,6 +50,8 @@ MAX_STEPS = 4000
 GROW = 5.0
 
 POWER_COST = 8
+
+_NEWTON_STEPS = 30
 
 _FUNCTIONS = {"sin": np.sin, "cos": np.cos, "exp": np.exp, "log": np.log}
 
@@ -150,17 +160,33 @@ class HalfReturns:
         return np.asarray(self.evaluate(points, times.astype(complex)).clocks.real)
 
     def _put_on_level(self, states: ComplexArray, inputs: ComplexArray) -> None:
-        """Fill in the level coordinate w of states that are given but for it, from H = A + b w^2."""
+        """Fill in the level coordinate w of states that are given but for it, by H = A + b w^2 or Newton's method."""
         level, integral = self.system.fixed_level, self.system.first_integral_program
         assert level is not None
         assert integral is not None
         w = states[self.system.state.index(str(self.system.level_coordinate))]
+        if level.between is not None:
+            self._solve_level(w, states, inputs)
+            return
         values = []
         for number in (0, 1):
             w[:] = number
             values.append(_run(integral, [*self._with_functions(states, inputs), *inputs])[0])
         with np.errstate(invalid="ignore"):
             w[:] = level.sign * np.sqrt((_long(level.value) - values[0]) / (values[1] - values[0]))
+
+    def _solve_level(self, w: ComplexArray, states: ComplexArray, inputs: ComplexArray) -> None:
+        """The same for any H, from the point of the level over the mean of the points; NaN where there is none."""
+        system = self.system
+        means = [np.mean(rows.real, axis=1).astype(float).tolist() for rows in (states, inputs)]
+        w[:] = completed(system, *means)[system.state.index(str(system.level_coordinate))]
+        assert system.fixed_level is not None
+        assert system.first_integral_program is not None
+        both = with_slope(system.first_integral_program, str(system.level_coordinate))
+        with np.errstate(all="ignore"):
+            for _ in range(_NEWTON_STEPS):
+                height, slope = _run(both, [*self._with_functions(states, inputs), *inputs])
+                w[:] = w - (height - _long(system.fixed_level.value)) / slope
 
     def _with_functions(self, states: ComplexArray, inputs: ComplexArray) -> ComplexArray:
         """The states with the values of the coordinates that are functions of others."""

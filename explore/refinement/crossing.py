@@ -19,7 +19,15 @@ import mpmath
 from orbitproof.explore.refinement.jets import Jet, JetBasis
 from orbitproof.explore.refinement.tape import Tape
 from orbitproof.explore.refinement.taylor import IntegrationFailure, JetStepper, Series, StepResult
-from orbitproof.shared.systems import REGULARISATIONS, Program, Regularisation, ReversibleSystem, with_functions
+from orbitproof.shared.systems import (
+    REGULARISATIONS,
+    Program,
+    Regularisation,
+    ReversibleSystem,
+    level_root,
+    with_functions,
+    with_slope,
+)
 
 MAXIMAL_STEPS = 500
 """Steps after which a return to the section is given up."""
@@ -208,7 +216,7 @@ def _on_level(
     parameter: Jet | None,
     context: mpmath.MPContext,
 ) -> list[Jet]:
-    """`start` with the level coordinate that belongs to the fixed level: H = A + b w^2."""
+    """`start` with the level coordinate that belongs to the fixed level: H = A + b w^2, or any H in an interval."""
     level = system.fixed_level
     assert level is not None
     place, basis = system.state.index(str(system.level_coordinate)), start[0].basis
@@ -219,19 +227,35 @@ def _on_level(
     def power(base: Any, exponent: Fraction) -> Any:
         return base.power(exponent, power) if isinstance(base, Jet) else context.mpf(base) ** number(exponent)
 
-    def integral(w: int) -> Jet:
-        state = [basis.constant(context.mpf(w)) if i == place else jet for i, jet in enumerate(start)]
+    def run(program: Program, w: Jet) -> list[Jet]:
+        state = [w if i == place else jet for i, jet in enumerate(start)]
         given = [number(parameters[name]) if name in parameters else parameter for name in system.parameters]
-        assert system.first_integral_program is not None
-        (found,) = system.first_integral_program.evaluate([*state, *given], number, power)
-        return found if isinstance(found, Jet) else basis.constant(found)
+        found = program.evaluate([*state, *given], number, power)
+        return [value if isinstance(value, Jet) else basis.constant(value) for value in found]
 
-    rest = integral(0)
-    square = (basis.constant(number(level.value)) - rest) / (integral(1) - rest)
+    assert system.first_integral_program is not None
+    jets, value = list(start), basis.constant(number(level.value))
+    if level.between is not None:
+        both = with_slope(system.first_integral_program, str(system.level_coordinate))
+
+        def height(w: float) -> float:
+            (found, _) = run(both, basis.constant(context.mpf(w)))
+            return float((found - value).coefficients[0])
+
+        w = basis.constant(context.mpf(level_root(height, *map(float, level.between))))
+        if not context.isfinite(w.coefficients[0]):
+            raise IntegrationFailure(f"no point of the level {level.value} lies over this point in its interval")
+        # Every step doubles the digits, and the order in the variables.
+        for _ in range(context.prec.bit_length() + 3):
+            found, slope = run(both, w)
+            w = w - (found - value) / slope
+        jets[place] = w
+        return jets
+    (rest,), (one,) = (run(system.first_integral_program, basis.constant(context.mpf(w))) for w in (0, 1))
+    square = (value - rest) / (one - rest)
     if not square.coefficients[0] > 0:
         raise IntegrationFailure(f"no point of the level {level.value} lies over this point")
-    jets = list(start)
-    jets[place] = square.power(Fraction(1, 2), power) * level.sign
+    jets[place] = square.power(Fraction(1, 2), power) * int(level.sign or 1)
     return jets
 
 

@@ -1,6 +1,6 @@
 """Systems: vector field, symmetries, section, parameters, as values and as straight-line programs."""
 
-from orbitproof.shared.systems.completion import completed, functions_in_floats, with_functions
+from orbitproof.shared.systems.completion import completed, functions_in_floats, level_root, with_functions
 from orbitproof.shared.systems.described_functions import DescriptionError, program_function
 from orbitproof.shared.systems.description import KEYS, describe, described, described_plainly
 from orbitproof.shared.systems.examination import fault
@@ -13,6 +13,7 @@ from orbitproof.shared.systems.parity import parities, signs_with_functions
 from orbitproof.shared.systems.program import Program, Variable, record
 from orbitproof.shared.systems.program_text import program_from_text
 from orbitproof.shared.systems.regularised import REGULARISATIONS, Regularisation
+from orbitproof.shared.systems.slopes import with_slope
 from orbitproof.shared.systems.system import (
     Defined,
     DerivedParameter,

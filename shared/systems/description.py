@@ -74,7 +74,7 @@ def describe(system: System) -> str | dict[str, Any]:
     optional = {
         "family_parameter": system.family_parameter,
         "level_coordinate": system.level_coordinate,
-        "fixed_level": None if level is None else {"value": str(level.value), "sign": level.sign},
+        "fixed_level": None if level is None else _level_entry(level),
         "reversors": {name: list(each.signs) for name, each in system.reversors.items()} or None,
         "squared_distance": None if distance is None else distance.text(),
         "distance_name": system.distance_name,
@@ -385,12 +385,22 @@ def _ranges(value: Any) -> dict[str, ParameterRange]:
     return result
 
 
+def _level_entry(level: FixedLevel) -> dict[str, Any]:
+    where = {"sign": level.sign} if level.between is None else {"between": [str(end) for end in level.between]}
+    return {"value": str(level.value), **where}
+
+
 def _level(value: Any) -> FixedLevel | None:
     if value is None:
         return None
-    if not isinstance(value, Mapping) or set(value) != {"value", "sign"} or value["sign"] not in (1, -1):
-        raise DescriptionError(f"fixed_level: {value!r} is no level; give value, a number, and sign, 1 or -1")
-    return FixedLevel(_exact("fixed_level.value", value["value"]), int(value["sign"]))
+    keys = set(value) if isinstance(value, Mapping) else set()
+    if keys == {"value", "sign"} and value["sign"] in (1, -1):
+        return FixedLevel(_exact("fixed_level.value", value["value"]), int(value["sign"]))
+    if keys == {"value", "between"} and isinstance(value["between"], (list, tuple)) and len(value["between"]) == 2:
+        low, high = (_exact("fixed_level.between", end) for end in value["between"])
+        return FixedLevel(_exact("fixed_level.value", value["value"]), between=(low, high))
+    where = "of the level coordinate sign, 1 or -1, or between, the ends of an interval"
+    raise DescriptionError(f"fixed_level: {value!r} is no level; give value, a number, and {where}")
 
 
 def _exact(key: str, value: Any) -> Fraction:

@@ -69,12 +69,16 @@ def _faults(system: ReversibleSystem, points: Sequence[tuple[Numbers, Numbers]])
                     f"first_integral: it is not conserved: its rate of change is {sum(parts):.6g} at "
                     f"{_place(system, x)}; correct it or the field"
                 )
-    if integral is not None and system.level_coordinate is not None:
+    level = system.fixed_level
+    if integral is not None and system.level_coordinate is not None and (level is None or level.between is None):
         index = system.state.index(system.level_coordinate)
         factors = [factor for x, parameters in points for factor in _square_factors(integral, x, parameters, index)]
         if not all(_agree(factor, factors[0]) for factor in factors):
             form = f"A + b {system.level_coordinate}^2"
-            yield f"level_coordinate: the first integral is not {form} with b constant; choose another or leave it out"
+            remedy = "choose another or leave it out"
+            if level is not None:
+                remedy = "choose another, or give fixed_level an interval of it (between) in place of sign"
+            yield f"level_coordinate: the first integral is not {form} with b constant; {remedy}"
 
 
 def _square_factors(integral: Program, x: Numbers, parameters: Numbers, index: int) -> Iterator[float]:

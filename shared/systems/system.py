@@ -53,10 +53,24 @@ class DerivedParameter:
 
 @dataclass(frozen=True)
 class FixedLevel:
-    """The level of a first integral on which orbits are looked for, and the sign of the level coordinate."""
+    """The level of a first integral on which orbits are looked for, and which of its points are meant.
+
+    Attributes:
+        value: of the first integral.
+        sign: of the level coordinate w, if the first integral is A + b w^2.
+        between: otherwise the ends of an open interval of w, in which the level has one w over the other coordinates.
+    """
 
     value: Fraction
-    sign: int
+    sign: int | None = None
+    between: tuple[Fraction, Fraction] | None = None
+
+    @property
+    def ends(self) -> tuple[Fraction | None, Fraction | None]:
+        """Of the interval of w that is meant; `None` stands for no end."""
+        if self.between is not None:
+            return self.between
+        return (Fraction(0), None) if self.sign == 1 else (None, Fraction(0))
 
 
 @dataclass(frozen=True)
@@ -151,7 +165,8 @@ class ReversibleSystem(System):
             or `None` when the level of `first_integral` is the bifurcation parameter (HC2-HC4).
         level_coordinate: a state coordinate w, fixed by R, in which the first integral is quadratic:
             H = A + b w^2, with A independent of w and a constant b. On Fix(R) it then follows from the level
-            of H and the other coordinates up to its sign. `None` if there is no such coordinate.
+            of H and the other coordinates up to its sign. `None` if there is no such coordinate. On a fixed level H may
+            be any function of w that determines it in an interval.
         normalised: initial values of state coordinates that R fixes and that are no coordinates of a centre, because
             the state is measured in such units.
         derived_parameters: parameters that nobody gives, by name.
@@ -196,9 +211,14 @@ class ReversibleSystem(System):
         if self.reversing_symmetry[self.section_index] != -1:
             negated = ", ".join(self.state[i] for i in range(m) if self.reversing_symmetry[i] == -1)
             raise ValueError(f"{self.name}: section: R must negate the section coordinate; it negates {negated}")
-        if self.fixed_level is not None:
-            if self.family_parameter is None or self.level_coordinate is None or self.fixed_level.sign not in (1, -1):
-                raise ValueError(f"{self.name}: fixed_level: needs family_parameter, level_coordinate and its sign")
+        level = self.fixed_level
+        if level is not None:
+            if self.family_parameter is None or self.level_coordinate is None:
+                raise ValueError(f"{self.name}: fixed_level: needs family_parameter, level_coordinate")
+            if (level.sign in (1, -1)) == (level.between is not None):
+                raise ValueError(f"{self.name}: fixed_level: needs the sign of {self.level_coordinate}, or an interval")
+            if level.between is not None and not level.between[0] < level.between[1]:
+                raise ValueError(f"{self.name}: fixed_level.between: is empty; give the smaller end first")
         elif (self.family_parameter is None) == (self.first_integral is None):
             given = "neither" if self.first_integral is None else "more than one"
             raise ValueError(f"{self.name}: give one of family_parameter and first_integral; {given} is there")

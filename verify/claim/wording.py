@@ -13,6 +13,7 @@ from typing import TypeVar
 
 from orbitproof.shared.formats import Atlas, Candidate
 from orbitproof.shared.systems import ReversibleSystem, System
+from orbitproof.verify.evidence import exact_text
 
 _KINDS = ("coordinate", "parameter", "symmetry")
 _SYMBOL = re.compile(rf"(A|Fix|H|P|Q|R|Sigma|T|X|j|k|s|[pPR]_[0-9]+)(_({'|'.join(_KINDS)}))*")
@@ -63,6 +64,16 @@ def system_in_words(system: ReversibleSystem) -> ReversibleSystem:
         level_coordinate=written(system.level_coordinate),
         first_integral_name="first integral" if taken else integral,
     )
+
+
+def sheet_in_words(system: ReversibleSystem) -> str:
+    """Which points of a fixed level are meant: w > 0, or 1/2 < w < 3."""
+    level = system.fixed_level
+    assert level is not None
+    if level.between is None:
+        return f"{system.level_coordinate} {'>' if level.sign == 1 else '<'} 0"
+    low, high = map(exact_text, level.between)
+    return f"{low} < {system.level_coordinate} < {high}"
 
 
 def claim_in_words(candidate: Candidate) -> Candidate:

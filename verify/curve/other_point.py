@@ -14,6 +14,7 @@ from flint import arb
 
 from orbitproof.shared.systems import ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Grading, Series
+from orbitproof.verify.claim import is_in
 from orbitproof.verify.curve.libration_point import parameter_series
 from orbitproof.verify.evidence import (
     IntegrationFailure,
@@ -21,7 +22,6 @@ from orbitproof.verify.evidence import (
     exact_value,
     excludes_zero,
     guarded,
-    is_positive,
     total,
 )
 from orbitproof.verify.poincare import HalfOrbits, WideOracle, default_order
@@ -72,7 +72,7 @@ def _half_return(
         # The orbit through x is not symmetric: what was said of x is wrong.
         return None
     at = dict(zip(system.state, state, strict=True))
-    if system.fixed_level is not None and not is_positive(system.fixed_level.sign * at[str(system.level_coordinate)]):
+    if system.fixed_level is not None and not is_in(system.fixed_level, at[str(system.level_coordinate)]):
         # The curve consists of points on one sheet of the level (12.5).
         return None
     result = {name: at.get(name, point.get(name, arb("nan"))) for name in system.centre_coordinates}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orbitproof.shared.formats import Piece
 from orbitproof.shared.systems import ReversibleSystem
-from orbitproof.verify.claim import determinant, is_adapted, quadratic_coefficient, signs_on
+from orbitproof.verify.claim import LevelEquation, determinant, is_adapted, quadratic_coefficient, signs_on
 from orbitproof.verify.evidence import Evidence
 
 
@@ -43,11 +43,17 @@ def require_piece(evidence: Evidence, system: ReversibleSystem, piece: Piece, sy
 
 def _require_level(evidence: Evidence, system: ReversibleSystem, piece: Piece, symmetry: str | None) -> None:
     """Require what gives the points of a fixed level from the others (section 12.5), and that S keeps to its sheet."""
-    name = str(system.level_coordinate)
-    evidence.require(
-        bool(quadratic_coefficient(system)),
-        f"the first integral is not shown to be A + b {name}^2, A independent of {name}, b a constant other than 0",
-    )
+    name, level = str(system.level_coordinate), system.fixed_level
+    if level is not None and level.between is not None:
+        try:
+            LevelEquation.of(system)
+        except ValueError as error:
+            evidence.require(False, str(error))
+    else:
+        evidence.require(
+            bool(quadratic_coefficient(system)),
+            f"the first integral is not shown to be A + b {name}^2, A independent of {name}, b a constant other than 0",
+        )
     if piece.kind == "symmetric" and symmetry is not None and symmetry in system.symmetries:
         fixed = system.symmetries[symmetry][system.state.index(name)] == 1
         evidence.require(fixed, f"{symmetry} does not fix {name}, the coordinate that follows from the level")

@@ -1,12 +1,12 @@
 """The Poincare map and its derivatives on a box: section, crossings, returns (sections 5, 6, 14)."""
 
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, coordinates_of
-from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, InTime, range_of, stays_positive
+from orbitproof.verify.poincare.crossing import Arrival, CrossingCounter, InTime, range_of, stays_positive, wide_parts
 from orbitproof.verify.poincare.derivatives import derivative_table, table_of
 from orbitproof.verify.poincare.early_end import EarlyEnd, HalfReturns
 from orbitproof.verify.poincare.functions import at_start, defined_values
 from orbitproof.verify.poincare.half_orbit import check_half_orbit
-from orbitproof.verify.poincare.half_orbits import WIDE_PARTS, HalfOrbits, WideOracle, WideOrbits, wide_parts
+from orbitproof.verify.poincare.half_orbits import WIDE_PARTS, HalfOrbits, WideOracle, WideOrbits
 from orbitproof.verify.poincare.half_return import Derivatives, HalfReturn, enclose_half_return, named
 from orbitproof.verify.poincare.iterates import (
     BOX_RATIO,

@@ -58,6 +58,11 @@ def range_of(series: Series, wide: arb | None = None) -> arb:
         return enclosure.polynomial(arb(0)) + enclosure.deviation
 
 
+def wide_parts(number: int) -> list[arb]:
+    """Balls that cover the interval [-1, 1] of the wide variable."""
+    return [(arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
+
+
 def may_touch(what: str) -> IntegrationFailure:
     """The failure of a count of crossings because orbits may touch the section."""
     remedy = "the orbit may touch the section: give smaller radii or another centre"

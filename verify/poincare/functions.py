@@ -100,14 +100,18 @@ def _too_far(name: str) -> IntegrationFailure:
     return IntegrationFailure("start", f"{name} of the initial values is not enclosed on the set", "give smaller radii")
 
 
+def without_time(element: Series) -> Series:
+    """An element that does not depend on time, of degree 0 in it. Raises `ValueError` if it does."""
+    arithmetic = element.arithmetic
+    if any(p.length() > arithmetic.stride for p in element.coefs):
+        raise ValueError("an element depends on time")
+    return Series(replace(arithmetic, degree=0), element.coefs, element.errors)
+
+
 def at_start(program: Program, arguments: Sequence[Series]) -> list[Series]:
     """Values of a program at elements that do not depend on time, so that degree 0 does.
 
     Raises `ValueError` if one does.
     """
-    arithmetic = arguments[0].arithmetic
-    if any(p.length() > arithmetic.stride for x in arguments for p in x.coefs):
-        raise ValueError("an element depends on time")
-    flat = replace(arithmetic, degree=0)
-    values = evaluate(prepare(program), [Series(flat, x.coefs, x.errors) for x in arguments])
-    return [Series(arithmetic, x.coefs, x.errors) for x in values]
+    values = evaluate(prepare(program), [without_time(x) for x in arguments])
+    return [Series(arguments[0].arithmetic, x.coefs, x.errors) for x in values]

@@ -18,18 +18,13 @@ from orbitproof.verify.algebra import Arithmetic, PreparedProgram, Series, evalu
 from orbitproof.verify.evidence import IntegrationFailure, exact_value, excludes_zero, is_positive
 from orbitproof.verify.flow import FlowStep
 from orbitproof.verify.poincare.coordinates import Coordinates
-from orbitproof.verify.poincare.crossing import CrossingCounter, range_of
+from orbitproof.verify.poincare.crossing import CrossingCounter, range_of, wide_parts
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.returns import Orbits, Returns
 
 _NEGLIGIBLE_CHANGE = 2.0**-6
 WIDE_PARTS = 8
 """On so many parts of the wide variable's interval crossings are counted."""
-
-
-def wide_parts(number: int) -> list[arb]:
-    """Balls that cover the interval [-1, 1] of the wide variable."""
-    return [(arb(2 * part + 1 - number) + arb(0, 1)) / number for part in range(number)]
 
 
 class WideOracle(Oracle, Protocol):

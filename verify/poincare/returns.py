@@ -17,12 +17,12 @@ from flint import arb
 
 from orbitproof.shared.systems import Regularisation, ReversibleSystem
 from orbitproof.verify.algebra import Arithmetic, Series
-from orbitproof.verify.claim import level_program, quadratic_coefficient
 from orbitproof.verify.evidence import IntegrationFailure, enclose, is_positive
 from orbitproof.verify.flow import FlowStep, advance, planned_step, rough
 from orbitproof.verify.poincare.coordinates import PHYSICAL, Coordinates, physical, regularised
 from orbitproof.verify.poincare.crossing import CrossingCounter, may_touch, range_of, stays_positive
 from orbitproof.verify.poincare.functions import at_start, defined_values
+from orbitproof.verify.poincare.level_set import on_level
 from orbitproof.verify.poincare.oracle import Oracle
 from orbitproof.verify.poincare.section import onto_section
 
@@ -252,10 +252,7 @@ def initial_values(system: ReversibleSystem, arithmetic: Arithmetic, point: Mapp
     functions = tuple((e.function, p) for e, p in zip(system.defined, system.argument_programs, strict=True))
     values[given:size] = defined_values(functions, values[:given], values[size:])
     if system.fixed_level is not None:
-        if not quadratic_coefficient(system):
-            raise IntegrationFailure("level", f"no coordinate of {system.name} follows from the level", "leave it out")
-        program, level = level_program(system, system.fixed_level.sign), arithmetic.constant(system.fixed_level.value)
-        values[system.state.index(str(system.level_coordinate))] = at_start(program, (*values, level))[0]
+        values[system.state.index(str(system.level_coordinate))] = on_level(system, values)
         # H depends on no function of the level coordinate (12.1); the field may.
         values[given:size] = defined_values(functions, values[:given], values[size:])
     return values

@@ -86,6 +86,9 @@ def theorem_of(candidate: Candidate) -> BreakingTheorem | Reason:
         return Reason("theorem", message, "claim it with the first integral as parameter (section 27.1)")
     if system.normalised:
         return Reason("theorem", f"{system.name} is a form of other orbits", "claim it in the original coordinates")
+    if system.fixed_level is not None and system.fixed_level.between is not None:
+        message = "the level coordinate is given by an interval, and what it is at images is not shown (section 27.1)"
+        return Reason("theorem", message, "claim it where the first integral is A + b w^2")
     return BreakingTheorem(candidate)
 
 

@@ -227,5 +227,9 @@ def _level_set(certificate: Mapping[str, Any], state: Sequence[str]) -> LevelSet
         return None
     place = read(certificate, "statement.candidate.system.level_coordinate", state.index)
     value = read(certificate, "statement.candidate.system.fixed_level.value", exact)
+    integral = read(certificate, "statement.first_integral", Program.from_text)
+    if "between" in named["fixed_level"]:
+        where = "statement.candidate.system.fixed_level.between"
+        return LevelSet(integral, value, place, 0, read(certificate, where, lambda e: (exact(e[0]), exact(e[1]))))
     sign = read(certificate, "statement.candidate.system.fixed_level.sign", {1: 1, -1: -1}.__getitem__)
-    return LevelSet(read(certificate, "statement.first_integral", Program.from_text), value, place, sign)
+    return LevelSet(integral, value, place, sign)

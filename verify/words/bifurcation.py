@@ -9,7 +9,7 @@ from flint import arb
 
 from orbitproof.shared.formats import FOLD, Candidate
 from orbitproof.verify.bifurcation import TheoremInBox, parameter_name
-from orbitproof.verify.claim import claim_in_words
+from orbitproof.verify.claim import claim_in_words, sheet_in_words
 from orbitproof.verify.evidence import decimal_interval, located
 
 _DIGITS = 40
@@ -61,11 +61,8 @@ def _statement(candidate: Candidate) -> str:
         )
     level = system.fixed_level
     if level is not None:
-        sign = ">" if level.sign > 0 else "<"
         where_level = f"{system.first_integral_name or 'H'} = {level.value}"
-        others += (
-            f" All points are on the level {where_level}, those of the box with {system.level_coordinate} {sign} 0."
-        )
+        others += f" All points are on the level {where_level}, those of the box with {sheet_in_words(system)}."
     if candidate.level_sign is not None:
         sign = ">" if candidate.level_sign > 0 else "<"
         names = ", ".join(candidate.coordinates)

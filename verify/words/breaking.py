@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from flint import arb
 
 from orbitproof.shared.formats import Candidate
-from orbitproof.verify.claim import claim_in_words, keyed_in_words
+from orbitproof.verify.claim import claim_in_words, keyed_in_words, sheet_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, located
 from orbitproof.verify.reversor_breaking import BreakingResults, BreakingTheorem
 
@@ -53,7 +53,7 @@ def _meetings(m: int) -> str:
 def _on_level(candidate: Candidate) -> str:
     system, level = candidate.system, candidate.system.fixed_level
     if level is not None:
-        side = f"{system.level_coordinate} {'>' if level.sign > 0 else '<'} 0"
+        side = sheet_in_words(system)
         where = f"{system.first_integral_name or 'H'} = {exact_text(level.value)}"
         return f" All points are on the level {where}, those of the box with {side}."
     if candidate.level_sign is None:

@@ -9,7 +9,7 @@ from flint import arb
 from orbitproof.shared.formats import ORBIT_KINDS, Atlas
 from orbitproof.shared.systems import ReversibleSystem, shown
 from orbitproof.shared.wording import itemised
-from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, signs_on
+from orbitproof.verify.claim import atlas_in_words, keyed_in_words, names_in_words, sheet_in_words, signs_on
 from orbitproof.verify.curve import Bifurcation, CurveTheorem, Ends, ProvedCurve, point_name
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, range_text
 
@@ -79,8 +79,7 @@ def _level(system: ReversibleSystem) -> str:
     if fixed is None:
         return ""
     level = f"{system.first_integral_name or 'H'} = {exact_text(fixed.value)}"
-    sign = ">" if fixed.sign > 0 else "<"
-    return f" All orbits are on the level {level}, and the points of the curve have {system.level_coordinate} {sign} 0."
+    return f" All orbits are on the level {level}, and the points of the curve have {sheet_in_words(system)}."
 
 
 def _curve(atlas: Atlas, ends: Ends) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from flint import acb, arb
 
 from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate
-from orbitproof.verify.claim import claim_in_words, keyed_in_words, system_in_words
+from orbitproof.verify.claim import claim_in_words, keyed_in_words, sheet_in_words, system_in_words
 from orbitproof.verify.evidence import decimal_interval, exact_text, interval_text, located
 from orbitproof.verify.orbit import STABLE, UNDECIDED, UNSTABLE, Extremum, OrbitResults, OrbitTheorem, Stability
 
@@ -35,7 +35,7 @@ def _on_level(candidate: Candidate) -> str:
     if level is None:
         return ""
     where = f"{system.first_integral_name or 'H'} = {exact_text(level.value)}"
-    side = f"{system.level_coordinate} {'>' if level.sign > 0 else '<'} 0"
+    side = sheet_in_words(system)
     return f" All points are on the level {where}, those of the box with {side}; Fix(R) stands for its points there."
 
 

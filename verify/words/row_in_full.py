@@ -10,7 +10,7 @@ from math import floor, log10
 
 from orbitproof.shared.formats import BoxClaim, Candidate, PeriodicBifurcation, PeriodicOrbit
 from orbitproof.verify.bifurcation import BifurcationTheorem, FoldTheorem
-from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words
+from orbitproof.verify.claim import claim_in_words, inverse, keyed_in_words, sheet_in_words
 from orbitproof.verify.evidence import (
     Theorem,
     certain_digits,
@@ -119,10 +119,12 @@ def _box(claim: Candidate, is_form: bool) -> Iterator[str]:
     names = ", ".join(claim.coordinates)
     fixed = claim.system.fixed_level
     if fixed is not None:
-        sign = "positive" if fixed.sign > 0 else "negative"
+        which = f"its {'positive' if fixed.sign == 1 else 'negative'} solution"
+        if fixed.between is not None:
+            which = f"its one solution with {sheet_in_words(claim.system)}"
         yield (
             f"The box, in the coordinates ({names}) of those points of Fix(R) that lie on the level "
-            f"H = {exact_text(fixed.value)}, {claim.system.level_coordinate} being its {sign} solution. Only "
+            f"H = {exact_text(fixed.value)}, {claim.system.level_coordinate} being {which}. Only "
             f"such points are meant in what follows:"
         )
     elif claim.level_sign is None:

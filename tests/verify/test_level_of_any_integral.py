@@ -1,0 +1,365 @@
+"""Fixed levels of integrals that are not A + b w^2: w as an element, exact rows, refusals where w does not follow."""
+
+from __future__ import annotations
+
+import json
+import random
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction as F
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from flint import arb, ctx
+
+from orbitproof.explore.refinement import OrbitTask, refine, refine_orbit
+from orbitproof.shared.errors import InputError
+from orbitproof.shared.formats import COORDINATE, HALF_PERIOD, Candidate, Equation, candidate_from_json, load_system
+from orbitproof.shared.formats import candidate_to_json as to_json
+from orbitproof.shared.systems import (
+    DescriptionError,
+    FixedLevel,
+    ReversibleSystem,
+    completed,
+    describe,
+    described,
+    record,
+    with_slope,
+)
+from orbitproof.verify.algebra import Arithmetic, Grading, Series, WideArithmetic
+from orbitproof.verify.certificate import Certificate, certify, digest, recheck
+from orbitproof.verify.claim import LevelEquation, check_level, is_in
+from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero
+from orbitproof.verify.oracle import Limits
+from orbitproof.verify.poincare import at_start, initial_values, on_sheet
+from orbitproof.verify.reversor_breaking import theorem_of
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
+LIMITS = Limits(max_precision=256)
+
+CUBIC = {
+    "name": "brakes",
+    "state": ["x", "y", "vx", "vy"],
+    "parameters": ["a"],
+    "field": {"x": "vx", "y": "vy", "vx": "-x - 2*a*x*y", "vy": "-y - a*x**2 + y**2"},
+    "R": {"vx": -1, "vy": -1},
+    "section": "vy",
+    "family_parameter": "a",
+    "first_integral": "(vx**2 + vy**2 + x**2 + y**2)/2 + a*x**2*y - y**3/3",
+    "level_coordinate": "y",
+    "fixed_level": {"value": "1/12", "between": ["-1", "-1/10"]},
+}
+"""Orbits from rest to rest: the level is that of a potential, a cubic in y with three solutions."""
+
+
+@cache
+def relativistic() -> ReversibleSystem:
+    return load_system(EXAMPLES / "relativistic.py")
+
+
+@cache
+def claimed() -> Candidate:
+    return refine(relativistic(), {}, "period_tupling", 2, [0.6414622, 0.6756299], digits=40).to_candidate("two", {})
+
+
+@cache
+def certificate() -> Certificate:
+    return certify(claimed(), LIMITS)
+
+
+def on(system: ReversibleSystem, low: Any, high: Any, value: Any = None) -> ReversibleSystem:
+    """The system with its level coordinate in another interval, on the same level or another one."""
+    assert system.fixed_level is not None
+    height = system.fixed_level.value if value is None else F(value)
+    return replace(system, fixed_level=FixedLevel(height, between=(F(low), F(high))))
+
+
+def refusal(system: ReversibleSystem) -> str:
+    """The condition that fails where the claim is made of another system."""
+    proof = certify(replace(claimed(), system=system), LIMITS)
+    return "proved" if proof.reason is None else proof.reason.condition
+
+
+# The coordinate as an element of the algebra.
+
+
+def box(arithmetic: Arithmetic, centre: Mapping[str, F], spread: F) -> dict[str, Series]:
+    """Points about a centre: one variable for each coordinate."""
+    size = len(arithmetic.grading.weights)
+    units = [tuple(int(i == j) for i in range(size)) for j in range(size)]
+    return {
+        name: arithmetic.polynomial({(0,) * size: value, unit: spread})
+        for (name, value), unit in zip(centre.items(), units, strict=True)
+    }
+
+
+ROOT = record(lambda x: (x[0] ** F(1, 2),), ("x",))
+ARITHMETICS = {
+    "narrow": (Arithmetic(Grading((2, 1), 3), 160, 0, 4), F(1, 2**40)),
+    "coarse": (Arithmetic(Grading((1, 1), 2), 120, 0, 2), F(1, 64)),
+    "wide": (WideArithmetic(Grading((1, 1), 1), 100, 0, 2, width=20), F(1, 2**30)),
+}
+
+
+@pytest.mark.parametrize("kind", ARITHMETICS)
+def test_the_coordinate_contains_the_root_in_closed_form(kind: str) -> None:
+    arithmetic, spread = ARITHMETICS[kind]
+    system, source = relativistic(), random.Random(kind)
+    for _ in range(6):
+        centre = {"a": F(source.randint(-40, 40), 64), "y": F(source.randint(-50, 50), 64)}
+        point = box(arithmetic, centre, spread)
+        if kind == "wide":
+            along = arithmetic.polynomial({(0, 0): [F(0), F(source.randint(-9, 9), 64), F(1, 128)]})
+            point["y"] = point["y"] + along
+        values = initial_values(system, arithmetic, point)
+        w = values[system.state.index("px")]
+        # E = 3/2 with x = py = 0: px = ((3/2 - y^2/2)^2 - 1)^(1/2), by the corrected power of the algebra.
+        y, one = point["y"], arithmetic.constant(F(1))
+        energy = arithmetic.constant(F(3, 2)) - (y * y).scaled(F(1, 2))
+        (root,) = at_start(ROOT, [energy * energy - one])
+        difference = w - root
+        assert all(a <= b for a, b in zip(difference.known, difference.errors, strict=True))
+        assert max(w.errors) < 16 * max(root.errors)
+
+
+def test_the_coordinate_is_the_one_of_its_sign_where_both_say_which() -> None:
+    system = relativistic()
+    integral = "(px**2 + py**2 + x**2 + y**2)/2 + a*x**2*y"
+    entry = {**CUBIC, "state": ["x", "y", "px", "py"], "R": {"x": -1, "py": -1}, "section": "py",
+             "field": {"x": "px", "y": "py", "px": "-x - 2*a*x*y", "py": "-y - a*x**2"},
+             "first_integral": integral, "level_coordinate": "px"}  # fmt: skip
+    arithmetic, spread = ARITHMETICS["narrow"]
+    for sign in (1, -1):
+        ends = sorted((sign * F(1, 100), sign * F(3)))
+        levels = ({"value": "1/2", "sign": sign}, {"value": "1/2", "between": [str(end) for end in ends]})
+        first, second = (described({**entry, "fixed_level": level}) for level in levels)
+        point = box(arithmetic, {"a": F(1, 3), "y": F(1, 4)}, spread)
+        one, other = (initial_values(each, arithmetic, point)[2] for each in (first, second))
+        difference = one - other
+        assert all(a <= b for a, b in zip(difference.known, difference.errors, strict=True))
+        assert sign * int(one.coefs[0][0]) > 0
+    assert system.fixed_level is not None
+    assert is_in(FixedLevel(F(0), 1), arb(1))
+    assert not is_in(FixedLevel(F(0), 1), arb(0, 1))
+    assert not is_in(FixedLevel(F(0), -1), arb(1))
+
+
+INTERVALS = {
+    # The cubic x^2/2 + a x^2 y + y^2/2 - y^3/3 = 1/12 at a = 1, x = 1/4 has roots near -0.45, 0.28 and 1.67.
+    "one root": ("-1", "-1/10", True),
+    "the next one": ("1/10", "9/10", True),
+    "the third": ("6/5", "2", True),
+    "two roots and the extremum between": ("-1", "9/10", False),
+    "three roots": ("-1", "2", False),
+    "none": ("1/2", "9/10", False),
+    "a root at an extremum's side, and the extremum": ("-1", "1/10", False),
+}
+
+
+@pytest.mark.parametrize("name", INTERVALS)
+def test_an_interval_has_to_have_one_root_and_no_extremum(name: str) -> None:
+    low, high, holds = INTERVALS[name]
+    system = on(described(CUBIC), low, high)
+    arithmetic, spread = ARITHMETICS["narrow"]
+    point = box(arithmetic, {"a": F(1), "x": F(1, 4)}, spread)
+    candidate = replace(claimed(), system=system, centre=(F(1), F(1, 4)))
+    if holds:
+        w = initial_values(system, arithmetic, point)[1]
+        assert F(low) < F(int(w.coefs[0][0]), 2**160) < F(high)
+        check_level(Checklist(), candidate)
+        return
+    with pytest.raises(IntegrationFailure) as failure:
+        initial_values(system, arithmetic, point)
+    assert failure.value.reason.condition == "level"
+    with pytest.raises(NotEstablishedError):
+        check_level(Checklist(), candidate)
+
+
+def test_slivers_of_an_end_of_the_interval_are_told_apart() -> None:
+    system, arithmetic = relativistic(), ARITHMETICS["narrow"][0]
+    point = box(arithmetic, {"a": F(1, 3), "y": F(0)}, F(1, 2**90))
+    # At y = 0 px is 5^(1/2)/2 exactly.
+    with ctx.workprec(300):
+        below = F(int((arb(5).sqrt() * 2**79).floor().unique_fmpz()), 2**80)
+    sliver = F(1, 2**80)
+    assert below**2 < F(5, 4) < (below + sliver) ** 2
+    for low, high, holds in [
+        (F(1, 4), below + 2 * sliver, True),
+        (F(1, 4), below - sliver, False),
+        (below - sliver, F(2), True),
+        (below + 2 * sliver, F(2), False),
+    ]:
+        if holds:
+            initial_values(on(system, low, high), arithmetic, point)
+        else:
+            with pytest.raises(IntegrationFailure):
+                initial_values(on(system, low, high), arithmetic, point)
+
+
+def test_the_derivative_is_bounded_on_the_whole_interval() -> None:
+    equation = LevelEquation.of(on(described(CUBIC), "1/10", "9/10"))
+    arguments = [enclose(F(value)) for value in ("1/4", "7", "0", "0", "1")]
+    slope = equation.slope(arguments)
+    assert slope is not None
+    assert excludes_zero(slope)
+    for k in range(9):
+        y = F(k + 1, 10)
+        assert slope.contains(enclose(F(1, 16) + y - y * y))
+    # d/dy = x^2 + y - y^2 at x = 1/4 has its zeros where y = (1 +- 5^(1/2)/2)/2.
+    assert LevelEquation.of(on(described(CUBIC), "1/10", "17/16")).slope(arguments) is None
+
+
+def test_an_integral_that_depends_on_a_function_of_the_coordinate_gives_no_level() -> None:
+    entry = {
+        **CUBIC,
+        "field": {"x": "vx", "y": "vy", "vx": "-x", "vy": "-sin(y)"},
+        "first_integral": "(vx**2 + vy**2 + x**2)/2 - cos(y)",
+        "fixed_level": {"value": "-1/2", "between": ["1/10", "3"]},
+    }
+    system = described(entry)
+    with pytest.raises(ValueError, match="function of y"):
+        LevelEquation.of(system)
+    point = box(ARITHMETICS["narrow"][0], {"a": F(1), "x": F(1, 4)}, F(1, 2**40))
+    with pytest.raises(IntegrationFailure, match="function of y"):
+        initial_values(system, ARITHMETICS["narrow"][0], point)
+    with pytest.raises(NotEstablishedError, match="function of y"):
+        check_level(Checklist(), replace(claimed(), system=system, centre=(F(1), F(1, 4))))
+
+
+# Claims.
+
+
+def test_a_bifurcation_is_proved_and_told_with_its_interval() -> None:
+    proof = certificate()
+    assert proof.proved, proof.reason
+    assert proof.side == "above"
+    assert proof.parameter is not None
+    with ctx.workprec(200):
+        assert proof.parameter.overlaps(arb("0.641462169594796543440731618339839") + arb(0, "1e-32"))
+    assert "on the level E = 3/2, those of the box with 0.25 < px < 2" in str(proof.theorem)
+    assert "px being its one solution with 0.25 < px < 2" in proof.statement["in_full"]
+    (level,) = (hypothesis for hypothesis in proof.hypotheses if hypothesis.name == "level")
+    assert level.section == "12.6"
+    assert recheck(proof, integrate=True).findings == ()
+
+
+def test_elsewhere_nothing_is_proved() -> None:
+    system = relativistic()
+    assert refusal(on(system, "6/5", "2")) == "level"
+    assert refusal(on(system, "-2", "2")) == "level"
+    assert refusal(on(system, "1/4", "2", "1501/1000")) == "family"
+    # The mirror image of the orbit is one of the same system, with px < 0.
+    assert refusal(on(system, "-2", "-1/4")) == "proved"
+
+
+def test_a_certificate_with_another_interval_does_not_stand() -> None:
+    text = json.dumps(certificate().to_json())
+    for old, new in [('["1/4", "2"]', '["6/5", "2"]'), ('["1/4", "2"]', '["-2", "2"]')]:
+        assert old in text
+        forged = json.loads(text.replace(old, new))
+        forged["digest"] = digest(forged)
+        assert not recheck(Certificate.from_json(forged)).stands
+
+
+def test_orbits_are_proved_whose_level_is_that_of_a_potential() -> None:
+    system = described(CUBIC)
+    task = OrbitTask("brake", system, {}, Equation(COORDINATE, F(1), "a"), (1.0, -0.25), 40, {})
+    candidate = refine_orbit(task)
+    proof = certify(candidate, LIMITS)
+    assert proof.proved, proof.reason
+    assert proof.orbit is not None
+    start = completed(system, [float(proof.point["x"].mid()), 0.0, 0.0, 0.0], [1.0])
+    x, y = start[:2]
+    assert abs(x * x / 2 + y * y / 2 + x * x * y - y**3 / 3 - 1 / 12) < 1e-15
+    assert -1 < y < -0.1
+    # In another interval there is another point over the same x, whose orbit is not periodic.
+    assert not certify(replace(candidate, system=on(system, "1/10", "9/10")), LIMITS).proved
+    half = replace(task, equation=Equation(HALF_PERIOD, F(proof.orbit.half_period.mid().str(30, radius=False))))
+    assert half.equation.quantity == HALF_PERIOD
+
+
+def test_losses_of_the_reversor_are_refused() -> None:
+    reason = theorem_of(replace(claimed(), kind="reversor_breaking", k=1))
+    assert "interval" in getattr(reason, "message", "")
+
+
+def test_the_other_points_get_an_interval_of_their_own() -> None:
+    with ctx.workprec(100):
+        there = on_sheet(described(CUBIC), [arb("0.4") + arb(0, "0.01"), arb("0.42")]).fixed_level
+        assert there is not None
+        assert there.between is not None
+        assert there.between[0] < F(38, 100) < F(43, 100) < there.between[1]
+        for values in ([], [arb("nan")], [arb(0, "inf")]):
+            with pytest.raises(IntegrationFailure, match="be enclosed"):
+                on_sheet(described(CUBIC), values)
+
+
+# Descriptions.
+
+
+def test_a_description_keeps_the_interval() -> None:
+    system = described(CUBIC)
+    assert system.fixed_level == FixedLevel(F(1, 12), between=(F(-1), F(-1, 10)))
+    assert described(json.loads(json.dumps(describe(system)))) is system
+    again = candidate_from_json(to_json(claimed(), provenance=False), "claim")
+    assert again.system is relativistic()
+
+
+@pytest.mark.parametrize(
+    ("level", "message"),
+    [
+        ({"value": "0"}, "sign, 1 or -1, or between"),
+        ({"value": "0", "sign": 1, "between": ["0", "1"]}, "sign, 1 or -1, or between"),
+        ({"value": "0", "between": ["0"]}, "sign, 1 or -1, or between"),
+        ({"value": "0", "between": "0"}, "sign, 1 or -1, or between"),
+        ({"value": "0", "between": ["1", "1"]}, "is empty; give the smaller end first"),
+        ({"value": "0", "between": ["0", "x"]}, "fixed_level.between"),
+    ],
+)
+def test_an_interval_that_is_none_is_named(level: Any, message: str) -> None:
+    with pytest.raises(DescriptionError, match="fixed_level") as error:
+        described({**CUBIC, "fixed_level": level})
+    assert message in str(error.value)
+
+
+def test_a_sign_where_an_interval_is_needed_is_told_with_the_remedy(tmp_path: Path) -> None:
+    text = (EXAMPLES / "relativistic.py").read_text("utf-8")
+    file = tmp_path / "relativistic.py"
+    file.write_text(text.replace('"between": ["1/4", "2"]', '"sign": 1'), "utf-8")
+    with pytest.raises(InputError, match="give fixed_level an interval of it"):
+        load_system(file)
+
+
+def test_floating_point_finds_the_root_in_the_interval_and_none_elsewhere() -> None:
+    system = relativistic()
+    found = completed(system, [0.0, 0.3, 0.0, 0.0], [0.5])
+    assert abs(found[2] - ((1.5 - 0.045) ** 2 - 1) ** 0.5) < 1e-15
+    for low, high in (("6/5", "2"), ("1/4", "1/2")):
+        missing = completed(on(system, low, high), [0.0, 0.3, 0.0, 0.0], [0.5])[2]
+        assert missing != missing
+
+
+PROGRAMS: dict[str, Any] = {
+    "quotients": lambda s: ((s[0] ** 2 - 3 * s[1]) / (s[0] * s[1] + 5) - s[1] / s[0],),
+    "powers": lambda s: ((1 + s[0] ** 2) ** F(-3) * s[1] - s[0] ** 3 + (2 - s[0]) ** 0,),
+    "without it": lambda s: (s[1] ** 2 / 7,),
+    "alone": lambda s: (s[0],),
+}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_the_slope_of_a_program_is_that_of_its_function(name: str) -> None:
+    program = record(PROGRAMS[name], ("w", "u"))
+    both = with_slope(program, "w")
+    for w, u in ((F(3, 7), F(2)), (F(-5, 2), F(1, 3))):
+        step = F(1, 10**12)
+
+        def at(x: F, u: F = u) -> F:
+            (value,) = program.evaluate([x, u], lambda c: c, lambda b, e: b ** int(e))
+            return F(value)
+
+        value, slope = both.evaluate([w, u], lambda c: c, lambda b, e: b ** int(e))
+        assert value == at(w)
+        assert abs(slope - (at(w + step) - at(w - step)) / (2 * step)) < F(1, 10**18)
