@@ -202,6 +202,7 @@ def _formulas_of(
     where, field = entry.get("where", {}), entry["field"]
     texts = {key: entry.get(key) for key in ("first_integral", "squared_distance")}
     defined: tuple[Defined, ...] = ()
+    extended: Arithmetic | None = None
     if "defined" in entry:
         defined = _read_defined(entry["defined"], state, parameters)
     elif isinstance(field, Mapping) and isinstance(where, Mapping):
@@ -213,9 +214,9 @@ def _formulas_of(
         except FormulaError as error:
             raise DescriptionError(f"field: {error}") from None
         if found.calls:
-            state, field, defined = _extended(found.calls, state, parameters, where, field)
+            state, extended, defined = _extended(found.calls, state, parameters, where, field)
     functions = DescribedFunctions(state, parameters, where)
-    return _Formulas(state, functions.function("field", field, state), defined, texts, functions)
+    return _Formulas(state, extended or functions.function("field", field, state), defined, texts, functions)
 
 
 def _without(found: FunctionsOf, text: Any) -> Any:
@@ -241,7 +242,7 @@ def _extended(
     parameters: tuple[str, ...],
     where: Mapping[str, str],
     field: Mapping[str, str],
-) -> tuple[tuple[str, ...], Callable[..., Sequence[Any]], tuple[Defined, ...]]:
+) -> tuple[tuple[str, ...], Arithmetic, tuple[Defined, ...]]:
     """State, field and functions of the system with further coordinates in place of functions."""
     if set(field) != set(state):
         raise DescriptionError(f"field: needs a formula, as text, for each of {', '.join(state)}")
@@ -253,18 +254,23 @@ def _extended(
         for key, text in where.items():
             known[key] = formula_value(f"where.{key}", text, known)
         own = {key: formula_value(f"field.{key}", field[key], known) for key in state}
-        return [*own.values(), *rates_of(calls, where, values, own)]
+        try:
+            return [*own.values(), *rates_of(calls, where, values, own)]
+        except FormulaError as error:
+            raise DescriptionError(f"field: {error}") from None
 
     def argument(call: Call) -> Callable[..., Any]:
         return lambda *inputs: argument_of(call, where, dict(zip(names, inputs, strict=True)))
 
     extended = (*state, *(call.name for call in calls))
     functions = DescribedFunctions(extended, parameters, where)
+    # First, so that what is wrong with a formula is said of it and not of an argument that has it.
+    arithmetic = functions.function("field", rates, extended)
     defined = tuple(
         Defined(call.name, call.function, functions.function(f"field.{call.name}", argument(call), None))
         for call in calls
     )
-    return extended, rates, defined
+    return extended, arithmetic, defined
 
 
 def _names_of(entry: Mapping[str, Any]) -> tuple[str, str, tuple[str, ...], dict[str, ParameterRange]]:

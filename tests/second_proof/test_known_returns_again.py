@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from flint import arb
-from polynomial_returns import BEND, BITS, bifurcation, claimed, jets, returning, synthetic, torus
+from polynomial_returns import BEND, BITS, bifurcation, claimed, jets, legs, returning, synthetic, torus
 from support.normal_form_maps import KnownBifurcation, KnownTorus, known_bifurcation, known_torus
 
 from orbitproof.verify.second_proof import CannotFollow
@@ -198,6 +198,20 @@ def test_a_vector_that_is_not_turned_alone_is_not_in_the_fixed_set() -> None:
             moved = [value + by * (i == attempt.time + place) for i, value in enumerate(zero)]
             is_fixed, (hypothesis,) = attempt.mirrored(moved)
             assert (is_fixed, hypothesis.holds) == (True, holds)
+
+
+def test_parts_of_the_period_of_a_pitchfork_are_compared_under_s() -> None:
+    """Half the time on, S must not take the orbit to its point; that it is elsewhere itself says nothing."""
+    signs = (-1, 1)
+    known = known_bifurcation(-1, 2, random.Random(2), signs=signs, others=OFF[:1])
+    attempt = attempt_of(known, "periodic-pitchfork", 1, symmetry=signs)
+    attempt.statement = replace(attempt.statement, crossings=2)
+    with jets.precision(BITS):
+        zero = [arb(1), *[arb(0)] * (attempt.time + 1)]
+        for first, holds in ((-1, False), (1, True)):
+            between = {2: [jets.Jet({(): arb(x)}, 0) for x in (first, 0, 0)]}
+            checks, _ = attempt.check_orbit(legs.Return([], 2, between), zero)
+            assert [check.holds for check in checks if check.name == "least period, T/2"] == [holds]
 
 
 def test_pitchforks_of_orbits_that_are_moved() -> None:

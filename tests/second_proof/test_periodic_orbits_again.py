@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -365,6 +366,51 @@ def test_a_time_of_return_that_is_a_multiple_of_the_period_is_refused(recorded: 
         concluded(recorded, lambda found: found._replace(crossings=2, between={2: found.ends[-1]}), crossings=2)
     with pytest.raises(package.CannotFollow, match="least period, T/2 is not shown"):
         concluded(recorded, lambda found: found._replace(crossings=2), crossings=2)
+
+
+def test_half_the_period_counts_from_the_begin_of_the_first_leg(recorded: Any) -> None:
+    """Half the time on the orbit is at the opposite point of its circle, in whichever leg that is."""
+    stated, start, bits, _ = recorded
+    proofs = list[Any]()
+    concluded(recorded, after=proofs.append)
+    centre = proofs[0].centre
+    assert start.shares[0] < 0.5
+    with package.jets.precision(bits):
+        found = periodic.PeriodicProof(replace(stated, crossings=2), bits, start).followed(centre, 1)
+    for jet, begun in zip(found.between[2][:2], centre[:2], strict=True):
+        assert abs(float(jet[()] + begun)) < 1e-9
+
+
+def test_a_gradient_that_is_zero_shows_no_level(certificates: dict[str, dict[str, Any]]) -> None:
+    stated = stating.read_periodic(certificates["on a level"])
+    with package.jets.precision(160):
+        proof = periodic.PeriodicProof(stated, 160)
+        for x, holds in ((1, True), (0, False)):
+            zero = [arb(x), *[arb(0)] * (len(proof.centre) - 2), arb(1)]
+            checks, _ = proof.check_orbit(legs.Return([], 1, {}), zero)
+            assert [check.holds for check in checks if check.name == "gradient"] == [holds]
+
+
+def test_a_crossing_that_may_be_after_the_period_does_not_end_it(
+    recorded: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The period is near the end of the first piece, and not certainly in it."""
+    stated, start, bits, _ = recorded
+    nothing = SimpleNamespace(duration=arb(3), at=lambda time: [])
+
+    class Pieces(periodic.PeriodicProof):  # type: ignore[name-defined, misc]
+        def step(self, state: Any, guess: Any) -> Any:
+            return nothing, arb(3), guess
+
+    for period, crossings in ((arb(0.75, 0.01), 1), (arb(1, 0.1), 0)):
+        pieces = iter([((arb(0.5), arb(1)), -1), ((arb(1.5), arb(2)), 1), (None, 1)])
+        monkeypatch.setattr(legs, "first_crossing", lambda *given, found=pieces: next(found))
+        proof = Pieces(replace(stated, direction=-1), bits, start)
+        if crossings:
+            assert proof.leg([], 0, period, True, {}, {}) == ([], 1)
+        else:
+            with pytest.raises(package.CannotFollow, match="not crossed at the end"):
+                proof.leg([], 0, period, True, {}, {})
 
 
 def test_the_equations_ask_for_the_section_and_the_level(certificates: dict[str, dict[str, Any]]) -> None:

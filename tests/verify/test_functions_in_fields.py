@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -161,6 +162,31 @@ def test_the_statement_says_what_the_functions_are() -> None:
     statement["functions"][0]["function"] = "cos"
     forged = recheck(Certificate.from_json({**document, "digest": digest(document)}))
     assert forged.level is not Level.CONCLUSION
+
+
+STATED: dict[str, Callable[[list[dict[str, str]]], object]] = {
+    "another coordinate": lambda f: f[0].update(coordinate="cos_x"),
+    "other inputs": lambda f: f[0].update(argument=f[0]["argument"].replace("= y", "= u").replace("= x", "= y")),
+    "another order": lambda f: f.reverse(),
+    "too many": lambda f: f.extend(4 * f),
+    "another function": lambda f: f[0].update(function="cos"),
+    "another argument": lambda f: f[0].update(argument=f[0]["argument"].replace("return v0", "return v1")),
+    "none": lambda f: f.clear(),
+}
+
+
+@pytest.mark.parametrize("what", ["", *STATED])
+def test_a_system_that_is_stated_by_name_has_the_functions_that_are_stated(what: str) -> None:
+    document = copy.deepcopy(swings("pendulum")[2].to_json())
+    document["statement"]["candidate"]["system"] = "swing"
+    if what:
+        STATED[what](document["statement"]["functions"])
+    if what == "none":
+        del document["statement"]["functions"]
+    found = recheck(Certificate.from_json({**document, "digest": digest(document)}))
+    assert (found.level is Level.CONCLUSION) == (not what)
+    if what in list(STATED)[:4]:
+        assert "statement.functions: are not the last" in found.why
 
 
 def mixed(state: Sequence[float], c: float) -> list[float]:
@@ -345,6 +371,39 @@ def test_coordinates_that_do_not_move_as_their_functions_are_refused() -> None:
     for place in range(2):
         defined = [twice[i] if i == place else each for i, each in enumerate(grows.defined)]
         assert not keeps_its_functions(replace(grows, defined=tuple(defined)))
+
+
+@pytest.mark.parametrize(
+    "argument", ["x*x - vx", "vx - vy*vx", "2 - vx", "1/(3 + vx)", "vx/(3 + vy)", "-vx", "(vx + 1)**3", "exp(-vx)*vy"]
+)
+@pytest.mark.parametrize("function", ["exp({})", "log(5 + {})", "sin(x*({}))"])
+def test_rates_of_functions_are_shown_for_all_kinds_of_arguments(argument: str, function: str) -> None:
+    call = function.format(f"({argument})")
+    field = {**SWING["field"], "vx": f"-x*{call}" if function[:3] != "sin" else f"-{call}"}
+    assert keeps_its_functions(described(entry(field=field)))
+
+
+def test_other_functions_than_four_are_refused() -> None:
+    written = describe(described(SWING))
+    assert isinstance(written, dict)
+    first, *rest = written["defined"]
+    with pytest.raises(DescriptionError, match="each one of sin, cos, exp, log"):
+        described({**written, "defined": [[first[0], "tan", first[2]], *rest]})
+
+
+@pytest.mark.parametrize(
+    ("formula", "words"),
+    [
+        ("-x*exp(sqrt(2))", r"field: a root of a number in 'sqrt\(2\)' is not exact; make it a parameter"),
+        ("-sin(q)", r"where.q: a root of a number in 'x\*sqrt\(2\)' is not exact"),
+        ("-x*exp(tan(vx))", r"field: 'tan\(vx\)' is not allowed in a formula; write sin\(u\)/cos\(u\)$"),
+    ],
+)
+def test_what_is_wrong_with_an_argument_is_said_of_the_formula(formula: str, words: str) -> None:
+    with pytest.raises(DescriptionError, match=f"^{words}"):
+        described(
+            entry(field={**SWING["field"], "vx": formula}, where={"q": "x*sqrt(2)"} if "q" in formula[5:7] else {})
+        )
 
 
 def test_a_level_coordinate_is_followed_by_its_functions() -> None:
