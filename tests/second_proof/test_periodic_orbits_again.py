@@ -24,6 +24,7 @@ from orbitproof.verify.certificate import Certificate, Limits, certify, write_ce
 from orbitproof.verify.run.second_proofs import compare
 from orbitproof.verify.second_proof import BadCertificate, NotProved, ProvedPeriodic, second_proof
 
+bifurcation = import_module(f"{package.__name__}.periodic_bifurcation")
 periodic = import_module(f"{package.__name__}.periodic")
 stating = import_module(f"{package.__name__}.periodic_statement")
 legs = import_module(f"{package.__name__}.legs")
@@ -379,6 +380,36 @@ def test_half_the_period_counts_from_the_begin_of_the_first_leg(recorded: Any) -
         found = periodic.PeriodicProof(replace(stated, crossings=2), bits, start).followed(centre, 1)
     for jet, begun in zip(found.between[2][:2], centre[:2], strict=True):
         assert abs(float(jet[()] + begun)) < 1e-9
+
+
+def test_the_equations_compare_the_last_leg_with_the_first_point_under_s(recorded: Any) -> None:
+    """Ends of legs at their begins: rows are those of S x_1, then of x_0."""
+    stated, start, bits, _ = recorded
+    turned = replace(stated, symmetry=(-1, 1))
+    two = start._replace(shares=[arb(1) / 4, arb(1)], points=start.points[:2])
+    with package.jets.precision(bits):
+        proof = periodic.PeriodicProof(turned, bits, two)
+        begins = [proof.begin(proof.centre[2 * i : 2 * i + 2], 1) for i in range(2)]
+        rows = proof.returned(legs.Return(begins, 1, {}), proof.centre, 1)
+        x, y, u, v = proof.centre[:4]
+        for row, value, place, slope in zip(rows, (-u, v, x, y), (2, 3, 0, 1), (-1, 1, 1, 1), strict=False):
+            assert row[()].contains(value)
+            assert [row[j,].contains(slope if j == place else 0) for j in range(4)] == [True] * 4
+        assert [row[legs.TIME,].contains(0) for row in rows[:4]] == [False] * 4
+
+
+def test_a_level_that_varies_is_an_unknown_of_its_equation(certificates: dict[str, dict[str, Any]]) -> None:
+    stated = stating.read_periodic(certificates["on a level"])
+    claim = bifurcation.BifurcationStatement("periodic-fold", stated, Fraction(9, 2), ((Fraction(1),) * 3,))
+    with package.jets.precision(160):
+        proof = bifurcation.VaryingLegs(claim, 160)
+        state = proof.begin(proof.centre[: stated.section], 2)
+        row = proof.returned(legs.Return([state], 1, {}), proof.centre, 2)[-1]
+        x, y = proof.centre[:2]
+        assert row[()].overlaps(x * x + y * y - arb(4.5))
+    assert proof.varied == len(stated.names) + 1
+    assert row[proof.varied,] == -1
+    assert [row[j,].contains(0) for j in range(2, proof.varied)] == [True] * (proof.varied - 2)
 
 
 def test_a_gradient_that_is_zero_shows_no_level(certificates: dict[str, dict[str, Any]]) -> None:

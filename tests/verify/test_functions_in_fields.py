@@ -17,7 +17,7 @@ from typing import Any, cast
 import mpmath
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, fmpz_poly
 from scipy.integrate import solve_ivp
 from support.exact_elements import number
 
@@ -51,7 +51,7 @@ from orbitproof.verify.evidence import (
 from orbitproof.verify.oracle import ORACLE
 from orbitproof.verify.orbit import OrbitResults
 from orbitproof.verify.poincare import IntegratorSettings, enclose_iterates, initial_values
-from orbitproof.verify.poincare.functions import function_of
+from orbitproof.verify.poincare.functions import at_start, function_of
 from orbitproof.verify.stability.level import gradient
 from orbitproof.verify.words.formulas import setting
 from orbitproof.verify.words.lasting import _where
@@ -158,6 +158,7 @@ def test_the_statement_says_what_the_functions_are() -> None:
     ]  # fmt: skip
     assert "The states are given by x, y, vx, vy; sin_x, cos_x are these functions of them:" in statement["in_full"]
     assert "sin_x = sin(x)" in statement["in_full"]
+    assert "cos_x = cos(x)" in statement["in_full"]
     assert recheck(certificate).level is Level.CONCLUSION
     statement["functions"][0]["function"] = "cos"
     forged = recheck(Certificate.from_json({**document, "digest": digest(document)}))
@@ -301,6 +302,16 @@ def test_functions_of_wide_elements_contain_the_functions_of_their_values(name: 
             assert abs(exact - mpmath.mpf(str(middle.str(50, radius=False)))) <= float(radius) + mpmath.mpf(10) ** -40
             if arithmetic.width == 16 and arithmetic.grading.top == 2 and not unknown:
                 assert float(radius) < 1e-4
+
+
+def test_initial_values_that_depend_on_time_are_refused() -> None:
+    arithmetic = WideArithmetic(Grading((1,), 0), 90, 0, 4, width=1)
+    program = record(lambda s: (s[0] * s[0],), ("x",))
+    still = arithmetic.constant(Fraction(1, 2))
+    assert at_start(program, [still])[0].coefs == arithmetic.constant(Fraction(1, 4)).coefs
+    moving = Series(arithmetic, [fmpz_poly([*still.coefs[0].coeffs(), *[0] * arithmetic.stride, 1])], still.errors)
+    with pytest.raises(ValueError, match="depends on time"):
+        at_start(program, [moving])
 
 
 def test_a_function_of_too_wide_an_element_is_not_enclosed() -> None:
