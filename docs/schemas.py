@@ -14,6 +14,7 @@ from orbitproof.explore.periodic import PeriodicFamilyRecord
 from orbitproof.shared.claims import BoxClaim, StoredAtlas
 from orbitproof.shared.formats.schemas import document_schema, schema_text
 from orbitproof.shared.stored import rules
+from orbitproof.verify.atlas.catalogue import CatalogueDocument
 from orbitproof.verify.atlas.document import BranchDocument
 from orbitproof.verify.certificate.document import Software
 from orbitproof.verify.certificate.entry import Entry
@@ -52,10 +53,12 @@ def schemas() -> dict[str, dict[str, Any]]:
         "that which follows from the others on the section.",
         "atlas-certificate": "What was claimed of a curve or surface, what is proved on each interval of each piece, "
         "and what follows.",
+        "catalogue-certificate": "Rows of a catalogue, and what a proved curve says of the orbits that start near "
+        "them, in the units of the CR3BP.",
         "periodic-family": "A family of periodic orbits without symmetry in a parameter, or over the levels of a first "
         "integral, from double precision, in the units of its system. Nothing is proved.",
     }
-    kinds = (Candidates, Certificates, StoredAtlas, BranchDocument, PeriodicFamilyRecord)
+    kinds = (Candidates, Certificates, StoredAtlas, BranchDocument, CatalogueDocument, PeriodicFamilyRecord)
     return {
         # The parameters of a surface stand in its pieces.
         name: document_schema(name, words[name], kind, ["parameters"] if kind is StoredAtlas else [])

@@ -1,4 +1,5 @@
 from . import enclose as enclose
+from .atlas.catalogue import CatalogueCertificate as CatalogueCertificate
 from .atlas.certificate import AtlasCertificate as AtlasCertificate
 from .atlas.listed import ListedInterval as ListedInterval
 from .atlas.listed import ListedPoint as ListedPoint
@@ -16,10 +17,13 @@ from .run.second_proofs import Comparison as Comparison
 from .scripting import InputError as InputError
 from .scripting import certify as certify
 from .scripting import certify_atlas as certify_atlas
+from .scripting import certify_catalogue as certify_catalogue
 from .scripting import places as places
 from .scripting import prove_again as prove_again
 from .scripting import read as read
 from .scripting import read_atlas as read_atlas
+from .scripting import read_catalogue as read_catalogue
 from .scripting import recheck as recheck
+from .scripting import recheck_rows as recheck_rows
 from .scripting import write as write
 from .scripting import write_atlas as write_atlas

@@ -1,4 +1,4 @@
-"""Command line of the verifier: hands over to the command for rows, for branches, or for second proofs."""
+"""Command line of the verifier: hands over to the command for rows, branches, catalogues, or second proofs."""
 
 from __future__ import annotations
 
@@ -16,6 +16,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from orbitproof.verify.run.branch_command import main as verify_branch
 
         return verify_branch(words[1:])
+    if words[:1] == ["catalogue"]:
+        from orbitproof.verify.run.catalogue_command import main as verify_catalogue
+
+        return verify_catalogue(words[1:])
     if "--second-proof" in words:
         from orbitproof.verify.run.second_proofs import main as prove_again
 

@@ -4,15 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import closing, suppress
+from fractions import Fraction
 from pathlib import Path
 
-from orbitproof.shared.formats import AnyAtlas, BoxClaim, Candidate, InputError, InSection
-from orbitproof.verify.atlas import AtlasCertificate, Placed, kind_of, read_atlas_certificate, write_atlas_certificate
+from orbitproof.shared.formats import (
+    AnyAtlas,
+    BoxClaim,
+    Candidate,
+    CatalogueRows,
+    InputError,
+    InSection,
+    check_writable,
+    read_catalogue_rows,
+)
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.verify.atlas import (
+    WITHIN,
+    AtlasCertificate,
+    CatalogueCertificate,
+    Placed,
+    kind_of,
+    read_atlas_certificate,
+    read_catalogue_certificate,
+    write_atlas_certificate,
+    write_catalogue_certificate,
+)
 from orbitproof.verify.certificate import Certificate, Limits, Recheck, read_certificates, repeated, write_certificates
 from orbitproof.verify.run import GIBIBYTE, CheckLimits, Workplace
 from orbitproof.verify.run.branch_checks import places_on_apart
 from orbitproof.verify.run.branch_tasks import RunLimits
 from orbitproof.verify.run.branches import conclude_run, limits_of, prove_pieces, started
+from orbitproof.verify.run.catalogue_command import certify_rows, check_again
 from orbitproof.verify.run.checking_again import checked_again
 from orbitproof.verify.run.rows import RowRun
 from orbitproof.verify.run.second_proofs import Comparison, SecondProofs, problem_of
@@ -188,6 +210,61 @@ def places(curve: AtlasCertificate, orbits: Iterable[Certificate], *, timeout: f
     shown.
     """
     return places_on_apart(curve, list(orbits), Workplace(timeout=timeout).branch_checks)
+
+
+def certify_catalogue(
+    catalogue: str | Path | CatalogueRows,
+    curve: AtlasCertificate,
+    *,
+    within: Fraction | str = WITHIN,
+    output: str | Path | None = None,
+    timeout: float | None = None,
+    quiet: bool = False,
+) -> CatalogueCertificate:
+    """Which rows of a catalogue a proved curve certifies, and what it says of the orbits that start near them.
+
+    Arguments:
+        catalogue: a file, JSON or CSV in the form of the JPL catalogue, or what `shared.read_catalogue_rows` reads.
+        curve: with a list (`certify_atlas(.., complete=1)`); its certificate is checked up to its conclusion first.
+        within: an orbit certifies a row from which it starts no farther than this; nondimensional.
+        output: a file for the certificate.
+        timeout: seconds for each of both; without one, an hour.
+        quiet: nothing on standard error.
+
+    Returns the certificate; `rows` are its rows. Raises `InputError` for a curve that is of no such system, has
+    another mass parameter, or does not stand.
+    """
+    if output is not None:
+        check_writable(Path(output))
+    rows = catalogue if isinstance(catalogue, CatalogueRows) else read_catalogue_rows(Path(catalogue))
+    distance = parse_exact(within) if isinstance(within, str) else within
+    if not distance > 0:
+        raise ValueError(f"within: {within} is not positive")
+    certificate = certify_rows(rows, curve, distance, Workplace(timeout=timeout, quiet=quiet))
+    if output is not None:
+        write_catalogue_certificate(Path(output), certificate.document)
+    return certificate
+
+
+def recheck_rows(
+    certificate: CatalogueCertificate,
+    curve: AtlasCertificate,
+    *,
+    integrate: bool = False,
+    jobs: int = 1,
+    timeout: float | None = None,
+    quiet: bool = False,
+) -> Recheck:
+    """Check the certificate of a catalogue again, by that of its curve; with `integrate` the curve is proved again.
+
+    Arguments as for `recheck`; returns a `Recheck`.
+    """
+    return check_again(certificate, curve, integrate, Workplace(_jobs(jobs), timeout=timeout, quiet=quiet))
+
+
+def read_catalogue(path: str | Path) -> CatalogueCertificate:
+    """The certificate of a catalogue's rows. Raises `InputError` if the file is none, or was changed."""
+    return CatalogueCertificate(read_catalogue_certificate(Path(path)))
 
 
 def prove_again(

@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
+from orbitproof.explore.commands.orbit_options import equation_of, kind_of
 from orbitproof.explore.names import (
-    MONTHS,
-    NO_NUMBER,
-    exact_number,
     family_name,
     given_parameters,
     is_family_name,
@@ -23,12 +21,7 @@ from orbitproof.explore.names import (
     system_with,
 )
 from orbitproof.shared.formats import (
-    COORDINATE,
     HALF_PERIOD,
-    INVARIANT_TORI,
-    LEVEL,
-    ORBIT,
-    STABLE_ORBIT,
     Candidate,
     Equation,
     InputError,
@@ -158,7 +151,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _started(options: argparse.Namespace, system: ReversibleSystem) -> int:
     """An approximate orbit: corrected, and refined if an equation is given."""
-    equation = _equation(options, system, wanted=options.stable or options.tori)
+    equation = equation_of(options, system, wanted=options.stable or options.tori)
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter
@@ -209,7 +202,7 @@ def _of_families(options: argparse.Namespace, system: ReversibleSystem | None) -
     try:
         with Reporter(options.quiet) as report:
             title, family = _family(options, system, report)
-            equation = _equation(options, family.problem.system)
+            equation = equation_of(options, family.problem.system)
             assert equation is not None
             tasks = tasks_of_family(family, equation, options.id or title, options.digits)
             if not tasks:
@@ -231,7 +224,7 @@ def _family(options: argparse.Namespace, system: ReversibleSystem | None, report
         record = _record(options, records)
         return _full_name(record), family_of(record)
     parameters = given_parameters(system, None if options.mass is None else options.mass[0], options.parameter)
-    _equation(options, system)
+    equation_of(options, system)
     name = mirrored_name(options.family[0]) if options.mirror else options.family[0]
     label = label_of(system, None if options.mass is None else options.mass[0], options.parameter)
     report.stage(f"tracing {label} {name}")
@@ -328,41 +321,12 @@ def _catalogue(options: argparse.Namespace) -> int:
     from orbitproof.explore.search import tasks_of_catalogue
     from orbitproof.shared.systems import CR3BP
 
-    equation = _equation(options, CR3BP, wanted=False)
+    equation = equation_of(options, CR3BP, wanted=False)
     with Reporter(options.quiet) as report:
         tasks, failures = tasks_of_catalogue(catalogue, rows, equation, options.digits)
         for line in failures:
             report.error(line)
         return max(_refined(options, tasks, report), 1 if failures else 0)
-
-
-def _equation(options: argparse.Namespace, system: ReversibleSystem, wanted: bool = True) -> Equation | None:
-    """What the options single out the orbit by. Raises `InputError`."""
-    given = [option for option in ("period", "level", "at") if getattr(options, option) is not None]
-    if len(given) > 1 or (wanted and not given):
-        raise InputError("--period, --level or --at: give one of them, to single out an orbit")
-    if not given:
-        return None
-    text: str = getattr(options, given[0])
-    if given[0] == "at":
-        name, _, text = text.partition("=")
-        if name not in system.centre_coordinates:
-            known = ", ".join(system.centre_coordinates)
-            raise InputError(f"--at {name}: no coordinate of {system.name} on Fix(R); give {known}")
-        return Equation(COORDINATE, exact_number(f"--at {name}", text), name)
-    if given[0] == "period":
-        months = MONTHS if system.fixed_parameters == ("mu",) else {}
-        hint = f"{NO_NUMBER}, or arithmetic with {' and '.join(months)}" if months else NO_NUMBER
-        value = exact_number("--period", text, hint, months)
-    else:
-        value = exact_number("--level", text)
-    if given[0] == "level":
-        if system.first_integral is None:
-            raise InputError(f"--level: {system.name} has no first integral; give --period or --at")
-        return Equation(LEVEL, value)
-    if not value > 0:
-        raise InputError(f"--period {text}: not positive; give a positive number")
-    return Equation(HALF_PERIOD, value / 2)
 
 
 def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Reporter) -> int:
@@ -371,7 +335,7 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
 
     if options.output is None:
         raise InputError("--output: missing; give the candidates file to write")
-    tasks = [replace(task, kind=_kind(options, task.system)) for task in tasks]
+    tasks = [replace(task, kind=kind_of(options, task.system)) for task in tasks]
     kept = {each.id: each for each in (read_candidates(options.output) if options.output.exists() else [])}
     done = {task.id: kept[task.id] for task in tasks if task.id in kept and _is_refined(task, kept[task.id])}
     waiting = [task for task in tasks if task.id not in done]
@@ -393,21 +357,6 @@ def _refined(options: argparse.Namespace, tasks: Sequence[OrbitTask], report: Re
         return 130
     report.message(f"{len(done)} of {len(tasks)} orbits are in {options.output}")
     return 0 if complete else 1
-
-
-def _kind(options: argparse.Namespace, system: ReversibleSystem) -> Literal["orbit", "stable_orbit", "invariant_tori"]:
-    """What is claimed of an orbit of a system. Raises `InputError` for what is not known of its orbits."""
-    n = len(system.kernel_coordinates)
-    if options.stable and options.tori:
-        raise InputError("--tori: is about n = 2, and --stable about n = 1; give one of them")
-    if options.stable and n != 1:
-        raise InputError(
-            f"--stable: orbits of {system.name} have n = {n}, of which this is not known; give a system with n = 1, "
-            "such as a planar problem"
-        )
-    if options.tori and n != 2:
-        raise InputError(f"--tori: orbits of {system.name} have n = {n}, and this is about n = 2; leave it out")
-    return STABLE_ORBIT if options.stable else INVARIANT_TORI if options.tori else ORBIT
 
 
 def _is_refined(task: OrbitTask, candidate: Candidate) -> bool:

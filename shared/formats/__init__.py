@@ -53,6 +53,7 @@ from orbitproof.shared.formats.candidates import (
     read_system,
     write_candidates,
 )
+from orbitproof.shared.formats.catalogue import FIELDS, HEADER, MASS_RATIO, CatalogueRows, read_catalogue_rows
 from orbitproof.shared.formats.documents import (
     check_writable,
     json_text,

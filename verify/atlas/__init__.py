@@ -1,5 +1,13 @@
 """Certificates of atlases: what is proved of curves and surfaces in pieces, written down and checked again."""
 
+from orbitproof.verify.atlas.catalogue import (
+    WITHIN,
+    CatalogueCertificate,
+    certified_rows,
+    read_catalogue_certificate,
+    recheck_catalogue,
+    write_catalogue_certificate,
+)
 from orbitproof.verify.atlas.certificate import (
     SCHEMA,
     AtlasCertificate,

@@ -47,6 +47,11 @@ def stability_of(out: Sequence[Sequence[arb]], back: Sequence[Sequence[arb]]) ->
         # det(c - Sigma) has the factor c - 1, that of the direction of the curve.
         last = _minors(sigma, order) - last
         coefficients.append(last)
+    return stability_from(coefficients)
+
+
+def stability_from(coefficients: Sequence[arb]) -> Stability:
+    """From the elementary symmetric functions of the stability parameters: their sum, for two their product too."""
     if not all_finite(coefficients) or len(coefficients) > 2:
         return Stability((), (), UNDECIDED)
     parameters = [acb(coefficients[0])] if len(coefficients) == 1 else _roots(*coefficients)

@@ -33,6 +33,8 @@ Prove bifurcations of symmetric periodic orbits, and single orbits: rigorous ver
 commands:
   orbitproof verify FILE ..         certificates of bifurcations, from candidates (this page)
   orbitproof verify atlas FILE ..   certificates of whole branches, from atlases (orbitproof verify atlas --help)
+  orbitproof verify catalogue FILE ..
+                                    rows of a catalogue, certified by a curve that is proved
   orbitproof verify --second-proof FILE ..
                                     certified bifurcations proved once more, by code that shares nothing with the first
 """

@@ -1,0 +1,429 @@
+"""What a proved curve says of single orbits, against an integrator of its own, and rows of a published catalogue."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import acb, arb, ctx
+from support import catalogue_cases
+from support.forgeries import forged
+from support.runs import done_here
+from support.stored import values
+from support.three_body import Orbits, problem_of
+
+from orbitproof import verify
+from orbitproof.shared import parse_exact
+from orbitproof.shared.claims import Atlas
+from orbitproof.shared.formats import FIELDS, CatalogueRows, InputError, atlas_from_json, read_catalogue_rows
+from orbitproof.verify.__main__ import main
+from orbitproof.verify.atlas import (
+    AtlasCertificate,
+    CatalogueCertificate,
+    certified_rows,
+    check_of_conclusion,
+    read_atlas_certificate,
+    recheck_catalogue,
+    write_atlas_certificate,
+)
+from orbitproof.verify.atlas.catalogue import orbits_of
+from orbitproof.verify.certificate import Level, Recheck
+from orbitproof.verify.curve import ProvedCurve, conclude
+from orbitproof.verify.evidence import Proved, ball_to_json, enclose, symmetric
+from orbitproof.verify.orbit import stability_from
+from orbitproof.verify.orbit_on_curve import OrbitOnCurve, OrbitPlace, OrbitsOfCurve
+from orbitproof.verify.orbit_on_curve.orbit_on_curve import _index
+from orbitproof.verify.stability import StabilityResult
+
+DATA = Path(__file__).parents[1] / "data"
+ARCS: dict[str, Any] = json.loads((DATA / "three-body-arcs.json").read_text())
+NEAR, RETROGRADE = "near-the-moon", "distant-retrograde"
+_RANDOM = 40
+
+Document = dict[str, Any]
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Iterator[None]:
+    with ctx.workprec(192):
+        yield
+
+
+def orbits_from(atlas: Atlas, entries: list[Any]) -> OrbitsOfCurve:
+    results = [result for result in values(entries) if isinstance(result, StabilityResult)]
+    outcome = conclude(atlas, results).outcome
+    assert isinstance(outcome, Proved)
+    assert isinstance(outcome.results, ProvedCurve)
+    return OrbitsOfCurve.of(atlas, outcome.results, results)
+
+
+@cache
+def arc(name: str) -> OrbitsOfCurve:
+    return orbits_from(atlas_from_json(ARCS[name]["atlas"], name), ARCS[name]["results"])
+
+
+@cache
+def halo() -> OrbitsOfCurve:
+    return orbits_of(catalogue_cases.curve())
+
+
+@cache
+def rows() -> CatalogueRows:
+    path = DATA / "catalogue-arc.json"
+    stored = json.loads(path.read_text())["catalogue"]
+    numbers = tuple(tuple(Fraction(str(cell).strip()) for cell in row) for row in stored["data"])
+    return CatalogueRows(Fraction(stored["system"]["mass_ratio"]), numbers, "Earth-Moon", "halo", "2", "S")
+
+
+@cache
+def document() -> Document:
+    return certified_rows(catalogue_cases.curve(), rows())
+
+
+@cache
+def examined() -> Recheck:
+    return check_of_conclusion(catalogue_cases.curve().document)
+
+
+def check(entry: Mapping[str, Any], curve: AtlasCertificate | None = None) -> Recheck:
+    return recheck_catalogue(entry, curve or catalogue_cases.curve(), examined())
+
+
+def holds(ball: arb | None, value: float, digits: float = 1e-10) -> bool:
+    """Whether a ball contains a number that is known so well."""
+    return ball is not None and bool((ball + arb(0, digits * max(1.0, abs(value)))).contains(arb(value)))
+
+
+def index_of(minors: Any) -> float:
+    """The stability index, from multipliers."""
+    polynomial = [1, -minors[0]] if len(minors) == 1 else [1, -minors[0], minors[1]]
+    sizes = []
+    for c in np.roots(polynomial).astype(complex):
+        size = max(abs(c + np.sqrt(c * c - 1)), abs(c - np.sqrt(c * c - 1)))
+        sizes.append((size + 1 / size) / 2)
+    return float(max(sizes))
+
+
+@pytest.mark.parametrize("name", [NEAR, RETROGRADE, "halo"])
+def test_orbits_at_random_places_are_those_of_another_integrator(name: str) -> None:
+    known = halo() if name == "halo" else arc(name)
+    atlas, problem = known.atlas, problem_of(known.atlas)
+    (piece,) = atlas.curve_pieces()
+    low = 0.01 if piece.kind == "symmetric" else -1.0
+    s = np.sort(np.random.default_rng(5).uniform(low, 1.0, _RANDOM))
+    found: Orbits = problem.on_curve(piece, s)
+    origin = np.array(problem.origin, dtype=float)[:, None]
+    points, minors = found.points + origin, found.minors(problem.coordinates)
+    least, greatest, *_ = found.distances
+    for number, place in enumerate(s):
+        orbit = known.at(OrbitPlace(piece.id, Fraction(place)))
+        for ball, value in zip(orbit.point.values(), points[:, number], strict=True):
+            assert holds(ball, value, 1e-9)
+            assert ball.rad() < 1e-10
+        assert holds(orbit.period, 2 * found.half_period[number], 1e-9)
+        assert holds(orbit.least, least[number], 1e-9)
+        assert holds(orbit.greatest, greatest[number], 1e-9)
+        assert holds(orbit.stability_index, index_of(minors[:, number]), 1e-5)
+        total, product = acb(0), acb(1)
+        for c in orbit.stability.parameters:
+            total, product = total + c, product * c
+        assert holds(total.real, minors[0, number], 1e-5)
+        assert len(minors) == 1 or holds(product.real, minors[1, number], 1e-5)
+        assert orbit.period.rad() < 1e-8
+
+
+def test_a_mirror_image_has_the_numbers_of_its_orbit_and_is_known_on_symmetric_curves_only() -> None:
+    known = halo()
+    (piece,) = known.atlas.curve_pieces()
+    here, there = (known.at(OrbitPlace(piece.id, Fraction(1, 3), mirrored)) for mirrored in (False, True))
+    assert {name: str(-ball if name == "z" else ball) for name, ball in here.point.items()} == {
+        name: str(ball) for name, ball in there.point.items()
+    }
+    assert here.point["z"] < 0 < there.point["z"]
+    assert str(replace(here, point={})) == str(replace(there, point={}))
+    with pytest.raises(ValueError, match="nothing is proved of mirror images"):
+        arc(NEAR).at(OrbitPlace("p011", Fraction(1, 3), mirrored=True))
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        OrbitPlace("p001", Fraction(-1, 8)),
+        OrbitPlace("p001", Fraction(9, 8)),
+        OrbitPlace("p001", 1 + Fraction(1, 2**80)),
+        OrbitPlace("p002", Fraction(1, 8)),
+    ],
+)
+def test_a_place_off_the_curve_has_no_orbit(place: OrbitPlace) -> None:
+    """The curve runs from the symmetric point s = 0 of its piece to s = 1."""
+    with pytest.raises(ValueError, match="the curve does not run through"):
+        halo().at(place)
+
+
+def test_without_functions_nothing_is_said() -> None:
+    results = [{key: value for key, value in ARCS[NEAR]["results"][0].items() if key != "stability"}]
+    known = orbits_from(arc(NEAR).atlas, results)
+    with pytest.raises(ValueError, match="prove it with a list"):
+        known.at(OrbitPlace("p011", Fraction(0)))
+
+
+def test_the_place_next_to_a_point_of_the_curve_is_found() -> None:
+    for known, side in ((halo(), False), (halo(), True), (arc(NEAR), False)):
+        system, (piece,) = known.atlas.system, known.atlas.curve_pieces()
+        for s in (Fraction(1, 7), Fraction(5, 8), Fraction(1)):
+            orbit = known.at(OrbitPlace(piece.id, s, side))
+            state = {name: Fraction(0) for name in system.state}
+            state |= {name: Fraction(float(ball.mid())) for name, ball in orbit.point.items()}
+            place = known.near(state)
+            assert place is not None
+            assert (place.piece, place.mirrored) == (piece.id, side)
+            assert abs(place.s - s) < Fraction(1, 10**12)
+            assert known.distance(known.at(place), state) < arb("1e-13")
+            # Velocities that R negates count too.
+            off = known.distance(known.at(place), {**state, "vx": Fraction(3, 1000)})
+            assert off.upper() > arb("0.003")
+
+
+def test_the_distance_bounds_that_of_all_points_of_the_balls() -> None:
+    known = halo()
+    orbit = known.at(OrbitPlace("p001", Fraction(1, 2)))
+    generator = random.Random(3)
+    for _ in range(200):
+        state = {name: Fraction(generator.gauss(0, 1e-3)) for name in known.atlas.system.state}
+        points = {
+            name: float(ball.mid()) + generator.uniform(-1, 1) * float(ball.rad()) for name, ball in orbit.point.items()
+        }
+        true = sum((float(value) - points.get(name, 0.0)) ** 2 for name, value in state.items()) ** 0.5
+        bound = float(known.distance(orbit, state).upper())
+        assert true * (1 - 1e-12) <= bound < true * (1 + 1e-8)
+
+
+def test_the_stability_index_is_that_of_multipliers() -> None:
+    generator = np.random.default_rng(8)
+    for _ in range(500):
+        c = generator.normal(0, 2, 2)
+        for coefficients in ([c[0]], [c[0] + c[1], c[0] * c[1]], [2 * c[0], c[0] ** 2 + c[1] ** 2]):
+            exact = [arb(float(value)) for value in coefficients]
+            found = _index(stability_from(exact))
+            assert holds(found, index_of(np.array([float(value) for value in coefficients])), 1e-7)
+    assert _index(stability_from([arb(0), arb(0), arb(0)])) is None
+
+
+def test_rows_of_the_published_catalogue_are_certified() -> None:
+    certificate = CatalogueCertificate(document())
+    assert not certificate.is_proved
+    assert repr(certificate) == "<CatalogueCertificate by 'halo-from-the-plane': 4 of 5 rows>"
+    on, off = certificate.rows[: catalogue_cases.ON_THE_ARC], certificate.rows[catalogue_cases.ON_THE_ARC :]
+    assert [row.orbit is not None for row in on] == [True] * 4
+    assert [row.mirrored for row in on] == [False, False, True, False]
+    for row in on:
+        assert row.orbit is not None
+        assert row.differences is not None
+        assert row.differences.point < arb("1e-12")
+        assert row.differences.level < arb("1e-13")
+        assert row.differences.period < arb("1e-12")
+        assert row.differences.stability_index is not None
+        assert row.differences.stability_index < arb("1e-3")
+        for ball, value in ((row.orbit.level, row.given[6]), (row.orbit.period, row.given[7])):
+            assert abs(ball - float(value)) < arb("1e-12")
+    assert [row.lacks for row in off] in (["place"], ["nearness"])
+    assert all(row.orbit is None and row.piece is None for row in off)
+    theorem = document()["statement"]["theorem"]
+    assert "For each of 4 of 5 rows" in theorem
+    assert catalogue_cases.curve().document["digest"] in theorem
+
+
+def test_a_row_farther_away_than_asked_for_is_not_certified() -> None:
+    given = rows().rows[1]
+    shifted = tuple(
+        value + (Fraction(1, 10**7) if field == "vy" else 0) for field, value in zip(FIELDS, given, strict=True)
+    )
+    moved = replace(rows(), rows=(given, shifted))
+    for within, lacks in ((Fraction(1, 10**6), [None, None]), (Fraction(1, 10**8), [None, "nearness"])):
+        found = CatalogueCertificate(certified_rows(catalogue_cases.curve(), moved, within))
+        assert [row.lacks for row in found.rows] == lacks
+        assert found.is_proved is (lacks == [None, None])
+    first, second = CatalogueCertificate(certified_rows(catalogue_cases.curve(), moved)).rows
+    assert second.differences is not None
+    # Along the curve it is compared with a neighbour: the difference shows in the coordinates together.
+    assert arb("1e-9") < second.differences.point.upper() < arb("1.1e-7")
+    assert first.differences is not None
+    assert first.differences.point.upper() < arb("1e-12")
+
+
+def test_curves_of_other_systems_and_masses_certify_nothing() -> None:
+    other = replace(rows(), mass_ratio=rows().mass_ratio + Fraction(1, 10**18))
+    with pytest.raises(InputError, match="another mass parameter"):
+        certified_rows(catalogue_cases.curve(), other)
+    falkner = atlas_from_json(json.loads((DATA / "atlas-falkner-skan.json").read_text()), "atlas")
+    results = json.loads((DATA / "stability-falkner-skan.json").read_text())
+    with pytest.raises(InputError, match="is of no curve in cr3bp"):
+        certified_rows(catalogue_cases.certificate_of(falkner, results), rows())
+
+
+def test_the_certificate_stands_as_far_as_its_curve_was_checked() -> None:
+    assert check(document()).stands
+    assert check(document()).level is Level.CONCLUSION
+    assert check(document()).hypotheses == 5
+    deep = recheck_catalogue(
+        document(), catalogue_cases.curve(), replace(examined(), level=Level.INTEGRATION, precision=99)
+    )
+    assert (deep.level, deep.precision, deep.stands) == (Level.INTEGRATION, 99, True)
+    shallow = recheck_catalogue(document(), catalogue_cases.curve(), replace(examined(), level=Level.FORM))
+    assert shallow.level is Level.FORM
+    fallen = recheck_catalogue(document(), catalogue_cases.curve(), replace(examined(), obstacle="it hangs"))
+    assert not fallen.stands
+    with pytest.raises(ValueError, match="is the check of"):
+        recheck_catalogue(document(), catalogue_cases.curve(), replace(examined(), digest="sha256:" + "0" * 64))
+
+
+def shifted(ball: dict[str, str]) -> None:
+    """A ball, by half of its radius, or a little if it is exact."""
+    middle, radius = parse_exact(ball["mid"]), parse_exact(ball["rad"])
+    ball.update(ball_to_json(enclose(middle + (radius / 2 or Fraction(1, 2**80))) + symmetric(radius)))
+
+
+def narrowed(ball: dict[str, str]) -> None:
+    """A ball to its middle, one that is exact to its neighbour."""
+    exact = parse_exact(ball["rad"]) == 0
+    ball.update(ball_to_json(enclose(parse_exact(ball["mid"]) + (Fraction(1, 2**80) if exact else 0))))
+
+
+PLACES: tuple[tuple[str, ...], ...] = (
+    ("orbit", "point", "x"), ("orbit", "point", "z"), ("orbit", "point", "vy"), ("orbit", "level"), ("orbit", "period"),
+    ("orbit", "stability", "stability_parameters", "0", "real"), ("orbit", "stability_index"), ("orbit", "least"),
+    ("orbit", "greatest"), ("differences", "point"), ("differences", "level"), ("differences", "period"),
+    ("differences", "stability_index"),
+)  # fmt: skip
+
+
+def at(entry: Any, place: tuple[str, ...]) -> Any:
+    for key in place:
+        entry = entry[int(key)] if isinstance(entry, list) else entry[key]
+    return entry
+
+
+@pytest.mark.parametrize("change", [shifted, narrowed])
+@pytest.mark.parametrize("place", PLACES)
+def test_other_numbers_do_not_stand(place: tuple[str, ...], change: Callable[[dict[str, str]], None]) -> None:
+    for number in range(catalogue_cases.ON_THE_ARC):
+        found = check(forged(document(), lambda entry, n=number: change(at(entry["rows"][n], place))))
+        assert not found.stands
+        assert found.level is Level.FORM
+
+
+def _row(number: int, **changes: Any) -> Callable[[Document], None]:
+    return lambda entry: entry["rows"][number].update(changes)
+
+
+def _exchanged(entry: Document) -> None:
+    first, second = entry["rows"][:2]
+    first["orbit"], second["orbit"] = second["orbit"], first["orbit"]
+
+
+FORGERIES: dict[str, Callable[[Document], Any]] = {
+    "mirrored": _row(0, mirrored=True),
+    "not mirrored": lambda entry: entry["rows"][2].pop("mirrored"),
+    "another place": _row(0, s="0x1p-1"),
+    "a place off the curve": _row(0, s="-0x1p-1"),
+    "another piece": _row(0, piece="p002"),
+    "an orbit for a row without one": lambda entry: entry["rows"][4].update(entry["rows"][0], number=5),
+    "another given number": lambda entry: entry["rows"][0]["given"].__setitem__(7, "3e0"),
+    "a given state elsewhere": lambda entry: entry["rows"][0]["given"].__setitem__(0, "2e0"),
+    "orbits exchanged": _exchanged,
+    "a row without its orbit": lambda entry: [
+        entry["rows"][0].pop(key) for key in ("orbit", "differences", "piece", "s")
+    ],
+    "said to be proved": lambda entry: entry.update(verdict="proved"),
+    "another distance": lambda entry: entry["statement"].update(within="1e-30"),
+    "another mass": lambda entry: entry["statement"].update(mass_ratio="1/2"),
+    "rows in another order": lambda entry: entry["rows"].reverse(),
+    "a row left out": lambda entry: entry["rows"].pop(0),
+    "another curve": lambda entry: entry["rests_on"].update(digest="sha256:" + "0" * 64),
+    "another name of the curve": lambda entry: entry["rests_on"].update(id="other"),
+    "another reason": _row(4, lacks="functions"),
+    "a number that is none": lambda entry: entry["rows"][0]["orbit"]["period"].update(rad="0x0", decimal="[3, 3]"),
+}
+
+
+@pytest.mark.parametrize("what", FORGERIES)
+def test_forged_certificates_do_not_stand(what: str) -> None:
+    assert not check(forged(document(), FORGERIES[what])).stands
+
+
+def test_what_is_changed_without_a_new_digest_does_not_stand() -> None:
+    entry = copy.deepcopy(document())
+    entry["statement"]["title"] = "other"
+    assert not check(entry).stands
+    entry["digest"] = document()["digest"]
+    assert "digest" in check(entry).why
+
+
+def test_other_words_are_told_anew() -> None:
+    found = check(forged(document(), lambda entry: entry["statement"].update(theorem="Everything is stable.")))
+    assert found.stands
+    assert found.word == "stands, worded otherwise"
+    assert found.rendered is not None
+    assert found.rendered["statement"]["theorem"] == document()["statement"]["theorem"]
+
+
+def test_the_command_and_python_say_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    curve, catalogue, output = tmp_path / "curve.json", tmp_path / "halo.json", tmp_path / "rows.json"
+    write_atlas_certificate(curve, catalogue_cases.curve().document)
+    stored = catalogue_cases.STORED["catalogue"]
+    catalogue.write_text(json.dumps(stored))
+    assert main(["catalogue", str(catalogue), "--curve", str(curve), "-o", str(output), "--quiet"]) == 1
+    said = capsys.readouterr().out
+    assert "4 of 5 rows are certified by the curve halo-from-the-plane" in said
+    assert "row 5: not certified: " in said
+    assert main(["catalogue", "--recheck", str(output), "--curve", str(curve), "--quiet"]) == 0
+    assert "2 conclusion" in capsys.readouterr().out
+    assert read_catalogue_rows(catalogue).rows == rows().rows
+    shorter = tmp_path / "shorter.json"
+    shorter.write_text(json.dumps({**stored, "count": "4", "data": stored["data"][:4]}))
+    assert main(["catalogue", str(shorter), "--curve", str(curve), "--quiet"]) == 0
+    capsys.readouterr()
+    found = verify.certify_catalogue(catalogue, verify.read_atlas(curve), quiet=True)
+    assert found.rows[:1] == verify.read_catalogue(output).rows[:1] or str(found.rows) == str(
+        verify.read_catalogue(output).rows
+    )
+    assert verify.recheck_rows(found, read_atlas_certificate(curve), quiet=True).stands
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--within", "0"], "give a positive number"),
+        (["--integrate"], "give it together with --recheck"),
+        (["--recheck", "-o", "x.json"], "leave it out"),
+    ],
+)
+def test_wrong_options_are_told(capsys: pytest.CaptureFixture[str], words: list[str], said: str) -> None:
+    assert done_here(["verify", "catalogue", "none.json", "--curve", "none.json", *words]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "Traceback" not in error
+
+
+def test_a_curve_that_does_not_stand_certifies_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    curve, catalogue = tmp_path / "curve.json", tmp_path / "halo.json"
+    changed = forged(catalogue_cases.curve().document, lambda entry: entry["conclusion"].update(joints=[{}]))
+    write_atlas_certificate(curve, changed)
+    catalogue.write_text(json.dumps(catalogue_cases.STORED["catalogue"]))
+    assert main(["catalogue", str(catalogue), "--curve", str(curve), "--quiet"]) == 2
+    assert "does not stand" in capsys.readouterr().err
+
+
+def test_the_orbit_is_a_value_that_prints_its_place() -> None:
+    orbit = halo().at(OrbitPlace("p001", Fraction(1, 2)))
+    assert isinstance(orbit, OrbitOnCurve)
+    assert orbit.stability.verdict == "unstable"

@@ -1,0 +1,300 @@
+"""Rows of a catalogue, certified by the curve that they lie near (section 32.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from flint import arb, ctx
+
+from orbitproof.shared.claims.fields import Id, Numbers, PieceId, Title
+from orbitproof.shared.formats import FIELDS, Atlas, CatalogueRows, InputError, json_text, read_document, write_text
+from orbitproof.shared.formats import validate_document as validated
+from orbitproof.shared.stored import Rational, rules
+from orbitproof.shared.systems import CR3BP, CR3BP_AXIAL, CR3BP_PLANAR, ReversibleSystem, shown
+from orbitproof.verify.atlas.certificate import AtlasCertificate
+from orbitproof.verify.certificate import (
+    CannotBeCheckedError,
+    Examination,
+    Finding,
+    Level,
+    Recheck,
+    climb,
+    decimals,
+    differences,
+    digest,
+    digest_findings,
+)
+from orbitproof.verify.certificate.document import Digest, Software, Verdict
+from orbitproof.verify.certificate.stored_balls import from_json, to_json
+from orbitproof.verify.curve import conclude
+from orbitproof.verify.evidence import Proved, enclose, is_below, software
+from orbitproof.verify.orbit_on_curve import PRECISION, OrbitOnCurve, OrbitPlace, OrbitsOfCurve
+from orbitproof.verify.stability import StabilityResult
+from orbitproof.verify.words import catalogue_in_words
+
+SCHEMA = "catalogue-certificate"
+
+WITHIN = Fraction(1, 10**6)
+"""An orbit certifies a row that is no farther from it, unless another distance is given."""
+
+SPATIAL_PROBLEMS: tuple[ReversibleSystem, ...] = (CR3BP, CR3BP_AXIAL, CR3BP_PLANAR)
+"""The systems whose orbits catalogues list."""
+
+_STATE = FIELDS[:6]
+
+
+@dataclass(frozen=True)
+class Differences:
+    """How far the orbit's numbers are from those of the row, at most: balls that contain the absolute differences.
+
+    Attributes:
+        point: of the states, the Euclidean distance.
+        stability_index: `None` if the orbit's is not known.
+    """
+
+    point: arb
+    level: arb
+    period: arb
+    stability_index: arb | None
+
+
+@dataclass(frozen=True)
+class CertifiedRow:
+    """A row of a catalogue, and what the curve says of the orbit that starts near it.
+
+    Attributes:
+        number: of the row, from 1.
+        given: what the row says: x, y, z, vx, vy, vz, Jacobi constant, period, stability index.
+        piece, s, mirrored: the place of the orbit on the curve; nothing if there is none near the row.
+        orbit: what is known of it.
+        differences: from the row.
+        lacks: why there is none: "place", "functions" or "nearness".
+    """
+
+    number: Annotated[int, rules(minimum=1)]
+    given: Numbers
+    piece: PieceId | None = None
+    s: Fraction | None = None
+    mirrored: bool = False
+    orbit: OrbitOnCurve | None = None
+    differences: Differences | None = None
+    lacks: Literal["place", "functions", "nearness"] | None = None
+
+
+@dataclass(frozen=True)
+class CurveCertificate:
+    """The certificate that a file rests on."""
+
+    id: Id
+    digest: Digest
+
+
+@dataclass(frozen=True, kw_only=True)
+class CatalogueStatement:
+    """What is stated.
+
+    Attributes:
+        title: of the catalogue's family.
+        mass_ratio: as the catalogue has it.
+        within: an orbit of the curve that starts no farther than that from a row certifies it.
+        theorem: in words.
+    """
+
+    title: Title
+    mass_ratio: Rational
+    within: Rational
+    theorem: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class CatalogueDocument:
+    """Rows of a catalogue, certified by a proved curve.
+
+    Attributes:
+        id: that of the curve.
+        verdict: "proved" if the curve certifies every row.
+        rests_on: the certificate of the curve.
+        rows: in the order of the catalogue.
+        software: names and versions of what made this certificate, with a digest of the sources.
+        digest: SHA-256 of the certificate without this key, as JSON with sorted keys and no spaces.
+    """
+
+    id: Id
+    verdict: Verdict
+    statement: CatalogueStatement
+    rests_on: CurveCertificate
+    rows: Annotated[tuple[CertifiedRow, ...], rules(minItems=1, maxItems=1000000)]
+    software: Software
+    digest: Digest
+
+    stored_rules: ClassVar[Mapping[str, Any]] = {}
+
+
+@dataclass(frozen=True, repr=False)
+class CatalogueCertificate:
+    """A certificate of a catalogue's rows. It says what its maker wrote; whether that follows is what checks decide.
+
+    Attributes:
+        document: fits the schema and its digest.
+    """
+
+    document: Mapping[str, Any]
+
+    def __repr__(self) -> str:
+        certified = sum(row.orbit is not None for row in self.rows)
+        return f"<CatalogueCertificate by {self.document['id']!r}: {certified} of {len(self.rows)} rows>"
+
+    @property
+    def verdict(self) -> str:
+        """ "proved" if every row is certified, else "not proved"."""
+        return str(self.document["verdict"])
+
+    @property
+    def is_proved(self) -> bool:
+        """Whether every row is certified."""
+        return self.verdict == "proved"
+
+    @property
+    def rows(self) -> tuple[CertifiedRow, ...]:
+        """In the order of the catalogue."""
+        return from_json(tuple[CertifiedRow, ...], self.document["rows"], "rows")
+
+
+def certified_rows(curve: AtlasCertificate, catalogue: CatalogueRows, within: Fraction = WITHIN) -> dict[str, Any]:
+    """The certificate of a catalogue, as JSON, by a curve that is proved; that its certificate stands is presupposed.
+
+    Raises `InputError` if the curve is none of the catalogue's system, or not proved.
+    """
+    orbits = orbits_of(curve)
+    mass = orbits.atlas.parameters.get("mu")
+    if mass != catalogue.mass_ratio:
+        raise InputError(f"the curve {shown(curve.id)}: about another mass parameter than the catalogue; give its own")
+    rows = tuple(
+        _row(orbits, CertifiedRow(number, given), None, within) for number, given in enumerate(catalogue.rows, start=1)
+    )
+    return _document(curve, catalogue.title, within, rows)
+
+
+def orbits_of(curve: AtlasCertificate) -> OrbitsOfCurve:
+    """The orbits of a certified curve of the three-body problem, one by one. Raises `InputError` for other curves."""
+    atlas = curve.atlas
+    if not isinstance(atlas, Atlas) or atlas.system not in SPATIAL_PROBLEMS:
+        known = ", ".join(system.name for system in SPATIAL_PROBLEMS)
+        raise InputError(f"the certificate {shown(curve.id)}: is of no curve in {known}; give the family of the rows")
+    results = [result for result in curve.results if isinstance(result, StabilityResult)]
+    conclusion = conclude(atlas, results)
+    if not (curve.is_proved and isinstance(conclusion.outcome, Proved)):
+        raise InputError(f"the certificate {shown(curve.id)}: proves no curve; prove it first")
+    return OrbitsOfCurve.of(atlas, conclusion.outcome.results, results)
+
+
+def _row(orbits: OrbitsOfCurve, row: CertifiedRow, place: OrbitPlace | None, within: Fraction) -> CertifiedRow:
+    """A row with the orbit at a place, or without one at the place next to it."""
+    row = CertifiedRow(row.number, row.given)
+    state = dict(zip(_STATE, row.given, strict=False))
+    place = orbits.near(state) if place is None else place
+    if place is None:
+        return replace(row, lacks="place")
+    try:
+        orbit = orbits.at(place)
+    except ValueError:
+        return replace(row, lacks="functions")
+    distance = orbits.distance(orbit, state)
+    if not is_below(distance, enclose(within)):
+        return replace(row, lacks="nearness")
+    level, period, index = row.given[6:]
+    with ctx.workprec(PRECISION):
+        off = None if orbit.stability_index is None else abs(orbit.stability_index - enclose(index))
+        from_row = Differences(distance, abs(orbit.level - enclose(level)), abs(orbit.period - enclose(period)), off)
+    return replace(row, piece=place.piece, s=place.s, mirrored=place.mirrored, orbit=orbit, differences=from_row)
+
+
+def _document(curve: AtlasCertificate, title: str, within: Fraction, rows: tuple[CertifiedRow, ...]) -> dict[str, Any]:
+    assert isinstance(curve.atlas, Atlas)
+    mass, rests_on = curve.atlas.parameters["mu"], CurveCertificate(curve.id, digest(curve.document))
+    found = [row.number for row in rows if row.orbit is not None]
+    words = catalogue_in_words(curve.atlas, rests_on.id, rests_on.digest, len(found), len(rows), within)
+    statement = CatalogueStatement(title=title, mass_ratio=mass, within=within, theorem=words)
+    document = CatalogueDocument(
+        id=curve.id, verdict="proved" if len(found) == len(rows) else "not proved", statement=statement,
+        rests_on=rests_on, rows=rows, software=software(), digest="",
+    )  # fmt: skip
+    certificate = {"format": f"orbitproof-{SCHEMA}", "version": 1, **to_json(document)}
+    return {**certificate, "digest": digest(certificate)}
+
+
+def recheck_catalogue(document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck) -> Recheck:
+    """Check the certificate of a catalogue that fits the schema again, as far as that of its curve was checked.
+
+    `examined` is what checking the curve has shown. Raises `ValueError` if it is the check of another certificate.
+    """
+    if examined.digest != digest(curve.document):
+        raise ValueError(f"examined: is the check of {examined.id!r}, and not of the curve {curve.id!r}")
+    steps = [partial(_form, document, curve)]
+    if examined.level >= Level.CONCLUSION or not examined.stands:
+        steps.append(partial(_conclusion, document, curve, examined))
+    if examined.level is Level.INTEGRATION:
+        steps.append(partial(_integration, examined))
+    return climb(document, steps)
+
+
+def _form(document: Mapping[str, Any], curve: AtlasCertificate, _: Examination) -> Iterator[Finding]:
+    yield from digest_findings(document)
+    validated(document, SCHEMA, "the certificate")
+    given = {"id": curve.id, "digest": digest(curve.document)}
+    if document["rests_on"] != given:
+        stored = document["rests_on"]
+        words = (
+            f"rests on the curve {shown(stored['id'])} ({stored['digest']}); given is {curve.id} ({given['digest']})"
+        )
+        yield Finding("rests_on", words)
+    numbers = [row["number"] for row in document["rows"]]
+    if numbers != list(range(1, len(numbers) + 1)):
+        yield Finding("rows", "are not numbered one after the other")
+
+
+def _conclusion(
+    document: Mapping[str, Any], curve: AtlasCertificate, examined: Recheck, examination: Examination
+) -> Iterator[Finding]:
+    if not examined.stands:
+        raise CannotBeCheckedError(f"the certificate {shown(curve.id)} of the curve does not stand: {examined.why}")
+    yield from decimals(document["rows"], "rows")
+    read = from_json(CatalogueDocument, {k: v for k, v in document.items() if k not in ("format", "version")}, "")
+    orbits = orbits_of(curve)
+    if read.statement.mass_ratio != orbits.atlas.parameters.get("mu"):
+        yield Finding("statement, mass_ratio", "is not the mass parameter of the curve")
+    again = tuple(_row(orbits, row, _place(row), read.statement.within) for row in read.rows)
+    fresh = _document(curve, read.statement.title, read.statement.within, again)
+    examination.hypotheses = len(again)
+    apart = ("software", "digest")
+    old, new = ({key: value for key, value in entry.items() if key not in apart} for entry in (document, fresh))
+    yield from examination.in_data(differences(old, new, ""), {**new, **{key: document[key] for key in apart}})
+
+
+def _place(row: CertifiedRow) -> OrbitPlace | None:
+    return None if row.piece is None or row.s is None else OrbitPlace(row.piece, row.s, row.mirrored)
+
+
+def _integration(examined: Recheck, examination: Examination) -> Iterator[Finding]:
+    """Nothing here rests on an integration but the curve, which was integrated again."""
+    examination.precision = examined.precision
+    yield from ()
+
+
+def write_catalogue_certificate(path: Path, document: Mapping[str, Any]) -> None:
+    """Write a certificate, whole or not at all. Raises `InputError` if it cannot be written."""
+    validated(document, SCHEMA, f"{SCHEMA} to be written")
+    write_text(path, json_text(document, (("rows",),)) + "\n")
+
+
+def read_catalogue_certificate(path: Path) -> dict[str, Any]:
+    """Read a certificate as JSON. Raises `InputError` if it is none, or was changed after it was written."""
+    document = read_document(path, SCHEMA)
+    if document["digest"] != digest(document):
+        raise InputError(f"{path}: field digest: does not fit the content, which was changed; write it again")
+    return document

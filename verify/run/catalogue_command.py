@@ -1,0 +1,198 @@
+"""Command line for catalogues: ``orbitproof verify catalogue halo.json --curve curve.json -o rows.json``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from orbitproof.shared.formats import CatalogueRows, InputError, check_writable, read_catalogue_rows, refused
+from orbitproof.shared.interrupts import INTERRUPTED, run_command
+from orbitproof.shared.numbers import parse_exact
+from orbitproof.shared.systems import shown
+from orbitproof.verify.atlas import (
+    WITHIN,
+    AtlasCertificate,
+    CatalogueCertificate,
+    certified_rows,
+    read_atlas_certificate,
+    read_catalogue_certificate,
+    recheck_catalogue,
+    write_catalogue_certificate,
+)
+from orbitproof.verify.certificate import Recheck, not_checked
+from orbitproof.verify.run import (
+    LONG_CHECK_SECONDS,
+    ArgumentParser,
+    CheckLimits,
+    Display,
+    Failure,
+    Workplace,
+    apart,
+    positive_seconds,
+    whole_number,
+)
+from orbitproof.verify.run.branch_checks import examined
+from orbitproof.verify.run.row_tables import recheck_table
+
+_EXAMPLES = """\
+examples:
+  orbitproof verify catalogue halo.json --curve curve.json -o rows.json
+      which rows a proved curve certifies: point, period, stability and distances of the orbit that starts near each
+  orbitproof verify catalogue --recheck rows.json --curve curve.json
+      check that all it states follows from the certificate of the curve
+  orbitproof verify catalogue --recheck --integrate rows.json --curve curve.json --jobs 2
+      and prove the curve again, in another way
+
+The curve needs a list: orbitproof verify atlas ATLAS -o curve.json --complete 1, from a family that is traced through
+the rows: orbitproof explore family --from-catalogue halo.json, orbitproof explore atlas --from-family.
+exit codes: 0 every row is certified, or the certificate stands; 1 not; 2 bad input; 130 interrupted
+"""
+
+_LACKS = {
+    "place": "no part of the curve lies beside it",
+    "functions": "the curve is proved there without its list (orbitproof verify atlas --complete 1)",
+    "nearness": "no orbit of the curve starts so close to it (--within)",
+}
+_SHOWN = 20
+"""Rows that are not certified are told up to this number."""
+
+
+def _parser() -> ArgumentParser:
+    words = "Certify rows of a catalogue by a curve that is proved."
+    parser = ArgumentParser("orbitproof verify catalogue", words, _EXAMPLES)
+    parser.add_argument("file", type=Path, help="catalogue (JSON or CSV); with --recheck, certificate of one")
+    parser.add_argument(
+        "--curve", type=Path, required=True, metavar="FILE", help="certificate of a curve with its list"
+    )
+    parser.add_argument("-o", "--output", type=Path, help="certificate of the rows")
+    words = "an orbit certifies a row from which it starts no farther than this (default: 1e-6)"
+    parser.add_argument("--within", type=_distance, default=WITHIN, metavar="D", help=words)
+    parser.add_argument("--recheck", action="store_true", help="check the certificate of a catalogue again")
+    parser.add_argument(
+        "--integrate", action="store_true", help="with --recheck: prove the curve again, in another way"
+    )
+    parser.number("--jobs", "N", "pieces of the curve side by side (default: 1)", whole_number(1), 1)
+    words = f"give a check up after this time (default: {LONG_CHECK_SECONDS:g})"
+    parser.number("--timeout", "SECONDS", words, positive_seconds, None)
+    parser.memory_option("each check")
+    parser.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    return parser
+
+
+def _distance(text: str) -> Fraction:
+    try:
+        value = parse_exact(text)
+    except ValueError:
+        value = Fraction(0)
+    if not value > 0:
+        raise argparse.ArgumentTypeError(f"{text!r}: give a positive number")
+    return value
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    workplace = Workplace(options.jobs, None, options.timeout, options.memory, options.quiet)
+    try:
+        return _recheck(options, workplace) if options.recheck else _run(options, workplace)
+    except InputError as error:
+        return refused(error)
+    except KeyboardInterrupt:
+        print("interrupted: nothing is known yet", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _run(options: argparse.Namespace, workplace: Workplace) -> int:
+    if options.integrate:
+        raise InputError("--integrate: there is nothing to integrate again; give it together with --recheck")
+    if options.output is not None:
+        check_writable(options.output)
+    certificate = certify_rows(
+        read_catalogue_rows(options.file), read_atlas_certificate(options.curve), options.within, workplace
+    )
+    if options.output is not None:
+        write_catalogue_certificate(options.output, certificate.document)
+    print(_summary(certificate.document), flush=True)
+    return 0 if certificate.is_proved else 1
+
+
+def certify_rows(
+    rows: CatalogueRows, curve: AtlasCertificate, within: Fraction, workplace: Workplace
+) -> CatalogueCertificate:
+    """The certificate of rows by a curve, whose certificate is checked up to its conclusion first.
+
+    Raises `InputError` if that does not stand, is of no such curve, or the work is not brought to an end.
+    """
+    display = Display({"curve": 1.0, "rows": 1.0 + len(rows.rows) / 200}, workplace.quiet)
+    with display.shown():
+        check = examined(curve.document, (), False, workplace)
+        if not check.stands:
+            raise InputError(f"the certificate {shown(curve.id)} of the curve does not stand: {check.why}")
+        display.finish("curve", "stands")
+        limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
+        found = apart(certified_rows, curve.id, (curve, rows, within), limits)
+        if isinstance(found, Failure):
+            raise InputError(f"the rows were not looked at: {found.message}")
+        display.finish("rows", "looked at")
+    return CatalogueCertificate(found)
+
+
+def _recheck(options: argparse.Namespace, workplace: Workplace) -> int:
+    if options.output is not None:
+        raise InputError("--output: --recheck writes no file; leave it out")
+    certificate = CatalogueCertificate(read_catalogue_certificate(options.file))
+    found = check_again(certificate, read_atlas_certificate(options.curve), options.integrate, workplace)
+    print(recheck_table([found.id], {found.id: found}), flush=True)
+    for finding in found.findings[:1]:
+        print(f"FAILED {shown(found.id)}: {finding.place}: {finding.message}", file=sys.stderr)
+    return 0 if found.stands else 1
+
+
+def check_again(
+    certificate: CatalogueCertificate, curve: AtlasCertificate, integrate: bool, workplace: Workplace
+) -> Recheck:
+    """The certificate of a catalogue checked again, up to its conclusion, or with `integrate` to the end."""
+    check = examined(curve.document, (), integrate, workplace)
+    limits = CheckLimits(workplace.timeout, workplace.memory, LONG_CHECK_SECONDS)
+    found = apart(recheck_catalogue, curve.id, (certificate.document, curve, check), limits)
+    if isinstance(found, Failure):
+        return not_checked(str(certificate.document["id"]), certificate.verdict, found)
+    return found
+
+
+def _summary(document: Mapping[str, Any]) -> str:
+    """How many rows are certified, how far they are from the orbits, and which are not."""
+    rows = document["rows"]
+    certified = [row for row in rows if row.get("orbit")]
+    lines = [f"{len(certified)} of {len(rows)} rows are certified by the curve {shown(document['rests_on']['id'])}"]
+    if certified:
+        lines.append(f"{'difference, at most':<24}{'median':>9}{'largest':>9}  at row")
+    for name, words in (
+        ("point", "state"),
+        ("level", "Jacobi constant"),
+        ("period", "period"),
+        ("stability_index", "stability index"),
+    ):
+        known = [(_most(row["differences"][name]), row["number"]) for row in certified if row["differences"].get(name)]
+        if known:
+            largest, number = max(known)
+            lines.append(f"{words:<24}{median(value for value, _ in known):9.1e}{largest:9.1e}  {number}")
+    others = [row for row in rows if not row.get("orbit")]
+    lines += [f"row {row['number']}: not certified: {_LACKS[row['lacks']]}" for row in others[:_SHOWN]]
+    if len(others) > _SHOWN:
+        lines.append(f"and {len(others) - _SHOWN} more")
+    return "\n".join(lines)
+
+
+def _most(ball: Mapping[str, str]) -> float:
+    """A bound of the numbers in a ball, to be printed with few digits: rounded up."""
+    return float(parse_exact(ball["mid"]) + parse_exact(ball["rad"])) * 1.05
+
+
+if __name__ == "__main__":
+    sys.exit(run_command(main))
