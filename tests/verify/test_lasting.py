@@ -237,7 +237,16 @@ def test_the_orbits_of_the_family_are_stable_but_for_three() -> None:
     assert [entry["twist"] for entry in lasting["stable"]] == ["negative", "positive", "positive"]
     assert lasting["gaps"] == lasting["undecided"] == []
     assert "- 1:4, a stability parameter is cos(2 pi 1/4): beta in [679.95" in conclusion["statement"]
-    assert "twist negative" in conclusion["statement"]
+    told = [line for line in conclusion["statement"].splitlines() if line.startswith("- from ")]
+    assert [line.rpartition("; ")[2] for line in told if "; twist" in line] == [
+        "twist negative", "twist positive", "twist positive"
+    ]  # fmt: skip
+    fates = [line.rpartition(": ")[2] for line in conclusion["statement"].splitlines() if "- 1:" in line]
+    assert fates[-3:] == ["whether it is stable is not said", "unstable", "unstable"]
+    assert (
+        "All the other orbits of the curve, but for the exceptions listed here, have a multiplier outside the unit "
+        "circle, and are unstable."
+    ) in conclusion["statement"]
     assert "at the value of beta that belongs to the orbit" in conclusion["statement"]
 
 
@@ -534,6 +543,21 @@ def test_functions_that_are_not_found_again_are_found_out() -> None:
     found = checked(other, honest(true))
     assert not found.stands
     assert "function twist of the twist" in found.findings[0].message
+
+
+def test_the_twist_is_integrated_again_where_it_is_stored() -> None:
+    entry, asked = json.loads(document()), []
+
+    def prover(argument: Any, report: Any) -> Any:
+        asked.append(argument.get("lasting", False))
+        return honest(results())(argument, report)
+
+    without = results()
+    del without[1]["twist"]
+    checked(entry, prover)
+    checked(make_atlas_certificate(atlas(), values(without), with_lasting(atlas(), without)), prover)
+    assert asked[:2] == [True, True]
+    assert set(asked[-2:]) == {True, False}
 
 
 def halved(result: dict[str, Any]) -> Any:
