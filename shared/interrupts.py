@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import signal
 import sys
 import threading
@@ -40,11 +41,18 @@ def run_command(main: Callable[[], int]) -> int:
     """The exit code of a command line that signals end as Ctrl-C does; `INTERRUPTED` where it does not care for itself.
 
     Where a package of an extra is missing, the memory is short or a number too large, one line says so, and the code
-    is 2: commands that read, search and draw do so in their own process.
+    is 2: commands that read, search and draw do so in their own process. Where nobody reads on what is printed, as in
+    ``orbitproof .. | head -1``, it ends without a word, and the code is 1.
     """
     with ending_by_signals():
         try:
-            return main()
+            code = main()
+            sys.stdout.flush()
+            return code
+        except BrokenPipeError:
+            if not _is_unread():
+                raise
+            return 1
         except ModuleNotFoundError as error:
             line = missing_extra(error)
             if line is None:
@@ -58,6 +66,18 @@ def run_command(main: Callable[[], int]) -> int:
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)
             return INTERRUPTED
+
+
+def _is_unread() -> bool:
+    """Whether nobody can read standard output any more; what Python still has for it goes nowhere then."""
+    if not hasattr(select, "poll"):
+        return False
+    output = select.poll()
+    output.register(sys.stdout.fileno(), 0)
+    if not any(events & select.POLLERR for _, events in output.poll(0)):
+        return False
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return True
 
 
 @contextmanager

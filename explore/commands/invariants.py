@@ -159,7 +159,11 @@ def run_manifold(options: argparse.Namespace) -> int:
             return 1
         write_manifold(options.output, trajectory, tube)
         count = int(tube.reached.sum())
-        drift = f"largest change of the Jacobi constant {tube.drift:.1e}" if count else "try the other --side"
+        drift = (
+            f"largest change of the Jacobi constant {tube.drift:.1e}"
+            if count
+            else "give --longest more time, or another --plane"
+        )
         report.message(
             f"{counted(len(tube.times), 'orbit')} written to {options.output}, {count} of them reach {tube.plane}; "
             f"multiplier {tube.multiplier:.6g}, {drift}"

@@ -316,6 +316,8 @@ def json_text(
 
 def check_writable(path: Path) -> None:
     """Raise `InputError` if a file at `path` could not be written; call it before a long run."""
+    if path.name == "-":
+        raise InputError(f"{path}: files are written whole, to a path and not to standard output; give a path")
     if path.is_dir():
         raise InputError(f"{path}: is a folder; give the path of a file to write")
     if not path.parent.is_dir():
