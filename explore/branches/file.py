@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from orbitproof.explore.records import Array, Entry, to_json
-from orbitproof.shared.formats import read_document, read_system, validate_document, write_text
+from orbitproof.shared.formats import REVERSOR_BREAKING, read_document, read_system, validate_document, write_text
 from orbitproof.shared.systems import ReversibleSystem
 
 BirthSide = Literal["above", "below", "both"]
@@ -35,7 +35,9 @@ class BranchOrbit:
         second_point: shape (1 + n,), where the orbit is on Fix(R) half a period later.
         crossings: shape (k - 1, m), states where the half orbit crosses the section between the two.
         times: shape (k,), times from each of these states to the next.
-        half_period: the time between the two points, their sum.
+        half_period: the time between the two points, their sum. Orbits that R does not map to themselves have all
+            their crossings of the section here, c of them, and the times between them; the points have the coordinates
+            of the first and of that half of the crossings later; half the period is half of all times.
         level: first integral or family parameter.
         level_difference: level minus that of the bifurcation, without the loss of digits of the difference.
         stability: the n stability parameters (lambda + 1/lambda)/2.
@@ -136,10 +138,12 @@ def read_branches(path: Path) -> list[BranchRecord]:
 def _branch(value: Mapping[str, Any], source: str) -> BranchRecord:
     system, parameters = read_system(value, source)
     entry, size = Entry(source, system), len(system.centre_coordinates)
+    loop = value["kind"] == REVERSOR_BREAKING
     sides = tuple(
         BranchSide(
             tuple(
-                _orbit(entry, f"sides[{i}].orbits[{j}]", orbit, value["k"]) for j, orbit in enumerate(side["orbits"])
+                _orbit(entry, f"sides[{i}].orbits[{j}]", orbit, None if loop else value["k"])
+                for j, orbit in enumerate(side["orbits"])
             ),
             side["outcome"],
             side["reason"],
@@ -158,9 +162,14 @@ def _branch(value: Mapping[str, Any], source: str) -> BranchRecord:
     return BranchRecord(**{**value, **arrays, **numbers, **read})
 
 
-def _orbit(entry: Entry, where: str, value: Mapping[str, Any], k: int) -> BranchOrbit:
+def _orbit(entry: Entry, where: str, value: Mapping[str, Any], k: int | None) -> BranchOrbit:
+    """One orbit; k is `None` if it is not symmetric."""
     size, m = len(entry.system.centre_coordinates), len(entry.system.state)
-    shapes = {"point": (size,), "second_point": (size,), "crossings": (k - 1, m), "times": (k,)}
+    count = len(value["times"])
+    if k is None and (count < 2 or count % 2):
+        entry.refuse(f"{where}.times", f"{count} of them", "a whole orbit has an even number of crossings")
+    between, times = (count, count) if k is None else (k - 1, k)
+    shapes = {"point": (size,), "second_point": (size,), "crossings": (between, m), "times": (times,)}
     numbers = {name: value[name] for name in ("arclength", "half_period", "level", "level_difference")}
     entry.finite(where, *numbers.values())
     return BranchOrbit(

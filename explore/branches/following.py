@@ -4,7 +4,7 @@ A new orbit of a 1:k resonance starts on Fix(R) near the point and is on Fix(R) 
 section (k = 1 for symmetry breaking). Near the point its starting points form a curve, the *branch*, along which
 the amplitude p_1 of the claim's frame grows or falls; the two signs are its two sides. For even k they
 belong to the same orbits, each of which starts once on either side; for k = 1 the symmetry exchanges them;
-for odd k >= 3 they are different orbits.
+for odd k >= 3 they are different orbits. Where R is lost, R exchanges them (`loops`).
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from orbitproof.explore.branches.file import Birth, BranchOrbit, BranchRecord, BranchSide, Outcome
+from orbitproof.explore.branches.loops import loop_tracer
 from orbitproof.explore.branches.start import BranchPoint, NoBranch
 from orbitproof.explore.branches.switching import FIRST_AMPLITUDE, BranchTracer, branch_tracer, switch
 from orbitproof.explore.flow import FlowFailure, Vector
@@ -85,7 +86,7 @@ def follow(
     Raises `NoBranch` if not even the resonant orbit can be integrated.
     """
     report = progress if progress is not None else (lambda _fraction: None)
-    tracer, second_point = branch_tracer(start)
+    tracer, second_point = loop_tracer(start) if start.loses_reversor else branch_tracer(start)
     try:
         tracer, birth, first = switch(tracer, min(FIRST_AMPLITUDE, length))
     except NoBranch as failure:

@@ -7,9 +7,10 @@ bifurcation parameter (*level*: first integral or family parameter), to more dig
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice, pairwise
 from math import isfinite
 from typing import Any
 
@@ -26,7 +27,7 @@ from orbitproof.explore.refinement import (
     section_crossings,
     start_jets,
 )
-from orbitproof.shared.formats import Candidate
+from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate
 from orbitproof.shared.numbers import round_dyadic
 from orbitproof.shared.systems import ReversibleSystem, with_functions
 
@@ -48,7 +49,7 @@ class BranchPoint:
         point: shape (1 + n,), in the order of `ReversibleSystem.centre_coordinates`.
         frame: shape (1 + n, 1 + n), columns are the directions of p_0, p_1, p_2.
         level: value of the bifurcation parameter, exact to `BITS` bits.
-        half_period: time from the point to the next crossing of the section.
+        times: from crossing to crossing of the section, from the point until the orbit is on Fix(R) again.
         slope: p_0'(p_1) of the branch; 0 for a tangential bifurcation.
     """
 
@@ -62,8 +63,18 @@ class BranchPoint:
     point: Vector
     frame: Matrix
     level: Fraction
-    half_period: float
+    times: tuple[float, ...]
     slope: float
+
+    @property
+    def half_period(self) -> float:
+        """From the point to the other one on Fix(R)."""
+        return sum(self.times)
+
+    @property
+    def loses_reversor(self) -> bool:
+        """Whether the new orbits are not symmetric under R."""
+        return self.kind == REVERSOR_BREAKING
 
     @property
     def scale(self) -> Vector:
@@ -84,13 +95,20 @@ class BranchPoint:
 
     def level_difference(self, point: Vector) -> tuple[float, float]:
         """Level at a point minus that of the bifurcation, and what the rounding of the point may change it by."""
+        return self._difference(point, level_at)
+
+    def level_difference_in_section(self, point: Vector) -> tuple[float, float]:
+        """The same at a point of the section: the family parameter, if there is one, and the section's coordinates."""
+        return self._difference(point, level_in_section)
+
+    def _difference(self, point: Vector, level: Callable[..., Any]) -> tuple[float, float]:
         context = mpmath.MPContext()
         context.prec = BITS
         exact = [context.mpf(float(value)) for value in point]
-        values = [level_at(self.system, self.parameters, exact, context)]
+        values = [level(self.system, self.parameters, exact, context)]
         for i, value in enumerate(exact):
             unit = np.spacing(max(1.0, abs(float(value))))
-            values.append(level_at(self.system, self.parameters, [*exact[:i], value + unit, *exact[i + 1 :]], context))
+            values.append(level(self.system, self.parameters, [*exact[:i], value + unit, *exact[i + 1 :]], context))
         here = values[0]
         noise = sum(abs(float(value - here)) for value in values[1:])
         return float(here - context.mpf(self.level.numerator) / self.level.denominator), 4 * noise
@@ -100,7 +118,7 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     """Prepare the start of the branch of a claim. Raises `NoBranch`, one line."""
     if candidate.is_fold:
         raise NoBranch("no branch begins at a fold: the family itself turns back in the parameter")
-    if candidate.crossings != 1:
+    if candidate.crossings != 1 and not candidate.loses_reversor:
         raise NoBranch(f"its half orbit meets the section {candidate.crossings} times; branches of one are followed")
     context = mpmath.MPContext()
     context.prec = BITS
@@ -113,9 +131,10 @@ def branch_point(candidate: Candidate) -> BranchPoint:
     kernel = context.matrix([[_number(value, context) for value in row] for row in candidate.kernel_frame])
     try:
         start, parameter = start_jets(system, centre, [], JetBasis.graded((1,), 0))
-        crossing = next(section_crossings(system, parameters, start, parameter, context))
-        slope = 0.0
-        if candidate.leading_power == 1:
+        crossings = section_crossings(system, parameters, start, parameter, context)
+        times = [0.0, *(crossing.time for crossing in islice(crossings, candidate.crossings))]
+        order, slope = 2 if candidate.loses_reversor else candidate.leading_power, 0.0
+        if order == 1:
             slope = _slope(candidate, exact, Frame(context.matrix(frame), kernel), context)
         level = level_at(system, parameters, centre, context)
     except (IntegrationFailure, RefinementFailure) as failure:
@@ -127,13 +146,13 @@ def branch_point(candidate: Candidate) -> BranchPoint:
         system=system,
         parameters=parameters,
         kind=candidate.kind,
-        order=candidate.leading_power,
+        order=order,
         k=candidate.k,
         symmetry=candidate.symmetry,
         point=_floats([centre])[0],
         frame=_floats(frame),
         level=_fraction(level),
-        half_period=crossing.time,
+        times=tuple(after - before for before, after in pairwise(times)),
         slope=slope,
     )
 
@@ -151,12 +170,31 @@ def level_at(
     system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[Any], context: mpmath.MPContext
 ) -> Any:
     """The bifurcation parameter at a point, to the precision of `context`."""
-    program = system.first_integral_program
-    if system.family_parameter is not None or program is None:
+    if system.family_parameter is not None:
         return point[0]
-    state = [context.mpf(0)] * len(system.state)
-    for index, value in zip(system.fixed_coordinates, point[-len(system.fixed_coordinates) :], strict=True):
-        state[index] = value
+    return _level(system, parameters, dict(zip(system.fixed_coordinates, point, strict=True)), context)
+
+
+def level_in_section(
+    system: ReversibleSystem, parameters: Mapping[str, Fraction], point: Sequence[Any], context: mpmath.MPContext
+) -> Any:
+    """The same at a point of the section."""
+    if system.family_parameter is not None:
+        return point[0]
+    places = (i for i in range(len(system.given_state)) if i != system.section_index)
+    return _level(system, parameters, dict(zip(places, point, strict=True)), context)
+
+
+def _level(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    coordinates: Mapping[int, Any],
+    context: mpmath.MPContext,
+) -> Any:
+    """The first integral where these coordinates have these values, others that are given are 0."""
+    program = system.first_integral_program
+    assert program is not None
+    state = [coordinates.get(index, context.mpf(0)) for index in range(len(system.state))]
     fixed = [_number(parameters[name], context) for name in system.parameters]
 
     def number(value: Fraction) -> Any:

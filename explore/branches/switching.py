@@ -57,6 +57,15 @@ class BranchTracer:
         """Units of arclength."""
         return self.start.scale
 
+    @property
+    def amplitude_form(self) -> Vector:
+        """The row that takes a difference of points to the amplitude."""
+        return self.start.amplitude_form
+
+    def level_difference(self, point: Vector) -> tuple[float, float]:
+        """As `BranchPoint.level_difference`."""
+        return self.start.level_difference(point)
+
     def at_amplitude(self, amplitude: float, known: Sequence[tuple[float, SegmentedOrbit]] = ()) -> SegmentedOrbit:
         """The new orbit with this amplitude, two others with theirs on the same side being `known` or none.
 
@@ -71,7 +80,7 @@ class BranchTracer:
                 (orbit.unknowns - self.origin - sign * x * self.tangent) / x**2 for x, orbit in ((a, left), (b, right))
             )
             prediction += amplitude**2 * (more + (more - bent) * (abs(amplitude) - b) / (b - a))
-        orbit = self.problem.correct(prediction, self.start.amplitude_form, self.resolved * abs(amplitude))
+        orbit = self.problem.correct(prediction, self.amplitude_form, self.resolved * abs(amplitude))
         moved = (orbit.unknowns - self.origin)[: self.problem.point_size]
         if np.linalg.norm(moved / self.scale) > 3 * abs(amplitude):
             raise CorrectionFailure("Newton's method finds another orbit")
@@ -95,7 +104,7 @@ class BranchTracer:
     def branch_orbit(self, orbit: SegmentedOrbit, arclength: float) -> BranchOrbit:
         """What is recorded of an orbit."""
         problem, point = self.problem, orbit.unknowns[: self.problem.point_size]
-        difference, _ = self.start.level_difference(point)
+        difference, _ = self.level_difference(point)
         return BranchOrbit(
             arclength=arclength,
             point=point,
@@ -125,18 +134,20 @@ def branch_tracer(start: BranchPoint) -> tuple[BranchTracer, Vector]:
         evaluation = problem.evaluate(origin)
     except FlowFailure as error:
         raise NoBranch(f"the resonant orbit: {error}") from None
-    # At the bifurcation the kernel is a plane; the tangent of the branch is the vector with the known point part.
-    size, jacobian = problem.point_size, evaluation.jacobian
-    rest = jacobian[:, size:]
-    norms = np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
-    inner = np.linalg.lstsq(rest / norms, -jacobian[:, :size] @ start.direction, rcond=None)[0] / norms
-    lead = size - len(start.system.fixed_coordinates)
+    tangent = np.concatenate([start.direction, inner_tangent(evaluation.jacobian, start.direction)])
+    lead = problem.point_size - len(start.system.fixed_coordinates)
     return (
-        BranchTracer(
-            start, problem, origin, np.concatenate([start.direction, inner]), float(np.abs(evaluation.residual).max())
-        ),
+        BranchTracer(start, problem, origin, tangent, float(np.abs(evaluation.residual).max())),
         np.concatenate([start.point[:lead], symmetric[fixed]]),
     )
+
+
+def inner_tangent(jacobian: Matrix, direction: Vector) -> Vector:
+    """What follows the known point part of a vector in the kernel: at the bifurcation this is a plane."""
+    size = len(direction)
+    rest = jacobian[:, size:]
+    norms = np.maximum(np.linalg.norm(rest, axis=0), 1e-300)
+    return np.asarray(np.linalg.lstsq(rest / norms, -jacobian[:, :size] @ direction, rcond=None)[0] / norms)
 
 
 def switch(tracer: BranchTracer, amplitude: float) -> tuple[BranchTracer, Birth, dict[float, SegmentedOrbit]]:
@@ -207,8 +218,8 @@ def _birth_from(tracer: BranchTracer, orbits: dict[float, SegmentedOrbit], ampli
     order, size = tracer.start.order, tracer.problem.point_size
     found, noises = {}, {}
     for part, orbit in orbits.items():
-        found[part], rounding = tracer.start.level_difference(orbit.unknowns[:size])
-        beside, _ = tracer.start.level_difference((orbit.unknowns - orbit.correction)[:size])
+        found[part], rounding = tracer.level_difference(orbit.unknowns[:size])
+        beside, _ = tracer.level_difference((orbit.unknowns - orbit.correction)[:size])
         noises[part] = rounding + abs(beside - found[part])
 
     def coefficient(part: float, power: int) -> float:

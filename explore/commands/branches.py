@@ -35,8 +35,9 @@ examples:
 
 The new orbits of a point with multiplicity k close after k times the period. Each branch is followed to both
 sides of the point, and the side of the Jacobi constant (or beta) on which the first new orbits are is
-compared with that of the certificate. Lengths are those of the starting points on Fix(R), a coordinate in
-units of its own size where it exceeds 1.
+compared with that of the certificate. Where R is lost (kind reversor_breaking) the new orbits are followed over
+their whole period, and their mirror images on the other side. Lengths are those of the starting points on Fix(R), or
+beside it in the section, a coordinate in units of its own size where it exceeds 1.
 Exit codes: 0 all branches found, 1 one was not found or contradicts its certificate, 2 bad input, 130 interrupted
 (what was found by then is written).
 """
@@ -118,7 +119,7 @@ def run(options: argparse.Namespace) -> int:
 def read_claims(path: Path) -> list[Claim]:
     """The points of a candidates or a certificates file. Raises `InputError`."""
     if stated_format(path, "give candidates or certificates") != "certificates":
-        return [Claim(candidate) for candidate in read_candidates(path) if candidate.has_branch]
+        return [Claim(candidate) for candidate in read_candidates(path) if _is_followed(candidate)]
     claims: dict[str, Claim] = {}
     for index, entry in enumerate(read_document(path, "certificates")["certificates"]):
         where = f"{path}: field certificates[{index}]"
@@ -128,11 +129,15 @@ def read_claims(path: Path) -> list[Claim]:
         candidate = candidate_from_json(stated, f"{where}.statement.candidate")
         if candidate.id in claims:
             raise InputError(f"{where}.id: {candidate.id!r} appears twice; keep one certificate for each candidate")
-        if not candidate.has_branch:
+        if not _is_followed(candidate):
             continue
         results = entry["results"]
         claims[candidate.id] = Claim(candidate, entry["verdict"], results["side"] if results else None)
     return list(claims.values())
+
+
+def _is_followed(candidate: Candidate) -> bool:
+    return candidate.has_branch or candidate.loses_reversor
 
 
 def _branch(

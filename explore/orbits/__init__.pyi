@@ -1,5 +1,6 @@
 from .batch import OrbitBatch as OrbitBatch
 from .batch import correct_batch as correct_batch
+from .loop_shooting import LoopShooting as LoopShooting
 from .multiple_shooting import MultipleShooting as MultipleShooting
 from .multiple_shooting import SegmentedOrbit as SegmentedOrbit
 from .periodic_solution import PeriodicSolution as PeriodicSolution

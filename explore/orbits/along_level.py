@@ -25,7 +25,7 @@ def along_level(system: ReversibleSystem, state: Vector, values: Vector, flow: F
         return flow
     place, count = system.state.index(str(system.level_coordinate)), len(system.state)
     own = count + list(system.parameters).index(str(system.family_parameter))
-    gradient = _gradient(system, np.concatenate([state, values]))
+    gradient = level_gradient(system, state, values)
     if gradient[place] == 0.0:
         # As at an equilibrium: the level does not say how w moves.
         return flow
@@ -39,10 +39,10 @@ def along_level(system: ReversibleSystem, state: Vector, values: Vector, flow: F
     )
 
 
-def _gradient(system: ReversibleSystem, point: Vector) -> Vector:
+def level_gradient(system: ReversibleSystem, state: Vector, values: Vector) -> Vector:
     """Derivatives of the first integral in state and parameters, by differences."""
     assert system.first_integral is not None
-    count, slopes = len(system.state), []
+    point, count, slopes = np.concatenate([state, values]), len(state), []
     for i, value in enumerate(point):
         step = np.zeros(len(point))
         step[i] = _DIFFERENCE * (1 + abs(float(value)))

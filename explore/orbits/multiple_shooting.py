@@ -157,7 +157,7 @@ class MultipleShooting:
             try:
                 evaluation = self.evaluate(unknowns)
                 matrix = np.vstack([evaluation.jacobian, row])
-                step = np.linalg.solve(matrix, np.append(evaluation.residual, row @ (unknowns - prediction)))
+                step = self._solved(matrix, np.append(evaluation.residual, row @ (unknowns - prediction)))
             except FlowFailure as error:
                 raise CorrectionFailure(str(error)) from None
             except np.linalg.LinAlgError:
@@ -172,7 +172,11 @@ class MultipleShooting:
             unknowns = unknowns - step
             if np.min(self.times(unknowns)) <= 0:
                 raise CorrectionFailure("a half return takes no time")
-        raise CorrectionFailure("Newton's method does not converge to a symmetric orbit")
+        raise CorrectionFailure("Newton's method does not converge to a periodic orbit")
+
+    def _solved(self, matrix: Matrix, residual: Vector) -> Vector:
+        """Newton's step, from as many equations as unknowns."""
+        return np.linalg.solve(matrix, residual)
 
     def tangent(self, evaluation: Evaluation, scales: Vector, direction: Vector) -> Vector:
         """Tangent of the curve of solutions, on the side of `direction`; both of the size of the unknowns.
@@ -185,7 +189,7 @@ class MultipleShooting:
         _, values, rows = np.linalg.svd(evaluation.jacobian / norms)
         vector = rows[-1] / norms
         length = float(np.linalg.norm(vector[: self.point_size] / scales))
-        if values[-1] <= 1e-14 * values[0] or length == 0:
+        if values[self.size - 2] <= 1e-14 * values[0] or length == 0:
             raise CorrectionFailure("the branch has no unique tangent (a branch point)")
         vector = vector / length
         own, other = (v[: self.point_size] / scales for v in (vector, direction))

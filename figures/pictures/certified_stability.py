@@ -152,11 +152,12 @@ def _magnify(whole: Axes, axes: Axes, letter: str, of: str, ends: tuple[float, f
             axes.xaxis.set_major_formatter("{x:g}")
             axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_title(f"({letter})  a stretch of ({of})", color=INK)
-    height = _SHOWN - 0.08
+    height = 1.0 + 0.4 * (_SHOWN - 1.0)
     whole.plot(ends, [height] * 2, color=INK, marker="|", markersize=5, linewidth=1.0, gid=f"stretch {letter}")
+    middle = np.sqrt(ends[0] * ends[1]) if whole.get_xscale() == "log" else (ends[0] + ends[1]) / 2
     whole.annotate(
-        letter, (ends[0], height), xytext=(-4, 0), textcoords="offset points", fontsize=7, color=INK, ha="right",
-        va="center",
+        letter, (middle, height), xytext=(0, 1.5), textcoords="offset points", fontsize=7, color=INK, ha="center",
+        va="bottom",
     )  # fmt: skip
 
 

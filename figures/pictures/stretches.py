@@ -6,8 +6,10 @@ from collections.abc import Iterator, Sequence
 
 _CLOSE = 0.025
 """Neighbours closer than this part of what is shown belong to one run."""
-_MANY = 6
+_MANY = 8
 """Points of a run that is worth a panel."""
+_DENSE = 0.015
+"""Mean distance of neighbours in such a run, as a part of what is shown: farther apart they can be told apart."""
 _WIDEST = 0.3
 """Part of what is shown that a stretch takes at most: otherwise little is gained."""
 _BESIDE = 0.06
@@ -32,9 +34,10 @@ def crowded(
         else:
             runs.append([place])
     for run in runs:
-        beside = _BESIDE * (run[-1] - run[0])
-        low, high = run[0] - beside, run[-1] + beside
-        if len(run) >= _MANY and 0 < high - low <= _WIDEST * width:
-            yield max(low, begin), min(high, end)
+        extent = run[-1] - run[0]
+        low, high = run[0] - _BESIDE * extent, run[-1] + _BESIDE * extent
+        dense = extent < _DENSE * width * (len(run) - 1)
+        if len(run) >= _MANY and dense and 0 < high - low <= _WIDEST * width:
+            yield low, high
             if depth > 1:
                 yield from crowded(places, low, high, depth - 1)
