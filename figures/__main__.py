@@ -11,6 +11,7 @@ from typing import NoReturn
 
 from orbitproof.figures.commands import all as all_command
 from orbitproof.figures.commands import atlas as atlas_command
+from orbitproof.figures.commands import branches as branches_command
 from orbitproof.figures.commands import data as data_command
 from orbitproof.figures.commands import interactive as interactive_command
 from orbitproof.figures.commands import periodic as periodic_command
@@ -127,6 +128,7 @@ def argument_parser() -> argparse.ArgumentParser:
     for command in (
         all_command,
         atlas_command,
+        branches_command,
         data_command,
         periodic_command,
         tori_command,

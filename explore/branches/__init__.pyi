@@ -1,3 +1,5 @@
+from .claims import numbered as numbered
+from .claims import task_of as task_of
 from .file import Birth as Birth
 from .file import BranchOrbit as BranchOrbit
 from .file import BranchRecord as BranchRecord

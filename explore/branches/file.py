@@ -117,6 +117,11 @@ class BranchRecord:
     sides: tuple[BranchSide, ...]
 
     @property
+    def loses_reversor(self) -> bool:
+        """Whether the new orbits are not symmetric under R."""
+        return self.kind == REVERSOR_BREAKING
+
+    @property
     def contradicts(self) -> bool:
         """Whether the side that was found differs from the certified one."""
         return self.birth is not None and self.certified_side is not None and self.birth.side != self.certified_side

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from orbitproof.explore.commands import common
 from orbitproof.explore.commands.periodic_atlas import cover
-from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, follow_families, refine_orbits
+from orbitproof.explore.commands.periodic_branches import take_from_branches
+from orbitproof.explore.commands.periodic_claims import Along, ClaimStore, follow_families, kept_claims, refine_orbits
 from orbitproof.explore.names import exact_number, given_values, own_system, section_of, symmetry_of
 from orbitproof.explore.seeds import TRIANGULAR
-from orbitproof.shared.formats import BoxClaim, InputError, check_writable, read_claims
+from orbitproof.shared.formats import InputError, check_writable
 from orbitproof.shared.interrupts import INTERRUPTED
 from orbitproof.shared.systems import CR3BP, System
 
@@ -40,6 +41,8 @@ examples:
       its curve in rho as pieces; then orbitproof verify atlas curve.json -o certificate.json
   orbitproof explore periodic --system cr3bp --parameter mu=1.215058560962404e-2 --triangular L4-long -o l4.json
       an orbit of the long-period family of L4
+  orbitproof explore periodic --from-branches branches.json --orbits 10 30 -o new-orbits.json
+      orbits that explore branches found where a reversor is lost, which it does not map to themselves
   orbitproof verify lorenz.json -o certificates.json
 
 The system's file needs neither R nor section. For a system with a first integral the orbits on one level are looked
@@ -52,7 +55,7 @@ def add_parser(commands: Any) -> None:
     meaning = "periodic orbits of any system, no symmetry needed: found, and to many digits for the verifier"
     parser = common.add_command(commands, "periodic", meaning, _EXAMPLES)
     parser.add_argument(
-        "--system", required=True, metavar="NAME|FILE", help="a file of your own, .json, or .py, which is run; or cr3bp"
+        "--system", metavar="NAME|FILE", help="a file of your own, .json, or .py, which is run; or cr3bp"
     )
     parser.add_argument(
         "--parameter", nargs="+", metavar="NAME=VALUE", help="all parameters of the vector field, exactly as written"
@@ -63,6 +66,22 @@ def add_parser(commands: Any) -> None:
         "--triangular",
         choices=TRIANGULAR,
         help="of cr3bp: a small orbit about a triangular point, of the short- or long-period family",
+    )
+    begin.add_argument(
+        "--from-branches",
+        type=Path,
+        metavar="FILE",
+        help="orbits that R does not map to themselves, from a branch file",
+    )
+    words = "with --from-branches: these points only (with * and ? as in file names)"
+    parser.add_argument("--only", nargs="+", metavar="ID", help=words)
+    parser.add_argument(
+        "--orbits",
+        nargs="+",
+        type=int,
+        metavar="N",
+        help="with --from-branches: these of each branch, 1 the first from the birth, -1 that on the other side "
+        "(default: the last)",
     )
     parser.add_argument("--period", type=common.positive, metavar="T", help="near the period: Newton's method at once")
     parser.add_argument(
@@ -131,6 +150,13 @@ def run(options: argparse.Namespace) -> int:
     """Find, print, refine and write; returns the exit code. Raises `InputError`."""
     if options.output is not None:
         check_writable(options.output)
+    if options.from_branches is not None:
+        return take_from_branches(options)
+    for option, given in (("--only", options.only), ("--orbits", options.orbits)):
+        if given is not None:
+            raise InputError(f"{option}: belongs to --from-branches; give that too")
+    if options.system is None:
+        raise InputError("--system: missing; give a name or the file of your own system")
     system = own_system(options.system)
     parameters = given_values("--parameter", options.parameter or (), tuple(system.parameters))
     for name, value in parameters.items():
@@ -142,9 +168,7 @@ def run(options: argparse.Namespace) -> int:
     if options.level is not None and system.first_integral_program is None:
         raise InputError(f"--level: {system.name} has no first integral; leave it out")
     level = None if options.level is None else exact_number("--level", options.level)
-    kept: list[BoxClaim] = []
-    if options.append and options.output is not None and options.output.exists():
-        kept = read_claims(options.output)
+    kept = kept_claims(options)
 
     # Only now: JAX takes a moment to load.
     from orbitproof.explore.engines import Reporter

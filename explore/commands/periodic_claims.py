@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from orbitproof.shared.formats import BoxClaim, InputError, write_candidates, write_text
+from orbitproof.shared.formats import BoxClaim, InputError, read_claims, write_candidates, write_text
 from orbitproof.shared.interrupts import INTERRUPTED
 
 if TYPE_CHECKING:
@@ -56,6 +56,13 @@ class ClaimStore:
         """Say what the file has."""
         if self._claims:
             self._report.message(f"{len(self._claims)} claims are in {self.path}")
+
+
+def kept_claims(options: argparse.Namespace) -> list[BoxClaim]:
+    """What the output file holds already, with --append. Raises `InputError`."""
+    if options.append and options.output is not None and options.output.exists():
+        return read_claims(options.output)
+    return []
 
 
 def refine_orbits(options: argparse.Namespace, orbits: list[FoundOrbit], store: ClaimStore, report: Any) -> None:

@@ -128,17 +128,21 @@ class LoopShooting(MultipleShooting):
             leg = across[np.ix_(own, own)]
             whole = leg @ whole if time > 0 else np.linalg.solve(leg, whole)
         if self.system.first_integral is not None:
-            values = self.parameter_values(orbit.unknowns)
-            gradient = level_gradient(self.system, self.states(orbit.unknowns)[0], values)[own]
+            given = self.parameter_values(orbit.unknowns)
+            gradient = level_gradient(self.system, self.states(orbit.unknowns)[0], given)[own]
             basis = np.linalg.svd(gradient[None])[2][1:]
             whole = basis @ whole @ basis.T
-        found = sorted(map(complex, np.linalg.eigvals(whole)), key=lambda value: -abs(value))
-        chosen: list[complex] = []
+        found, values = sorted(map(complex, np.linalg.eigvals(whole)), key=lambda value: -abs(value)), list[complex]()
         while found:
-            chosen.append(found.pop(0))
+            largest = found.pop(0)
+            inverse = 1 / largest
             if found:
-                found.remove(min(found, key=lambda value: abs(value * chosen[-1] - 1)))
-        return tuple(sorted(((v + 1 / v) / 2 for v in chosen), key=lambda s: (s.real, s.imag)))
+                partner = min(found, key=lambda value: abs(value * largest - 1))
+                found.remove(partner)
+                # The sum of a pair on the circle is real without rounding.
+                inverse = inverse if self.system.first_integral is None else partner
+            values.append((largest + inverse) / 2)
+        return tuple(sorted(values, key=lambda s: (s.real, s.imag)))
 
     def _solved(self, matrix: Matrix, residual: Vector) -> Vector:
         # Where directions are hardly determined, as close to a birth, the step shall show it: none is left out.

@@ -114,6 +114,31 @@ def orbit_through(
     return np.vstack([half, half[-2::-1] * np.array(system.reversing_symmetry, dtype=float)])
 
 
+def loop_through(
+    system: ReversibleSystem,
+    parameters: Mapping[str, Fraction],
+    point: Sequence[float],
+    crossings: Array,
+    longest_step: float = 0.03,
+) -> Array:
+    """The closed orbit that crosses the section at given states and nowhere else, without symmetry, shape (N, m).
+
+    Every piece between crossings is integrated from its own state, as in `orbit_through`.
+
+    Arguments:
+        point: that has the family parameter, if there is one.
+        crossings: shape (c, m), in order.
+
+    Raises `OrbitNotClosed`.
+    """
+    values = parameter_values(system, parameters, point)
+    try:
+        pieces = [_to_section(system, values, list(map(float, state)), longest_step) for state in crossings]
+    except (ZeroDivisionError, OverflowError):
+        raise OrbitNotClosed("the orbit runs into a singularity of the vector field") from None
+    return np.vstack([*(piece[:-1] for piece in pieces), crossings[:1]])
+
+
 def _to_fixed_set(
     system: ReversibleSystem, values: Sequence[float], start: Sequence[float], longest_step: float
 ) -> Array:

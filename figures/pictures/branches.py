@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +18,18 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from orbitproof.explore.branches import BranchOrbit, BranchRecord, read_branches
+from orbitproof.explore.branches import BranchRecord, read_branches
 from orbitproof.figures.files import check_folder, save
-from orbitproof.figures.model import SampledFamily, interpolate, read_families
-from orbitproof.figures.orbits import Array, OrbitNotClosed, orbit_through, state_on_fixed_set
+from orbitproof.figures.model import SampledFamily, read_families
+from orbitproof.figures.orbits import Array, OrbitNotClosed, loop_through, orbit_through, state_on_fixed_set
+from orbitproof.figures.pictures.branch_curves import (
+    curve_of,
+    is_certified,
+    nearest_curve,
+    origin_of,
+    shown_orbit,
+    widest_coordinate,
+)
 from orbitproof.figures.pictures.family import parameter_scale
 from orbitproof.figures.pictures.legends import legend_below, legend_handles, legend_row, verdict_handles
 from orbitproof.figures.pictures.marks import draw_point
@@ -34,7 +40,7 @@ _WIDTH = 7.2
 _NEAR = 1e-2
 _BASE = "#8a8a8a"
 _HYPERBOLIC = (0, (3, 1.6))
-_PARTS = 8
+_IMAGE = (0, (1, 1.2))
 
 
 def write(branches: Path, families: Sequence[Path], folder: Path) -> list[Path]:
@@ -88,7 +94,7 @@ def draw_overview(family: SampledFamily, branches: Sequence[BranchRecord]) -> Fi
         for axes, curve, colour in ((left, family.points, CURVE), (right, family.second_points, SECOND_CURVE)):
             axes.plot(curve[:, 0], curve[:, 1], color=colour, lw=1.0)
             for branch in branches:
-                if _nearest(family, branch)[0] is curve:
+                if nearest_curve(family, branch)[0] is curve:
                     _add(axes, branch, lambda points, levels: (levels, points[:, 1]))
             axes.set_xlabel(level_label(family.system))
             axes.set_ylabel(label_of(family.system, names[1]))
@@ -106,10 +112,12 @@ def draw_overview(family: SampledFamily, branches: Sequence[BranchRecord]) -> Fi
 def _add(axes: Axes, branch: BranchRecord, select: Callable[[Array, Array], tuple[Array, Array]]) -> None:
     """Draw a branch and its bifurcation point; `select` takes points and levels to what is plotted."""
     if branch.sides:
-        curve = _curve(branch)
-        axes.plot(*select(curve.points, branch.level + curve.differences), color=marker_of(branch.k)[1], lw=1.2)
+        curve = curve_of(branch)
+        axes.plot(
+            *select(curve.points, branch.level + curve.differences), color=marker_of(branch.k, branch.kind)[1], lw=1.2
+        )
     place = select(branch.point[None], np.array([branch.level]))
-    draw_point(axes, [float(value[0]) for value in place], branch.k, _certified(branch), branch.id)
+    draw_point(axes, [float(value[0]) for value in place], branch.k, is_certified(branch), branch.id, branch.kind)
 
 
 def draw_branch(branch: BranchRecord, family: SampledFamily | None) -> Figure:
@@ -118,65 +126,88 @@ def draw_branch(branch: BranchRecord, family: SampledFamily | None) -> Figure:
     figure = plt.figure(figsize=(_WIDTH, 3.1))
     grid = figure.add_gridspec(1, 3, left=0.105, right=0.985, top=0.9, bottom=0.29, wspace=0.52)
     _diagram(figure.add_subplot(grid[0, 0]), branch, family)
-    if spatial:
+    if branch.loses_reversor:
+        _beside(figure.add_subplot(grid[0, 1]), branch, family)
+    elif spatial:
         _starts(figure.add_subplot(grid[0, 1]), branch, family)
-        axes = figure.add_axes((0.66, 0.235, 0.31, 0.69), projection="3d", computed_zorder=False)
     else:
         _section(figure.add_subplot(grid[0, 1]), branch)
+    if spatial:
+        axes = figure.add_axes((0.66, 0.235, 0.31, 0.69), projection="3d", computed_zorder=False)
+    else:
         axes = figure.add_subplot(grid[0, 2])
     _orbits(axes, branch, 3 if spatial else 2)
     top = figure.axes[0].get_position().y1 + 3.4 / (72 * figure.get_figheight())
-    figure.text(
-        0.69 if spatial else axes.get_position().x0, top, "(c)  a new orbit", fontsize=8.5, color=INK, va="bottom"
-    )
+    title = "(c)  two new orbits" if branch.loses_reversor else "(c)  a new orbit"
+    figure.text(0.69 if spatial else axes.get_position().x0, top, title, fontsize=8.5, color=INK, va="bottom")
     _branch_legend(figure, branch, family is not None)
     return figure
 
 
 def _diagram(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> None:
-    """Bifurcation parameter against the coordinate of the start that changes most along the branch."""
-    place = _coordinate(branch)
-    colour = marker_of(branch.k)[1]
-    curve = _curve(branch)
-    x, y = curve.points[:, place], curve.differences
+    """Bifurcation parameter against the coordinate of the start that changes most along the branch.
+
+    Where R is lost that is one that R negates; it is 0 on the family.
+    """
+    system, loop = branch.system, branch.loses_reversor
+    place = widest_coordinate(branch, system.kernel_coordinates if loop else system.fixed_coordinates)
+    colour = marker_of(branch.k, branch.kind)[1]
+    curve = curve_of(branch)
+    x, y = curve.starts[:, place], curve.differences
     axes.plot(x, np.where(curve.elliptic, np.nan, y), color=colour, linestyle=_HYPERBOLIC, linewidth=1.2)
     axes.plot(x, np.where(curve.elliptic, y, np.nan), color=colour, linewidth=1.8)
     _limits(axes, x, y)
     if family is not None:
-        points, levels = _nearest(family, branch)
-        axes.plot(
-            points[:, place], levels - branch.level, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False, scaley=False
-        )
-    draw_point(axes, (float(branch.point[place]), 0.0), branch.k, _certified(branch), branch.id)
-    axes.set_xlabel(f"start on Fix($R$): {label_of(branch.system, branch.system.centre_coordinates[place])}")
-    name = branch.system.family_parameter
-    quantity = (
-        label_of(branch.system, name, unit=False) if name else branch.system.first_integral_name or "first integral"
-    )
+        points, levels = nearest_curve(family, branch)
+        column = 0 * levels if loop else points[:, system.centre_coordinates.index(system.state[place])]
+        axes.plot(column, levels - branch.level, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False, scaley=False)
+    draw_point(axes, (float(origin_of(branch)[place]), 0.0), branch.k, is_certified(branch), branch.id, branch.kind)
+    axes.set_xlabel(f"start {'beside' if loop else 'on'} Fix($R$): {label_of(system, system.state[place])}")
+    name = system.family_parameter
+    quantity = label_of(system, name, unit=False) if name else system.first_integral_name or "first integral"
     axes.set_ylabel(f"{quantity} ${'-' if branch.level > 0 else '+'}$ {abs(branch.level):.7g}")
     axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.set_title("(a)  bifurcation diagram", color=INK)
+
+
+def _beside(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> None:
+    """The section where R is lost: starts of new orbits beside Fix(R), where the symmetric ones start."""
+    system, curve = branch.system, curve_of(branch)
+    shown = [widest_coordinate(branch, each) for each in (system.fixed_coordinates, system.kernel_coordinates)]
+    rows, last = curve.starts[:, shown], shown_orbit(branch).crossings[0][shown]
+    axes.plot(*rows.T, color=marker_of(branch.k, branch.kind)[1], linewidth=1.6)
+    _limits(axes, *rows.T)
+    if family is not None:
+        points, _ = nearest_curve(family, branch)
+        column = points[:, system.centre_coordinates.index(system.state[shown[0]])]
+        axes.plot(column, 0 * column, color=CURVE, linewidth=1.2, zorder=1.8, scalex=False, scaley=False)
+    axes.plot([last[0]] * 2, [last[1], -last[1]], marker=".", color=INK, markersize=6, linestyle="none", zorder=5)
+    draw_point(axes, (float(origin_of(branch)[shown[0]]), 0.0), branch.k, is_certified(branch), branch.id, branch.kind)
+    axes.set_xlabel(label_of(system, system.state[shown[0]]))
+    axes.set_ylabel(label_of(system, system.state[shown[1]]))
+    axes.xaxis.set_major_locator(MaxNLocator(3))
+    axes.set_title("(b)  in the section", color=INK)
 
 
 def _starts(axes: Axes, branch: BranchRecord, family: SampledFamily | None) -> None:
     """Fix(R): where new orbits start and where they are half a period later, near the point."""
     names = branch.system.centre_coordinates
     colour = marker_of(branch.k)[1]
-    rows = _curve(branch).points
+    rows = curve_of(branch).points
     shown = (0, 1) if np.ptp(rows[:, 1]) >= 0.2 * np.ptp(rows[:, 2]) else (0, 2)
     axes.plot(rows[:, shown[0]], rows[:, shown[1]], color=colour, linewidth=1.6)
     _limits(axes, rows[:, shown[0]], rows[:, shown[1]])
     if family is not None:
-        points, _ = _nearest(family, branch)
+        points, _ = nearest_curve(family, branch)
         axes.plot(
             points[:, shown[0]], points[:, shown[1]], color=CURVE, linewidth=1.2, zorder=1.8, scalex=False, scaley=False
         )
-    orbit = _shown_orbit(branch)
+    orbit = shown_orbit(branch)
     ends = [orbit.point] + ([orbit.second_point] if branch.k % 2 == 0 else [])
     for end in ends:
         axes.plot(end[shown[0]], end[shown[1]], marker=".", color=INK, markersize=6, zorder=5)
     draw_point(
-        axes, (float(branch.point[shown[0]]), float(branch.point[shown[1]])), branch.k, _certified(branch), branch.id
+        axes, (float(branch.point[shown[0]]), float(branch.point[shown[1]])), branch.k, is_certified(branch), branch.id
     )
     axes.set_xlabel(label_of(branch.system, names[shown[0]]))
     axes.set_ylabel(label_of(branch.system, names[shown[1]]))
@@ -215,7 +246,7 @@ def _section(axes: Axes, branch: BranchRecord) -> None:
         color=INK,
         va="top",
     )
-    draw_point(axes, [float(v) for v in centre], branch.k, _certified(branch), branch.id)
+    draw_point(axes, [float(v) for v in centre], branch.k, is_certified(branch), branch.id)
     axes.set_xlabel(label_of(system, system.state[kept[0]]))
     axes.set_ylabel(label_of(system, system.state[kept[1]]))
     axes.xaxis.set_major_locator(MaxNLocator(3))
@@ -230,26 +261,43 @@ def _section(axes: Axes, branch: BranchRecord) -> None:
 
 def _orbits(axes: Any, branch: BranchRecord, dimension: int) -> None:
     """The resonant orbit and the last new orbit, with the points in which they meet Fix(R)."""
-    colour = marker_of(branch.k)[1]
-    orbit = _shown_orbit(branch)
+    colour = marker_of(branch.k, branch.kind)[1]
+    orbit = shown_orbit(branch)
     drawn = []
     none = np.zeros((0, len(branch.system.state)))
-    for point, crossings, style in (
-        (branch.point, none, {"color": _BASE, "linewidth": 1.6}),
-        (orbit.point, orbit.crossings, {"color": colour, "linewidth": 0.9}),
-    ):
+    signs = np.array(branch.system.reversing_symmetry, dtype=float)
+    shapes: list[tuple[Callable[[], Array], dict[str, Any]]] = [
+        (lambda: orbit_through(branch.system, branch.parameters, list(branch.point), none), {"color": _BASE, "lw": 1.6})
+    ]
+    if branch.loses_reversor:
+        shapes += [
+            (lambda: loop_through(branch.system, branch.parameters, list(orbit.point), orbit.crossings),
+             {"color": colour, "lw": 0.9}),
+            (lambda: signs * loop_through(branch.system, branch.parameters, list(orbit.point), orbit.crossings),
+             {"color": colour, "lw": 0.9, "linestyle": _IMAGE}),
+        ]  # fmt: skip
+        marked = [sign * orbit.crossings[0] for sign in (1.0, signs)]
+    else:
+        shapes.append(
+            (lambda: orbit_through(branch.system, branch.parameters, list(orbit.point), orbit.crossings),
+             {"color": colour, "lw": 0.9})
+        )  # fmt: skip
+        ends = (orbit.point, orbit.second_point)
+        marked = [np.array(state_on_fixed_set(branch.system, branch.parameters, list(end))) for end in ends]
+    for shape, style in shapes:
         try:
-            rows = orbit_through(branch.system, branch.parameters, list(point), crossings)
+            rows = shape()
         except OrbitNotClosed:
             continue
         axes.plot(*rows[:, :dimension].T, **style)
         drawn.append(rows)
-    for point in (orbit.point, orbit.second_point):
-        state = state_on_fixed_set(branch.system, branch.parameters, list(point))[:dimension]
-        axes.plot(*[[value] for value in state], marker=".", color=INK, markersize=6, linestyle="none", zorder=7)
+    for state in marked:
+        axes.plot(
+            *[[value] for value in state[:dimension]], marker=".", color=INK, markersize=6, linestyle="none", zorder=7
+        )
     if dimension == 3:
         low, high = bounds_of(drawn or [none + 1.0])
-        set_box(axes, branch.system, low, high, zoom=0.86)
+        set_box(axes, branch.system, low, high, zoom=0.8)
         return
     axes.set_xlabel(label_of(branch.system, branch.system.state[0]))
     axes.set_ylabel(label_of(branch.system, branch.system.state[1]))
@@ -258,75 +306,28 @@ def _orbits(axes: Any, branch: BranchRecord, dimension: int) -> None:
 
 
 def _branch_legend(figure: Figure, branch: BranchRecord, with_family: bool) -> None:
-    colour = marker_of(branch.k)[1]
+    colour, loop = marker_of(branch.k, branch.kind)[1], branch.loses_reversor
+    base = "symmetric orbit" if loop else "resonant orbit"
     lines = [
         *([Line2D([], [], color=CURVE, linewidth=1.2, label="family")] if with_family else []),
-        Line2D([], [], color=_BASE, linewidth=1.6, label="resonant orbit"),
+        Line2D([], [], color=_BASE, linewidth=1.6, label=base),
         Line2D([], [], color=colour, linewidth=1.8, label="new orbits, elliptic in the new pair"),
         Line2D([], [], color=colour, linestyle=_HYPERBOLIC, linewidth=1.2, label="hyperbolic"),
     ]
+    if loop:
+        lines.append(Line2D([], [], color=colour, linestyle=_IMAGE, linewidth=0.9, label="mirror image"))
+    where = "those of (c) there" if loop else "the orbit of (c) there"
     points = [
         *legend_handles([(branch.k, branch.kind)]),
-        *verdict_handles([_certified(branch)]),
-        Line2D([], [], color=INK, marker=".", linestyle="none", markersize=6, label="the orbit of (c) there"),
+        *verdict_handles([is_certified(branch)]),
+        Line2D([], [], color=INK, marker=".", linestyle="none", markersize=6, label=where),
     ]
     for row, height in ((lines, 0.25), (points, 0.06)):
         legend_row(figure, row, height)
 
 
 def _legend(figure: Figure, branches: Sequence[BranchRecord]) -> None:
-    legend_below(figure, ((b.k, b.kind) for b in branches), [_certified(b) for b in branches])
-
-
-def _certified(branch: BranchRecord) -> bool:
-    return branch.verdict == "proved"
-
-
-def _shown_orbit(branch: BranchRecord) -> BranchOrbit:
-    return branch.sides[1].orbits[-1]
-
-
-@dataclass(frozen=True)
-class _Curve:
-    """A branch through its bifurcation point, dense; M places.
-
-    Attributes:
-        points: shape (M, 1 + n), starting points.
-        differences: shape (M,), level minus that of the bifurcation.
-        elliptic: shape (M,), whether the pair of multipliers that is resonant at the bifurcation is elliptic.
-    """
-
-    points: Array
-    differences: Array
-    elliptic: Array
-
-
-def _curve(branch: BranchRecord) -> _Curve:
-    orbits = [*reversed(branch.sides[0].orbits), *branch.sides[1].orbits]
-    middle = len(branch.sides[0].orbits)
-    nodes = np.insert(np.array([orbit.arclength for orbit in orbits]), middle, 0.0)
-    points = np.insert(np.array([orbit.point for orbit in orbits]), middle, branch.point, axis=0)
-    differences = np.insert(np.array([orbit.level_difference for orbit in orbits]), middle, 0.0)
-    elliptic = np.concatenate([_elliptic(branch.sides[0].orbits)[::-1], _elliptic(branch.sides[1].orbits)])
-    dense = np.concatenate([np.linspace(a, b, _PARTS, endpoint=False) for a, b in pairwise(nodes)] + [nodes[-1:]])
-    nearest = np.searchsorted(0.5 * (np.delete(nodes, middle)[:-1] + np.delete(nodes, middle)[1:]), dense)
-    return _Curve(interpolate(nodes, points, dense), interpolate(nodes, differences, dense), elliptic[nearest])
-
-
-def _elliptic(orbits: Sequence[BranchOrbit]) -> Array:
-    """Whether the pair is elliptic whose stability parameter is 1 at the bifurcation, followed outwards."""
-    value, result = 1.0 + 0.0j, []
-    for orbit in orbits:
-        value = min(orbit.stability, key=lambda s: float(abs(s - value)))
-        result.append(value.imag == 0 and abs(value) < 1.0)
-    return np.array(result)
-
-
-def _coordinate(branch: BranchRecord) -> int:
-    """The coordinate of Fix(R) that changes most along the branch."""
-    lead = int(branch.system.family_parameter is not None)
-    rows = np.vstack([orbit.point for side in branch.sides for orbit in side.orbits])
-    return lead + int(np.argmax(np.ptp(rows[:, lead:], axis=0)))
+    legend_below(figure, ((b.k, b.kind) for b in branches), [is_certified(b) for b in branches])
 
 
 def _limits(axes: Axes, x: Array, y: Array) -> None:
@@ -334,13 +335,6 @@ def _limits(axes: Axes, x: Array, y: Array) -> None:
     for values, set_limits in ((x, axes.set_xlim), (y, axes.set_ylim)):
         pad = 0.12 * max(float(np.ptp(values)), 1e-12)
         set_limits(float(values.min()) - pad, float(values.max()) + pad)
-
-
-def _nearest(family: SampledFamily, branch: BranchRecord) -> tuple[Array, Array]:
-    """The curve of the family, of its two, that passes through the bifurcation point, with its levels."""
-    curves = (family.points, family.second_points)
-    misses = [float(np.linalg.norm((curve - branch.point) / branch.scale, axis=1).min()) for curve in curves]
-    return curves[int(np.argmin(misses))], family.levels
 
 
 def _family_of(branch: BranchRecord, families: Sequence[SampledFamily]) -> SampledFamily | None:
@@ -358,7 +352,7 @@ def distance(family: SampledFamily, branch: BranchRecord) -> float:
     """Of the bifurcation point from the curves of a family, in units of the branch's `scale`."""
     if family.system.name != branch.system.name or dict(family.parameters) != dict(branch.parameters):
         return np.inf
-    curve, _ = _nearest(family, branch)
+    curve, _ = nearest_curve(family, branch)
     return float(np.linalg.norm((curve - branch.point) / branch.scale, axis=1).min())
 
 

@@ -11,6 +11,7 @@ from orbitproof.figures.scripting.pictures import (
     Drawn,
     draw_all,
     draw_atlases,
+    draw_branches,
     draw_family,
     draw_periodic,
     draw_resonances,

@@ -151,6 +151,23 @@ def draw_atlases(
     return written.paths
 
 
+def draw_branches(
+    branches: Source,
+    folder: Source,
+    *,
+    families: Sequence[Source] = (),
+    files: Files | None = None,
+    told: Told = quietly,
+) -> list[Path]:
+    """The new orbits of a branch file, all of a family and each by itself; orbits are numerical."""
+    from orbitproof.figures.pictures.branches import write
+
+    written = Written(told)
+    with saved_as(files):
+        written.add(write(Path(branches), [Path(path) for path in families], folder_of(folder)))
+    return written.paths
+
+
 def draw_tori(
     sources: Sequence[Source], folder: Source, *, files: Files | None = None, told: Told = quietly
 ) -> list[Path]:
