@@ -75,7 +75,7 @@ def describe(system: System) -> str | dict[str, Any]:
         "family_parameter": system.family_parameter,
         "level_coordinate": system.level_coordinate,
         "fixed_level": None if level is None else _level_entry(level),
-        "reversors": {name: list(each.signs) for name, each in system.reversors.items()} or None,
+        "reversors": {name: _reversor_entry(each) for name, each in system.reversors.items()} or None,
         "squared_distance": None if distance is None else distance.text(),
         "distance_name": system.distance_name,
     }
@@ -311,6 +311,18 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
         # A description that names such coordinates has their signs with the others.
         return found if "defined" in entry else _signs_with_functions(key, formulas, tuple(ranges), found)
 
+    def reversor(key: str, value: Any) -> Reversor:
+        section, title = None, key.partition(".")[2]
+        if isinstance(value, Mapping) and not all(isinstance(each, int) for each in value.values()):
+            if value.keys() != {"R", "section"}:
+                raise DescriptionError(f"{key}: has {', '.join(value)}; give the signs alone, or R and section")
+            value, section = value["R"], value["section"]
+            if section not in given:
+                raise DescriptionError(
+                    f"{key}.section: {section!r} is no state coordinate; there are {', '.join(given)}"
+                )
+        return Reversor(signs(key, value), title, section)
+
     try:
         system = ReversibleSystem(
             name=name,
@@ -330,7 +342,7 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
             squared_distance=distance,
             distance_name=None if distance is None else entry.get("distance_name") or "the body",
             reversors={
-                name_of("reversors", key): Reversor(signs(f"reversors.{key}", each), f"{key}")
+                name_of("reversors", key): reversor(f"reversors.{key}", each)
                 for key, each in mapping_of("reversors", entry.get("reversors", {})).items()
             },
         )
@@ -389,6 +401,11 @@ def _ranges(value: Any) -> dict[str, ParameterRange]:
             raise DescriptionError(f"parameters.{name}: an empty range; give the smaller value first")
         result[name_of("parameters", name)] = ParameterRange(lower, upper)
     return result
+
+
+def _reversor_entry(reversor: Reversor) -> list[int] | dict[str, Any]:
+    signs = list(reversor.signs)
+    return signs if reversor.section is None else {"R": signs, "section": reversor.section}
 
 
 def _level_entry(level: FixedLevel) -> dict[str, Any]:

@@ -75,10 +75,17 @@ class FixedLevel:
 
 @dataclass(frozen=True)
 class Reversor:
-    """A further reversing symmetry of a system: its signs, and what people call it."""
+    """A further reversing symmetry of a system.
+
+    Attributes:
+        signs: as those of R.
+        title: what people call it.
+        section: the state coordinate of the section that goes with it; `None` if it is that of R.
+    """
 
     signs: tuple[int, ...]
     title: str
+    section: str | None = None
 
 
 @dataclass(frozen=True)
@@ -269,6 +276,7 @@ class ReversibleSystem(System):
                 name=f"{self.name}-{name}",
                 title=f"{self.title}, reversible under {reversor.title}",
                 reversing_symmetry=reversor.signs,
+                section=reversor.section or self.section,
                 reversors={},
                 original=self,
                 reversor=name,

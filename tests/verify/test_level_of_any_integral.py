@@ -196,6 +196,11 @@ def test_slivers_of_an_end_of_the_interval_are_told_apart() -> None:
         else:
             with pytest.raises(IntegrationFailure):
                 initial_values(on(system, low, high), arithmetic, point)
+    # px is largest at y = 0, and at other points of a wider set it is below the end.
+    wider = box(arithmetic, {"a": F(1, 3), "y": F(0)}, F(1, 2**20))
+    initial_values(on(system, below - F(1, 2**30), 2), arithmetic, wider)
+    with pytest.raises(IntegrationFailure, match="only one in its interval"):
+        initial_values(on(system, below - sliver, 2), arithmetic, wider)
 
 
 def test_the_derivative_is_bounded_on_the_whole_interval() -> None:

@@ -16,6 +16,7 @@ from flint import arb, ctx
 from support.claims import known
 
 from orbitproof.explore.names import system_named
+from orbitproof.explore.refinement import refine
 from orbitproof.shared.formats import (
     Candidate,
     InputError,
@@ -156,11 +157,58 @@ def test_the_command_line_takes_a_reversor_by_name(tmp_path: Path) -> None:
         ({"x": -1}, ("reversors.other", "wrong dimension")),
         ({"y": -1, "vx": -1}, ("reversors.other", "must negate the section")),
         ({"u": -1}, ("reversors.other.u",)),
+        ({"R": {"vx": -1, "vy": -1}, "section": "x"}, ("reversors.other: section: R must negate", "it negates vx, vy")),
+        ({"R": {"vx": -1, "vy": -1}, "section": "u"}, ("reversors.other.section: 'u' is no state", "there are x, y")),
+        ({"R": {"vx": -1, "vy": -1}, "section": 3}, ("reversors.other.section", "string")),
+        ({"R": {"vx": -1, "vy": -1}}, ("reversors.other: has R; give the signs alone, or R and section",)),
+        ({"R": {"u": -1}, "section": "vx"}, ("reversors.other.u: no state coordinate",)),
+        ({"R": {"x": -1}, "section": "x"}, ("reversors.other", "wrong dimension")),
     ],
 )
-def test_a_wrong_reversor_is_named_in_one_line(signs: dict[str, int], words: tuple[str, ...], tmp_path: Path) -> None:
+def test_a_wrong_reversor_is_named_in_one_line(signs: dict[str, Any], words: tuple[str, ...], tmp_path: Path) -> None:
     with pytest.raises(InputError) as error:
         load_system(written(tmp_path / "two.json", reversors={"other": signs}))
     assert "\n" not in str(error.value)
     for word in words:
         assert word in str(error.value)
+
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
+
+
+@cache
+def breaking() -> tuple[ReversibleSystem, Certificate]:
+    """Henon and Heiles with the section x = 0; where S breaks under T, whose section is vy = 0."""
+    own = described({
+        "name": "henon-heiles-x", "state": ["x", "y", "vx", "vy"], "section": "x",
+        "field": {"x": "vx", "y": "vy", "vx": "-x - 2*x*y", "vy": "-y - x**2 + y**2"},
+        "R": {"x": -1, "vy": -1}, "symmetries": {"S": {"x": -1, "vx": -1}},
+        "reversors": {"T": {"R": {"vx": -1, "vy": -1}, "section": "vy"}},
+        "first_integral": "(vx**2 + vy**2 + x**2 + y**2)/2 + x**2*y - y**3/3",
+    }).under("T")  # fmt: skip
+    point = refine(own, {}, "symmetry_breaking", 1, [0.0, -0.49703478], digits=40, symmetry="S")
+    return own, certify(point.to_candidate("T", {}), Limits(max_precision=512))
+
+
+def test_a_reversor_has_a_section_of_its_own() -> None:
+    own, proof = breaking()
+    common = load_system(EXAMPLES / "henon-heiles.py").under("T")
+    assert own.original is not None
+    assert (own.original.section, own.section, common.section) == ("x", "vy", "vy")
+    assert described(json.loads(json.dumps(describe(own)))) is own
+    assert pickle.loads(pickle.dumps(own)) is own
+    assert proof.proved, proof.reason
+    assert "section {vy = 0}" in proof.statement["in_full"]
+    # Published as 0.986709235 in units of 1/6.
+    assert proof.parameter is not None
+    with ctx.workprec(100):
+        assert abs(6 * proof.parameter - arb("0.98670923531816")) < 1e-13
+    assert recheck(proof, integrate=True).stands
+
+
+def test_a_section_that_is_not_the_reversors_own_is_found() -> None:
+    _, proof = breaking()
+    for forge in (lambda t: t.replace('"section": "vy"', '"section": "vx"'), lambda t: t.replace("vy", "vz", 1)):
+        entry = json.loads(forge(json.dumps(proof.to_json())))
+        entry["digest"] = digest(entry)
+        assert not recheck(Certificate.from_json(entry)).stands
