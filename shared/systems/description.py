@@ -312,16 +312,18 @@ def _read(entry: Mapping[str, Any]) -> ReversibleSystem:
         return found if "defined" in entry else _signs_with_functions(key, formulas, tuple(ranges), found)
 
     def reversor(key: str, value: Any) -> Reversor:
-        section, title = None, key.partition(".")[2]
+        own: dict[str, Any] = {}
         if isinstance(value, Mapping) and not all(isinstance(each, int) for each in value.values()):
-            if value.keys() != {"R", "section"}:
-                raise DescriptionError(f"{key}: has {', '.join(value)}; give the signs alone, or R and section")
-            value, section = value["R"], value["section"]
-            if section not in given:
-                raise DescriptionError(
-                    f"{key}.section: {section!r} is no state coordinate; there are {', '.join(given)}"
-                )
-        return Reversor(signs(key, value), title, section)
+            own = {name: each for name, each in value.items() if name != "R"}
+            if "R" not in value or not own.keys() <= {"section", "level_coordinate"}:
+                what = "give the signs alone, or R and its own section or level_coordinate"
+                raise DescriptionError(f"{key}: has {', '.join(value)}; {what}")
+            for name, each in own.items():
+                if each not in given:
+                    there = ", ".join(given)
+                    raise DescriptionError(f"{key}.{name}: {each!r} is no state coordinate; there are {there}")
+            value = value["R"]
+        return Reversor(signs(key, value), key.partition(".")[2], **own)
 
     try:
         system = ReversibleSystem(
@@ -403,9 +405,11 @@ def _ranges(value: Any) -> dict[str, ParameterRange]:
     return result
 
 
-def _reversor_entry(reversor: Reversor) -> list[int] | dict[str, Any]:
+def _reversor_entry(reversor: Reversor) -> Any:
     signs = list(reversor.signs)
-    return signs if reversor.section is None else {"R": signs, "section": reversor.section}
+    own = {"section": reversor.section, "level_coordinate": reversor.level_coordinate}
+    named = {key: value for key, value in own.items() if value is not None}
+    return {"R": signs, **named} if named else signs
 
 
 def _level_entry(level: FixedLevel) -> dict[str, Any]:

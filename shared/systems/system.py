@@ -80,12 +80,13 @@ class Reversor:
     Attributes:
         signs: as those of R.
         title: what people call it.
-        section: the state coordinate of the section that goes with it; `None` if it is that of R.
+        section, level_coordinate: the state coordinates that go with it; `None` where it is that of R.
     """
 
     signs: tuple[int, ...]
     title: str
     section: str | None = None
+    level_coordinate: str | None = None
 
 
 @dataclass(frozen=True)
@@ -277,6 +278,7 @@ class ReversibleSystem(System):
                 title=f"{self.title}, reversible under {reversor.title}",
                 reversing_symmetry=reversor.signs,
                 section=reversor.section or self.section,
+                level_coordinate=reversor.level_coordinate or self.level_coordinate,
                 reversors={},
                 original=self,
                 reversor=name,

@@ -40,6 +40,10 @@ def refine(system: str, words: list[str], output: Path) -> int:
     return explore_main(["refine", "--system", str(EXAMPLES / system), *words, "--quiet", "-o", str(output)])
 
 
+LOSS = ["-k", "1", "--kind", "reversor_breaking", "--point", "y=0.31187", "vx=-1.38309"]
+"""Where g loses the rotation by pi, which shifts its orbits by half a period: the other reversor is lost."""
+
+
 @pytest.mark.parametrize(
     ("system", "words", "factor", "published"),
     [
@@ -53,6 +57,7 @@ def refine(system: str, words: list[str], output: Path) -> int:
         ("henon-heiles.py", ["-k", "1", "--point", "y=-0.49311677", "vx=0"], 6, rounded("0.969309")),
         ("henon-heiles.py:T", ["-k", "1", "--point", "x=0", "y=-0.49703478"], 6, rounded("0.986709235")),
         ("hill-g.py", ["-k", "2", "--point", "p=0.08037041", "v=0.94806332"], 1, rounded("4.49999")),
+        ("hill-planar.py:turned", LOSS, 1, rounded("4.49999")),
     ],
 )
 def test_a_published_number_is_confirmed(
@@ -65,6 +70,25 @@ def test_a_published_number_is_confirmed(
     assert proof.parameter is not None
     ends = factor * lower_end(proof.parameter), factor * upper_end(proof.parameter)
     assert published[0] <= ends[0] <= ends[1] <= published[1]
+
+
+def test_a_symmetry_that_shifts_orbits_is_lost_where_their_quotient_doubles_its_period(tmp_path: Path) -> None:
+    found = []
+    for system, words in (
+        ("hill-planar.py:turned", LOSS),
+        ("hill-g.py", ["-k", "2", "--point", "p=0.08037041", "v=0.94806332"]),
+    ):
+        output = tmp_path / "point.json"
+        assert refine(system, words, output) == 0
+        (proof,) = certify(read_candidates(output), quiet=True)
+        assert proof.proved, proof.reason
+        assert proof.parameter is not None
+        assert proof.side == "below"
+        with ctx.workprec(200):
+            found.append((lower_end(proof.parameter), upper_end(proof.parameter)))
+    (low, high), (other_low, other_high) = found
+    assert max(low, other_low) <= min(high, other_high)
+    assert max(high, other_high) - min(low, other_low) < Fraction(1, 10**30)
 
 
 def orbit_proof(system: str, words: list[str], folder: Path) -> dict[str, Any]:
@@ -155,7 +179,8 @@ def test_a_branch_is_proved_and_checked_again_without_the_file(system: str, tmp_
 
 
 @pytest.mark.parametrize(
-    ("system", "coefficient"), [("beam", "-1/2"), ("beam-level", "-1/2"), ("hill", "-1"), ("swift-hohenberg", "-1/2")]
+    ("system", "coefficient"),
+    [("beam", "-1/2"), ("beam-level", "-1/2"), ("hill", "-1"), ("hill-planar", "-1"), ("swift-hohenberg", "-1/2")],
 )
 def test_the_level_coordinate_of_an_example_is_shown_to_be_one(system: str, coefficient: str) -> None:
     assert quadratic_coefficient(load_system(EXAMPLES / f"{system}.py")) == Fraction(coefficient)

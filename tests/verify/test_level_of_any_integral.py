@@ -33,7 +33,8 @@ from orbitproof.verify.certificate import Certificate, certify, digest, recheck
 from orbitproof.verify.claim import LevelEquation, check_level, is_in
 from orbitproof.verify.evidence import Checklist, IntegrationFailure, NotEstablishedError, enclose, excludes_zero
 from orbitproof.verify.oracle import Limits
-from orbitproof.verify.poincare import at_start, initial_values, on_sheet
+from orbitproof.verify.poincare import at_start, initial_values, level_set, on_sheet
+from orbitproof.verify.poincare.functions import without_time
 from orbitproof.verify.reversor_breaking import theorem_of
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "docs" / "examples"
@@ -122,6 +123,28 @@ def test_the_coordinate_contains_the_root_in_closed_form(kind: str) -> None:
         difference = w - root
         assert all(a <= b for a, b in zip(difference.known, difference.errors, strict=True))
         assert max(w.errors) < 16 * max(root.errors)
+
+
+@pytest.mark.parametrize("kind", ARITHMETICS)
+def test_far_from_a_root_the_contraction_contains_it_or_nothing_is_said(kind: str) -> None:
+    arithmetic, spread = ARITHMETICS[kind]
+    system, source, said = relativistic(), random.Random(kind), 0
+    equation = LevelEquation.of(system)
+    point = box(arithmetic, {"a": F(1, 3), "y": F(1, 4)}, spread)
+    values = [without_time(value) for value in initial_values(system, arithmetic, point)]
+    root = values[equation.place]
+    for _ in range(40):
+        offset = F(source.randint(-1000, 1000), source.choice([1000, 3000, 10**5, 10**9]))
+        start = Series(root.arithmetic, root.coefs, root.arithmetic.zero_errors())
+        start = start + root.arithmetic.constant(offset)
+        try:
+            found = level_set._enclosed(equation, values, start)
+        except IntegrationFailure:
+            continue
+        said += 1
+        difference = found - root
+        assert all(a <= b for a, b in zip(difference.known, difference.errors, strict=True))
+    assert said >= 10
 
 
 def test_the_coordinate_is_the_one_of_its_sign_where_both_say_which() -> None:
