@@ -28,7 +28,15 @@ from orbitproof.explore.families import (
     trace_family,
     trace_task,
 )
-from orbitproof.explore.names import FAMILY_NAMES, POINTS, exact_parameters, family_name, is_family_name, label_of
+from orbitproof.explore.names import (
+    FAMILY_NAMES,
+    POINTS,
+    exact_parameters,
+    families_to_give,
+    family_name,
+    is_family_name,
+    label_of,
+)
 from orbitproof.explore.orbits import PeriodicSolution, ShootingProblem, SymmetricOrbit
 from orbitproof.explore.refinement import RefinementFailure, refine_tasks
 from orbitproof.explore.search import Target, targets_of
@@ -233,7 +241,7 @@ L3-lyapunov, L1-vertical, L2-vertical, L3-vertical, L2-butterfly, dro
     """
     name = family_name(name)
     if not is_family_name(system.name, name):
-        known = ", ".join(FAMILY_NAMES.get(system.name, ())) or "none"
+        known = families_to_give(system.name, name) or "none"
         raise ValueError(f"name: {name!r} is no family of {system.name}; there are {known}")
     parameters = _parameters(system, mu)
     for option, value in (("z_max", z_max), ("vy_max", vy_max), ("jacobi_min", jacobi_min)):

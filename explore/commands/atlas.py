@@ -12,10 +12,12 @@ from orbitproof.explore.commands import common
 from orbitproof.explore.names import (
     FAMILY_NAMES,
     exact_number,
+    families_to_give,
     family_name,
     given_parameters,
     is_family_name,
     system_named,
+    system_with,
 )
 from orbitproof.shared.formats import Covers, InputError, check_writable
 from orbitproof.shared.systems import SYSTEMS, ReversibleSystem
@@ -240,18 +242,18 @@ def _source(options: argparse.Namespace) -> Source:
         covers = None if options.covers is None else _covers(options.covers, None)
         increasing = tuple(options.increasing)
         return Source(None, options.family, options.mass, options.from_family, covers, increasing, None)
-    if options.system is None:
+    named = options.system or system_with([options.family] if options.family else [])
+    if named is None:
         raise InputError("--system: missing; give one, or --preset, or --from-family")
-    system = system_named(options.system)
+    system = system_named(named)
     names = FAMILY_NAMES.get(system.name)
     if names is None:
         raise InputError(f"--from-family: missing; trace a family of {system.name} first, with explore family")
     family = options.family or (names[0] if len(names) == 1 else None)
     if family is None or not is_family_name(system.name, family):
         wrong = "missing" if family is None else f"{family}: unknown for {system.name}"
-        raise InputError(
-            f"--family {wrong}; give one of {', '.join(names)}".replace("--family missing", "--family: missing")
-        )
+        to_give = families_to_give(system.name, family or "")
+        raise InputError(f"--family {wrong}; give one of {to_give}".replace("--family missing", "--family: missing"))
     given_parameters(system, options.mass, options.parameter)
     covers = None if options.covers is None else _covers(options.covers, system)
     check_names(system, covers, tuple(options.increasing))

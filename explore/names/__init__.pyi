@@ -9,6 +9,7 @@ from .family_names import Preset as Preset
 from .family_names import PresetFamilies as PresetFamilies
 from .family_names import branch_name as branch_name
 from .family_names import branch_number as branch_number
+from .family_names import families_to_give as families_to_give
 from .family_names import family_name as family_name
 from .family_names import is_family_name as is_family_name
 from .family_names import mirrored_name as mirrored_name

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
     "cr3bp": (
@@ -18,7 +19,14 @@ FAMILY_NAMES: Mapping[str, tuple[str, ...]] = {
 }
 """The families that can be asked for, by system; `explore.families.named` traces them."""
 
-_ALIASES: Mapping[str, str] = {"distant-retrograde": "dro"}
+_ALIASES: Mapping[str, str] = {
+    "distant-retrograde": "dro",
+    "butterfly": "L2-butterfly",
+    # Near-rectilinear halo orbits are the far parts of the halo families.
+    "nrho": "L2-halo",
+    "l1-nrho": "L1-halo",
+    "l2-nrho": "L2-halo",
+}
 
 _BRANCH = re.compile(r"L[123]-halo(?:-([2-9]|[1-9][0-9]))?")
 
@@ -30,12 +38,19 @@ def family_name(text: str) -> str:
     known = {name.casefold(): name for names in FAMILY_NAMES.values() for name in names}
     if _BRANCH.fullmatch(f"{wanted[:1].upper()}{wanted[1:]}") is not None:
         return f"{wanted[:1].upper()}{wanted[1:]}"
-    return known.get(wanted, text)
+    return known.get(wanted.casefold(), text)
 
 
 def is_family_name(system: str, name: str) -> bool:
     """Whether a family of that name can be asked for: one of `FAMILY_NAMES`, or L1-halo-2, L1-halo-3, .."""
     return name in FAMILY_NAMES.get(system, ()) or (system == "cr3bp" and _BRANCH.fullmatch(name) is not None)
+
+
+def families_to_give(system: str, name: str) -> str:
+    """Which families there are of a system, for one who has asked for another: first those with nearly that name."""
+    names = FAMILY_NAMES.get(system, ())
+    close = get_close_matches(name.casefold(), [known.casefold() for known in names], 3, 0.5)
+    return ", ".join(sorted(names, key=lambda known: known.casefold() not in close))
 
 
 def system_with(names: Sequence[str]) -> str | None:

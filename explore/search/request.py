@@ -18,6 +18,7 @@ from orbitproof.explore.names import (
     PRESETS,
     Preset,
     PresetFamilies,
+    families_to_give,
     given_parameters,
     is_family_name,
     label_of,
@@ -210,7 +211,8 @@ def _families(options: argparse.Namespace, preset: Preset | None) -> tuple[Famil
             other = system_with([name])
             beside = "" if other is None else f", or --system {other}"
             raise InputError(
-                f"--family {name}: unknown for {system.name}; give one or more of {', '.join(known)}{beside}"
+                f"--family {name}: unknown for {system.name}; give one or more of "
+                f"{families_to_give(system.name, name)}{beside}"
             )
     masses = tuple(dict.fromkeys(options.mass or (None,)))
     speeds = tuple(options.vy_max or (None,))

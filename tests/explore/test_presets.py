@@ -12,7 +12,7 @@ import orbitproof.explore.refinement.tasks
 from orbitproof.explore.__main__ import main
 from orbitproof.explore.commands.arguments import parser
 from orbitproof.explore.families import TraceTask
-from orbitproof.explore.names import family_name, is_family_name, system_with
+from orbitproof.explore.names import FAMILY_NAMES, families_to_give, family_name, is_family_name, system_with
 from orbitproof.explore.records import read_families
 from orbitproof.explore.refinement import Refined, Task, refine_tasks
 from orbitproof.explore.search import check
@@ -85,11 +85,21 @@ def test_several_processes_begin_with_the_longest_points(
         ("l1-HALO", "L1-halo"),
         ("l2-halo-3", "L2-halo-3"),
         ("L2-Butterfly", "L2-butterfly"),
+        ("nrho", "L2-halo"),
+        ("L1-NRHO", "L1-halo"),
+        ("butterfly", "L2-butterfly"),
         ("My-Family", "My-Family"),
     ],
 )
 def test_families_are_named_in_any_case(text: str, name: str) -> None:
     assert family_name(text) == name
+
+
+def test_names_close_to_one_that_is_not_known_come_first() -> None:
+    assert families_to_give("cr3bp", "L2-vertcal").startswith("L2-vertical, ")
+    assert set(families_to_give("cr3bp", "zzz").split(", ")) == set(FAMILY_NAMES["cr3bp"])
+    assert families_to_give("cr3bp", "L7-halo").split(", ")[:3] == ["L1-halo", "L2-halo", "L3-halo"]
+    assert families_to_give("hill", "dro") == ""
 
 
 def test_a_name_without_a_system_is_one_of_orbits_in_space() -> None:
