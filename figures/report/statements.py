@@ -39,7 +39,7 @@ _KINDS = {
     "orbit": "One symmetric periodic orbit",
     "invariant_tori": "Invariant tori near a symmetric periodic orbit",
     "stable_orbit": "A symmetric periodic orbit that is stable for ever",
-    "reversor_breaking": "A birth of periodic orbits that are not symmetric",
+    "reversor_breaking": "A birth of periodic orbits that R does not map to themselves",
     "periodic": "One periodic orbit",
     "periodic-fold": "A fold of periodic orbits",
     "periodic-doubling": "A period doubling of periodic orbits",

@@ -116,6 +116,8 @@ class Candidate:
             refuse("symmetry", f"{self.system.name} has no symmetry {self.symmetry!r}", f"known: {known}")
         if self.loses_reversor and (self.k != 1 or self.symmetry is not None):
             refuse("kind", f"{self.kind} with k = {self.k} and {self.symmetry}", "give k = 1, and no symmetry")
+        if self.level_sign is not None and self.system.family_parameter is not None:
+            refuse("level_sign", f"{self.system.name} has the parameter {self.system.family_parameter}", "leave it out")
         if self.is_of_orbit != (self.equation is not None):
             refuse("equation", "a claim about an orbit has one, others have none", "give both or none")
         if self.twist is not None and (self.kind != STABLE_ORBIT or self.twist not in (1, -1)):

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from orbitproof.shared.formats import REVERSOR_BREAKING, Candidate, candidate_from_json
-from orbitproof.shared.systems import ParameterRange, ReversibleSystem
+from orbitproof.shared.systems import FixedLevel, ParameterRange, ReversibleSystem
 
 DATA = Path(__file__).parents[1] / "data"
 A = Fraction(9, 10)
@@ -74,6 +74,13 @@ def modes(**changes: Any) -> Candidate:
     return replace(claim, **changes)
 
 
+def on_level(sign: int = 1) -> Candidate:
+    """The same on a fixed level, where a is the parameter."""
+    level = FixedLevel(level_of(odd=True).limit_denominator(10**40), sign)
+    system = replace(MODES, name="modes-on-level", family_parameter="a", fixed_level=level)
+    return modes(system=system, parameters={}, level_sign=None, centre=(A, Fraction(0)))
+
+
 def halo() -> Candidate:
     """The claim about the halo orbits of L1 in the Earth-Moon system."""
     return candidate_from_json(json.loads((DATA / "loss-of-r.json").read_text(encoding="utf-8")), "loss-of-r.json")
@@ -91,6 +98,33 @@ def flow(state: Any, end: Any) -> Any:
     crossed.terminal = True  # type: ignore[attr-defined]
     found = solve_ivp(rates, (0.0, end), state, method="DOP853", rtol=1e-13, atol=1e-15, events=crossed)
     return found.y[:, -1]
+
+
+def halo_crossing(found: Any, along: tuple[float, float], size: float = 1e-4) -> list[float]:
+    """By how much x and z where the orbit crosses the section next change with (vx, vz), on the level, by DOP853."""
+    claim = halo()
+    system, parameters = claim.system, [float(value) for value in claim.parameters.values()]
+    x, z = (float(found.point[name].mid()) for name in ("x", "z"))
+
+    def integral(vx: float, vy: float, vz: float) -> Any:
+        assert system.first_integral is not None
+        return system.first_integral((x, 0.0, z, vx, vy, vz), parameters)[0]
+
+    def crossed(t: float, s: Any) -> Any:
+        return s[1] if t > 0.1 else 1.0
+
+    crossed.terminal = True  # type: ignore[attr-defined]
+    ends = []
+    for side in (size, -size):
+        vx, vz = (side * value for value in along)
+        rest, unit = integral(vx, 0.0, vz), integral(vx, 1.0, vz)
+        vy = np.sign(float(found.point["vy"].mid())) * np.sqrt((float(found.parameter.mid()) - rest) / (unit - rest))
+        path = solve_ivp(
+            lambda _t, s: system.vector_field(s, parameters), (0.0, 10.0), [x, 0.0, z, vx, vy, vz],
+            method="DOP853", rtol=1e-13, atol=1e-14, events=crossed,
+        )  # fmt: skip
+        ends.append(path.y[:, -1])
+    return [float((ends[0][place] - ends[1][place]) / (2 * size)) for place in (0, 2)]
 
 
 def level_beside(y: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,13 @@ import test_lists_of_three_bodies as three_bodies
 from flint import ctx
 from support.closed_form_lists import curve_of, ellipse, line, results
 from support.conclusions import with_complete_list
+from support.forgeries import checked, forged
 from support.list_truths import Truth, _around, _interval, _within
 from support.skew_products import SkewProduct
 from support.stored import values
 
 from orbitproof.shared.errors import InputError
+from orbitproof.verify.atlas import make_atlas_certificate
 from orbitproof.verify.atlas.recheck import lists_combinations
 from orbitproof.verify.curve import conclude
 from orbitproof.verify.run.branches import limits_of
@@ -141,3 +144,74 @@ def test_where_zeros_are_not_separated_is_told() -> None:
     assert [gap["about"] for gap in document["complete"]["open_combinations"]] == ["combination resonances"]
     assert "Whether there are more of these is not decided:" in document["statement"]
     assert len(document["complete"]["stable"]) == 1
+
+
+@pytest.fixture(scope="module")
+def certificate() -> dict[str, Any]:
+    system = SYSTEMS["two"](0)
+    atlas = system.atlas(6)
+    given = results(system, atlas)
+    conclusion = with_complete_list(atlas, given, conclude(atlas, values(given)), 4, True)
+    return make_atlas_certificate(atlas, values(given), conclusion)
+
+
+def _list(entry: dict[str, Any]) -> dict[str, Any]:
+    return entry["conclusion"]["complete"]  # type: ignore[no-any-return]
+
+
+FORGERIES: dict[str, Callable[[dict[str, Any]], Any]] = {
+    "one left out": lambda entry: _list(entry)["combinations"].pop(0),
+    "all left out": lambda entry: _list(entry).update(combinations=[]),
+    "one twice": lambda entry: _list(entry)["combinations"].append(_list(entry)["combinations"][0]),
+    "another kind": lambda entry: _list(entry)["combinations"][0].update(kind="combination 2:2"),
+    "another level": lambda entry: _list(entry)["combinations"][0].update(level=_list(entry)["points"][0]["level"]),
+    "open places alone": lambda entry: _list(entry).pop("combinations"),
+    "a collision more": lambda entry: _list(entry)["points"].append(
+        {**_list(entry)["combinations"][0], "kind": "Krein collision"}
+    ),
+    "a collision that is a resonance": lambda entry: next(
+        point for point in _list(entry)["points"] if point["kind"] == "Krein collision"
+    ).update(kind="resonance", k=5, j=1),
+}
+
+
+QUICK = ("one left out", "another kind", "a collision that is a resonance")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in FORGERIES]
+)
+def test_forged_lists_are_refused(certificate: dict[str, Any], name: str) -> None:
+    assert _list(certificate)["combinations"][0]["kind"] == "combination 3:1"
+    assert not checked(forged(certificate, FORGERIES[name])).stands
+
+
+@pytest.mark.slow
+def test_the_list_that_is_forged_stands(certificate: dict[str, Any]) -> None:
+    assert checked(certificate).stands
+
+
+def test_a_list_without_combinations_says_nothing_of_them(certificate: dict[str, Any]) -> None:
+    def without(entry: dict[str, Any]) -> None:
+        for name in ("combinations", "open_combinations"):
+            del _list(entry)[name]
+
+    found = checked(forged(certificate, without))
+    assert found.stands
+    assert found.rendered is not None
+    text = found.rendered["conclusion"]["statement"]
+    assert "Combination resonances of two pairs of multipliers are not listed." in text
+    assert "combination resonance of order" not in text
+
+
+def test_kinds_are_told_in_their_words(all_lists: Any) -> None:
+    words = {
+        "combination 2:1": "2 omega is omega' or -omega'",
+        "combination 3:1": "3 omega is omega' or -omega'",
+        "combination 2:2": "omega + omega' is pi",
+    }
+    for _, said, text in all_lists:
+        about = "are in a combination resonance of order 3 or 4 at exactly these:\n"
+        told = text[text.index(about) + len(about) :].splitlines()[: len(said["combinations"])]
+        for line_, entry in zip(told, said["combinations"], strict=True):
+            assert line_.startswith(f"- {words[entry['kind']]}: ")

@@ -284,9 +284,14 @@ def test_bifurcations_out_of_the_plane_are_not_looked_for_in_the_plane() -> None
         ("fold", Kind.SYMMETRIC, False),
         ("symmetry_breaking", Kind.SYMMETRIC, True),
         ("symmetry_breaking", Kind.FOLD, False),
+        ("reversor_breaking", Kind.LOSS, True),
+        ("reversor_breaking", Kind.UNDECIDED, True),
+        ("reversor_breaking", Kind.FOLD, False),
+        ("reversor_breaking", Kind.SYMMETRIC, False),
+        ("symmetry_breaking", Kind.LOSS, False),
     ],
 )
-def test_folds_and_symmetry_breakings_are_matched_by_kind(kind: str, found: Kind, fits: bool) -> None:
+def test_folds_symmetry_breakings_and_losses_of_r_are_matched_by_kind(kind: str, found: Kind, fits: bool) -> None:
     at = ball(Fraction(1, 3))
     point = Point(0, "p001", 1, 0, found, at, at, at, {})
     entry = Bifurcation("row", kind, 1, Place("p001", at, False), "", {})

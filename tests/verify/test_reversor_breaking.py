@@ -156,11 +156,20 @@ def test_what_is_false_is_refused() -> None:
     assert refused_by(cases.modes(crossings=2)) == "half-orbit"
     assert refused_by(cases.modes(parameters={"a": cases.A + Fraction(1, 10**9)})) == "point"
     narrow = true.radii[0]
-    for shift in (narrow * Fraction(2**20 + 1, 2**20), -narrow * Fraction(2**20 + 1, 2**20)):
+    # Beyond the box, and on its border: not inside.
+    for shift in (narrow * Fraction(2**20 + 1, 2**20), -narrow * Fraction(2**20 + 1, 2**20), narrow, -narrow):
         assert refused_by(cases.modes(centre=(true.centre[0] + shift, Fraction(0)))) == "point"
         assert refused_by(cases.modes(centre=(true.centre[0], shift))) == "point"
-    inside = narrow * Fraction(15, 16)
-    assert certify(cases.modes(centre=(true.centre[0] + inside, Fraction(0)))).proved
+
+
+def test_the_direction_of_a_halo_orbit_is_the_kernel_of_another_integrators_b(halo: Certificate) -> None:
+    found, claim = results_of(halo), cases.halo()
+    direction = [float(found.direction[name].mid()) for name in ("vx", "vz")]
+    assert abs(np.dot([float(value) for value in claim.kernel_frame[0]], direction) - 1) < 1e-12
+    columns = [cases.halo_crossing(found, along) for along in ((1.0, 0.0), (0.0, 1.0))]
+    b = np.transpose(columns)
+    w = np.array(direction) / np.hypot(*direction)
+    assert np.hypot(*(b @ w)) < 1e-4 * np.hypot(*(b @ [-w[1], w[0]]))
 
 
 def test_claims_that_no_theorem_is_about() -> None:
@@ -177,6 +186,8 @@ def test_claims_that_no_theorem_is_about() -> None:
     of_other_orbits = SimpleNamespace(kind=REVERSOR_BREAKING, is_family_of_maps=True, system=normalised)
     assert isinstance(theorem_of(of_other_orbits), Reason)  # type: ignore[arg-type]
     assert not isinstance(theorem_of(cases.modes()), Reason)
+    with pytest.raises(InputError, match="level_sign: modes-on-level has the parameter a"):
+        replace(cases.on_level(), level_sign=1)
     for changes in ({"symmetry": "S"}, {"k": 2}):
         with pytest.raises(InputError, match="kind: "):
             cases.modes(**changes)

@@ -64,10 +64,17 @@ def test_a_certificate_says_what_is_proved(proved: Certificate) -> None:
         "The box is in the coordinates twice the energy, x, with vy > 0.",
         "meets the section in a period at x and P(x) only",
         "The two orbits exist for values of the parameter greater than that.",
+        "The parameter there, twice the energy, lies in [0.13314942598420541173613660584361252192",
+        "The period of the orbit of x lies in [6.283185307179586476925286766559005768",
+        "vy in [0.36489645926509",
+        "at which the parameter has that value and P^2(x') = x' are these",
         "the vector w with vx",
         "kappa in [2.09926",
     ):
         assert words in told, words
+    here, there = told[told.index("The point x has") :].split("; P(x) has ")
+    assert "vy in [0.3648" in here
+    assert "vy in [-0.3648" in there.splitlines()[0]
     for words in ("stable", "symmetry breaking", "exactly two periodic orbits"):
         assert words not in told, words
 

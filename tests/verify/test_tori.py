@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import copy
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -18,13 +20,14 @@ from support.springs import claim as soft_claim
 
 from orbitproof.shared.errors import InputError
 from orbitproof.shared.formats import INVARIANT_TORI, candidate_from_json, candidate_to_json
-from orbitproof.shared.systems import SYSTEMS
+from orbitproof.shared.systems import SYSTEMS, FixedLevel
 from orbitproof.verify.certificate import Certificate, Level, Limits, certify, recheck
 from orbitproof.verify.certificate.rechecking import _conclude
-from orbitproof.verify.evidence import NotProved, Proved, bounds, indices_up_to
+from orbitproof.verify.evidence import NotProved, Proved, Reason, bounds, indices_up_to
 from orbitproof.verify.orbit import OrbitTheorem
 from orbitproof.verify.poincare import HalfReturn
-from orbitproof.verify.tori import ToriResults, ToriTheorem
+from orbitproof.verify.tori import ToriResults, ToriTheorem, theorem_of_tori
+from orbitproof.verify.words.tori import _where, tori_in_words
 
 LIMITS = Limits(digits=12, max_precision=128)
 
@@ -121,12 +124,57 @@ def test_a_certificate_says_what_is_proved_and_no_more(certificate: Certificate)
     assert (
         "on its level of the first integral, every neighbourhood of the orbit contains tori of dimension 3" in theorem
     )
-    assert "It is not stability" in theorem
+    assert "It is not stability: tori of dimension 3 do not separate the set of dimension 5" in theorem
     told = certificate.statement["in_full"]
     assert "tau_11 in " in told
     assert "the determinant lies in " in told
     assert told.endswith("That the orbit is stable is not claimed.")
     assert certificate.orbit is not None
+
+
+def intervals(text: str) -> list[tuple[float, float]]:
+    return [(float(low), float(high)) for low, high in re.findall(r"\[(-?[0-9][^,\]]*), ([^\]]+)\]", text)]
+
+
+def tells(interval: tuple[float, float], ball: arb) -> bool:
+    """Whether it is an interval that contains the ball, and is not much wider."""
+    low, high = interval
+    slack = 1e-15 * abs(low)
+    inside = low - slack <= float(ball.lower()) <= float(ball.upper()) <= high + slack
+    return inside and high - low <= 25 * float(ball.rad()) + 4 * slack
+
+
+def test_numbers_are_told_under_their_names(certificate: Certificate) -> None:
+    found, told = certificate.results, certificate.statement["in_full"]
+    assert isinstance(found, ToriResults)
+    first, second = found.rotation_numbers
+    assert 0 < float(second) < float(first) < 0.5
+    for rotation, parameter in zip(found.rotation_numbers, found.stability.parameters, strict=True):
+        assert (2 * rotation).cos_pi().overlaps(parameter.real)
+    (line,) = [line for line in told.splitlines() if line.startswith("The rotation numbers")]
+    assert all(map(tells, intervals(line), found.rotation_numbers))
+    assert len(intervals(line)) == 2
+    (line,) = [line for line in told.splitlines() if "tau_11 in" in line]
+    entries, determinant = line.split("there are ")[1].split("; the determinant lies in ")
+    for j, row in enumerate(found.torsion, start=1):
+        for position, ball in enumerate(row, start=1):
+            (at,) = intervals(entries.split(f"tau_{j}{position} in ")[1].split(", tau_")[0])
+            assert tells(at, ball)
+    assert tells(intervals(determinant)[0], found.torsion_determinant)
+    assert certificate.parameter is not None
+    assert certificate.parameter.overlaps(found.period)
+    assert not certificate.parameter.overlaps(found.half_period)
+
+
+def test_where_the_tori_are_is_told() -> None:
+    claim = cases.claim(cases.BENT)
+    assert "on its level of the first integral, every neighbourhood" in tori_in_words(ToriTheorem(claim))
+    for fixed, words in (
+        (None, "at its value of the family parameter"),
+        (FixedLevel(Fraction(1), 1), "on the level, at its value of the family parameter"),
+    ):
+        system = SimpleNamespace(family_parameter="w1", fixed_level=fixed)
+        assert _where(SimpleNamespace(system=system)) == words  # type: ignore[arg-type]
 
 
 def test_a_certificate_stands_at_all_levels(certificate: Certificate) -> None:
@@ -194,6 +242,8 @@ def test_a_system_with_one_pair_is_refused() -> None:
 
 def test_a_claim_is_read_as_it_was_written_and_has_an_equation() -> None:
     claim = cases.claim(cases.BENT)
+    assert isinstance(theorem_of_tori(claim), ToriTheorem)
+    assert isinstance(theorem_of_tori(replace(claim, kind="orbit")), Reason)
     entry = candidate_to_json(claim)
     known = {**SYSTEMS, claim.system.name: claim.system}
     assert candidate_from_json(entry, "file", known).kind == INVARIANT_TORI

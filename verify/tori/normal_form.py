@@ -72,10 +72,10 @@ def _derivative(jets: Sequence[Jet]) -> list[list[arb]]:
 
 
 def _covector(m: Matrix, s: arb, sine: arb) -> tuple[acb, ...]:
-    """(a, i b) with a M_pp = s a and b = -a M_pq / sine, a of length about 1."""
+    """(a, i b) with a M_pp = s a and b = -a M_pq / sine, a of length 1."""
     choices = [(m[1][0], s - m[0][0]), (s - m[1][1], m[0][1])]
     a = max(choices, key=lambda pair: float((pair[0] * pair[0] + pair[1] * pair[1]).mid()))
-    length = (a[0] * a[0] + a[1] * a[1]).mid().sqrt().mid()
+    length = (a[0] * a[0] + a[1] * a[1]).sqrt()
     a = a[0] / length, a[1] / length
     b = [-dot(a, [m[0][j], m[1][j]]) / sine for j in (2, 3)]
     return acb(a[0]), acb(a[1]), acb(0, b[0]), acb(0, b[1])

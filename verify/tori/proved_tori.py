@@ -47,7 +47,7 @@ class ToriResults(OrbitResults):
 
     Attributes:
         rotation_numbers: omega_j / (2 pi) in (0, 1/2), with multipliers exp(i omega_j); omega_1 > omega_2.
-        torsion: tau_jl, rows, in the coordinates z of Lemma 30.1.
+        torsion: tau_jl, rows, in the coordinates z of Lemma 30.1 with rows a of length 1.
         torsion_determinant: of tau; not 0. Its sign does not depend on the lengths of the z_j.
     """
 

@@ -27,11 +27,12 @@ def breaking_in_words(theorem: BreakingTheorem) -> str:
         f"does not map to themselves. P is the {power} of the {where}, and the parameter is "
         f"{candidate.coordinates[0]}. The orbit of x is symmetric under R, has the time from x to P^2(x) as its least "
         f"period, and {_meetings(m)}. A neighbourhood of x in the section and one of the value of the parameter at x "
-        "are such that for every value in the second the points x' of the first with P^2(x') = x' are these: exactly "
-        "one in Fix(R), whose orbit is symmetric, and which depends smoothly on the parameter; on one side of the "
-        "value at x exactly two more, not in Fix(R), which R exchanges and which tend to x as the value tends to that "
-        "at x; on the other side, and at x, no more. The two lie on two different periodic orbits, whose least periods "
-        "tend to that of the orbit of x. R maps each of these to the other with time reversed, and neither to itself. "
+        "are such that for every value in the second the points x' of the first at which the parameter has that value "
+        "and P^2(x') = x' are these: exactly one in Fix(R), whose orbit is symmetric, and which depends smoothly on "
+        "the parameter; on one side of the value at x exactly two more, not in Fix(R), which R exchanges and which "
+        "tend to x as the value tends to that at x; on the other side, and at x, no more. The two lie on two different "
+        "periodic orbits, whose least periods tend to that of the orbit of x. R maps each of these to the other with "
+        "time reversed, and neither to itself. "
         f"Of other symmetries nothing is said: the new orbits may have some.{_on_level(candidate)}"
     )
 
